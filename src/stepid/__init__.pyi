@@ -1,0 +1,8 @@
+from . import datasets as datasets
+from . import errors as errors
+from .estimate import Estimate as Estimate
+from .experiment import Campaign as Campaign
+from .experiment import Experiment as Experiment
+from .experiment import MassOffset as MassOffset
+
+__version__: str

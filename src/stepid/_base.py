@@ -1,0 +1,164 @@
+"""The frozen model base and the field types that all models share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, Self
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    ValidationError,
+    WithJsonSchema,
+)
+
+from stepid.errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+
+def _vector(value: object) -> Array:
+    return _frozen_array(value, 1)
+
+
+def _matrix(value: object) -> Array:
+    return _frozen_array(value, 2)
+
+
+def _frozen_array(value: object, ndim: int) -> Array:
+    try:
+        source = np.asarray(value)
+    except ValueError as error:
+        raise ValueError(f"not an array of numbers ({error})") from None
+    if source.dtype.kind not in "fiu":
+        raise ValueError(f"needs numbers, got {source.dtype}")
+    array = np.array(source, dtype=np.float64, order="C")
+    if array.ndim != ndim:
+        raise ValueError(f"needs {ndim} dimension{'s'[: ndim - 1]}, got shape {array.shape}")
+    bad = np.flatnonzero(~np.isfinite(array))
+    if bad.size:
+        raise ValueError(f"{bad.size} value(s) are not finite, the first at index {bad[0]}")
+    array.setflags(write=False)
+    return array
+
+
+def _to_list(array: Array) -> list[Any]:
+    nested: list[Any] = array.tolist()
+    return nested
+
+
+def _finite(value: float) -> float:
+    # strict float fields still admit inf and nan; physics does not
+    if not np.isfinite(value):
+        raise ValueError("must be a finite number")
+    return value
+
+
+def _plain(value: object) -> object:
+    # strict mode refuses numpy integers and float32; a number is a number
+    return value.item() if isinstance(value, np.generic) else value
+
+
+_SERIALIZE = PlainSerializer(_to_list, when_used="json")
+Vector = Annotated[
+    Array,
+    BeforeValidator(_vector),
+    _SERIALIZE,
+    WithJsonSchema({"type": "array", "items": {"type": "number"}}),
+]
+Matrix = Annotated[
+    Array,
+    BeforeValidator(_matrix),
+    _SERIALIZE,
+    WithJsonSchema({"type": "array", "items": {"type": "array", "items": {"type": "number"}}}),
+]
+Finite = Annotated[float, BeforeValidator(_plain), AfterValidator(_finite)]
+Positive = Annotated[float, BeforeValidator(_plain), Field(gt=0), AfterValidator(_finite)]
+NonNegative = Annotated[float, BeforeValidator(_plain), Field(ge=0), AfterValidator(_finite)]
+Label = Annotated[str, Field(min_length=1)]
+
+
+def _same(a: object, b: object) -> bool:
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return isinstance(a, np.ndarray) and isinstance(b, np.ndarray) and bool(np.array_equal(a, b))
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        return a.keys() == b.keys() and all(_same(a[k], b[k]) for k in a)
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(_same(x, y) for x, y in zip(a, b, strict=True))
+    return bool(a == b)
+
+
+def _hashable(value: object) -> object:
+    if isinstance(value, np.ndarray):
+        return (value.shape, value.tobytes())
+    if isinstance(value, Mapping):
+        return tuple(sorted((str(k), _hashable(v)) for k, v in value.items()))
+    if isinstance(value, tuple):
+        return tuple(_hashable(v) for v in value)
+    return value
+
+
+def _complain(owner: str, data: object, error: ValidationError) -> InputError:
+    name = data.get("name") if isinstance(data, Mapping) else None
+    who = f"{owner} {name!r}" if isinstance(name, str) else owner
+    lines = []
+    for item in error.errors():
+        where = ".".join(str(part) for part in item["loc"])
+        message = item["msg"].removeprefix("Value error, ")
+        lines.append(f"{where}: {message}" if where else message)
+    return InputError(f"{who}: " + "; ".join(lines), f"Give {owner} values of the documented type, unit and range.")
+
+
+class Model(BaseModel):
+    """Frozen, strict, finite, array-safe base of every stepid model.
+
+    Construction raises `stepid.errors.InputError` (a `ValueError`) that names the model and the field.
+    """
+
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        strict=True,
+        allow_inf_nan=False,
+        arbitrary_types_allowed=True,
+        ser_json_inf_nan="constants",
+        hide_input_in_errors=True,
+    )
+
+    if not TYPE_CHECKING:  # keep the typed signature that pydantic gives each model
+
+        def __init__(self, **data: Any) -> None:
+            try:
+                super().__init__(**data)
+            except ValidationError as error:
+                raise _complain(type(self).__name__, data, error) from None
+
+    @classmethod
+    def model_validate(cls, obj: Any, **options: Any) -> Self:
+        """Validate a mapping or instance; see `pydantic.BaseModel.model_validate`."""
+        try:
+            return super().model_validate(obj, **options)
+        except ValidationError as error:
+            raise _complain(cls.__name__, obj, error) from None
+
+    @classmethod
+    def model_validate_json(cls, json_data: str | bytes | bytearray, **options: Any) -> Self:
+        """Validate JSON text; see `pydantic.BaseModel.model_validate_json`."""
+        try:
+            return super().model_validate_json(json_data, **options)
+        except ValidationError as error:
+            raise _complain(cls.__name__, None, error) from None
+
+    def __eq__(self, other: object) -> bool:
+        if type(self) is not type(other):
+            return False
+        return all(_same(getattr(self, f), getattr(other, f)) for f in type(self).model_fields)
+
+    def __hash__(self) -> int:
+        return hash((type(self), tuple(_hashable(getattr(self, f)) for f in type(self).model_fields)))

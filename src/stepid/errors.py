@@ -1,0 +1,55 @@
+"""The error tree: every message says the cause, then the remedy."""
+
+from __future__ import annotations
+
+
+class StepidError(Exception):
+    """Base of every error that stepid raises on purpose.
+
+    Parameters
+    ----------
+    cause : str
+        What is wrong, naming the file, run, row or column.
+    remedy : str
+        What to do about it.
+    """
+
+    def __init__(self, cause: str, remedy: str = "") -> None:
+        self.cause = cause.rstrip(".")
+        self.remedy = remedy
+        super().__init__(cause, remedy)
+
+    def __str__(self) -> str:
+        return f"{self.cause}. {self.remedy}".rstrip() if self.remedy else f"{self.cause}."
+
+
+class InputError(StepidError, ValueError):
+    """The data or arguments handed in cannot be right: a bad file, row, unit or label."""
+
+
+class IdentificationError(StepidError, ValueError):
+    """The data are readable but do not determine what was asked for."""
+
+
+class NotSettledError(IdentificationError):
+    """The response has not come to rest where its steady state is needed."""
+
+
+class NoStepError(IdentificationError):
+    """The record holds no step (or release) from which to read characteristics."""
+
+
+class NoOvershootError(IdentificationError):
+    """The response does not overshoot, so Eqs. 7 and 8 do not apply to it."""
+
+
+class UndeterminedError(IdentificationError):
+    """The stacked system or fit leaves a parameter free; the message names it and the run to add."""
+
+
+class ConvergenceError(IdentificationError):
+    """A fit did not converge; the message carries the best result so far."""
+
+
+class MissingExtraError(StepidError, ImportError):
+    """An optional package is needed for this call; the message names the extra to install."""

@@ -1,0 +1,200 @@
+"""What was measured: one record, the known mass differences, and the campaign that holds them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from stepid._base import Finite, Label, Model, NonNegative, Positive, Vector
+from stepid.errors import InputError
+
+WEIGHT = 0.5  # kg, one lab weight
+WEIGHT_UNCERTAINTY = 0.005  # kg, how well one lab weight is known (manual: 500 ± 5 g)
+
+
+class Experiment(Model):
+    """One record of a mass-spring-damper plant.
+
+    Parameters
+    ----------
+    name : str
+        Unique within a campaign, for example ``"case 5"``.
+    time : array, shape (n,)
+        s, uniform.
+    position : array, shape (n,)
+        m, from any zero.
+    input : array, shape (n,)
+        V, each value held from its sample to the next; zeros for a free release.
+    added_mass : float
+        kg, known weights on top of the unknown base mass.
+    spring, damper, base : str
+        Runs with the same label share one stiffness, one damping constant, one base mass.
+    counts_per_meter : float or None
+        The encoder's scale and sign, kept for writing back and for the resolution.
+    input_before : float
+        V before the first sample; the plant rests there unless the record starts in motion.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If lengths differ, a value is not finite, time is not uniform or a label is empty.
+    """
+
+    name: Label
+    time: Vector
+    position: Vector
+    input: Vector
+    added_mass: NonNegative
+    spring: Label
+    damper: Label
+    counts_per_meter: Finite | None = None
+    input_before: Finite = 0.0
+    base: Label = "cart"
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        n = self.time.size
+        if n < 8:
+            raise ValueError(f"has {n} samples; a step response needs at least 8")
+        if self.position.size != n or self.input.size != n:
+            raise ValueError(
+                f"time, position and input differ in length ({n}, {self.position.size}, {self.input.size})"
+            )
+        if self.counts_per_meter == 0:
+            raise ValueError("counts_per_meter is zero; give counts per meter, negative where +V gives falling counts")
+        step = self.sample_time
+        if not step > 0:
+            raise ValueError("time does not increase")
+        off = np.abs(self.time - self.time[0] - step * np.arange(n))
+        worst = int(np.argmax(off))
+        if off[worst] > 0.01 * step:
+            raise ValueError(
+                f"time is not uniform: sample {worst} is {off[worst] / step:.2g} of a sample time off; "
+                "rebuild it from the sample number and the sample time"
+            )
+        return self
+
+    @cached_property
+    def sample_time(self) -> float:
+        """Sample time, s."""
+        return float((self.time[-1] - self.time[0]) / (self.time.size - 1))
+
+    @property
+    def resolution(self) -> float | None:
+        """Position of one encoder count, m, or None where the scale is not known."""
+        return None if self.counts_per_meter is None else 1.0 / abs(self.counts_per_meter)
+
+    @property
+    def is_release(self) -> bool:
+        """True where there is no input at all, so that any motion comes from the initial state."""
+        return self.input_before == 0 and not np.any(self.input)
+
+    @classmethod
+    def from_dataframe(
+        cls, frame: Any, *, time: str = "time", position: str = "position", input: str = "input", **fields: Any
+    ) -> Self:
+        """Make an experiment from a pandas DataFrame (or anything indexed by column name).
+
+        Parameters
+        ----------
+        frame : pandas.DataFrame
+            One row a sample, SI units.
+        time, position, input : str
+            Column names.
+        **fields
+            The remaining fields of `Experiment`: ``name``, ``added_mass``, ``spring``, ``damper``, …
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If a column is missing or its content is not numeric.
+        """
+        arrays = {}
+        for field, column in (("time", time), ("position", position), ("input", input)):
+            try:
+                arrays[field] = np.asarray(frame[column])
+            except (KeyError, IndexError):
+                raise InputError(
+                    f"the data frame has no column {column!r} for {field}",
+                    f"Name the column with {field}=…; there are: {', '.join(map(str, frame.columns))}.",
+                ) from None
+        return cls(**arrays, **fields)
+
+
+class MassOffset(Model):
+    """A known difference between the masses of two runs (Eq. 9).
+
+    Parameters
+    ----------
+    from_run, to_run : str
+        Names of the runs.
+    difference : float
+        kg, mass of `to_run` minus mass of `from_run`.
+    uncertainty : float
+        kg, standard uncertainty; 0 is an exact constraint.
+    """
+
+    from_run: Label
+    to_run: Label
+    difference: Finite
+    uncertainty: NonNegative = WEIGHT_UNCERTAINTY
+
+
+class Campaign(Model):
+    """Runs of one plant under known changes of mass, spring and damper.
+
+    Parameters
+    ----------
+    name : str
+    experiments : tuple of Experiment
+        Names are unique.
+    weight_uncertainty : float
+        kg, standard uncertainty of one 0.5 kg weight; grows with the square root of the mass added.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If there is no experiment or a name occurs twice.
+    """
+
+    name: Label
+    experiments: tuple[Experiment, ...]
+    weight_uncertainty: Positive = WEIGHT_UNCERTAINTY
+
+    @model_validator(mode="after")
+    def _unique(self) -> Self:
+        if not self.experiments:
+            raise ValueError("holds no experiment; add at least one run")
+        twice = [name for name, count in Counter(e.name for e in self.experiments).items() if count > 1]
+        if twice:
+            raise ValueError(f"the name {twice[0]!r} is used by more than one run; give each run its own name")
+        return self
+
+    @property
+    def mass_offsets(self) -> tuple[MassOffset, ...]:
+        """Mass differences (Eq. 9): runs of one base sorted by added mass, each to the next.
+
+        Runs of equal added mass keep the campaign's order and are joined by an exact constraint.
+        """
+        offsets = []
+        for base in dict.fromkeys(e.base for e in self.experiments):
+            runs = sorted((e for e in self.experiments if e.base == base), key=lambda e: e.added_mass)
+            for one, two in zip(runs, runs[1:], strict=False):
+                difference = two.added_mass - one.added_mass
+                spread = self.weight_uncertainty * float(np.sqrt(abs(difference) / WEIGHT))
+                offsets.append(
+                    MassOffset(from_run=one.name, to_run=two.name, difference=difference, uncertainty=spread)
+                )
+        return tuple(offsets)
+
+    def __getitem__(self, name: str) -> Experiment:
+        """Return the run called `name`; InputError names the runs there are."""
+        for experiment in self.experiments:
+            if experiment.name == name:
+                return experiment
+        names = ", ".join(repr(e.name) for e in self.experiments)
+        raise InputError(f"campaign {self.name!r} has no run {name!r}", f"Its runs are {names}.")
