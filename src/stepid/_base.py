@@ -115,7 +115,18 @@ def _complain(owner: str, data: object, error: ValidationError) -> InputError:
     return InputError(f"{who}: " + "; ".join(lines), f"Give {owner} values of the documented type, unit and range.")
 
 
-class Model(BaseModel):
+class _Meta(type(BaseModel)):  # type: ignore[misc]
+    # on the metaclass, because a custom __init__ would make pydantic build nested models in Python mode
+    if not TYPE_CHECKING:  # and hidden, to keep the typed signature that pydantic gives each model
+
+        def __call__(self, *args: Any, **data: Any) -> Any:
+            try:
+                return super().__call__(*args, **data)
+            except ValidationError as error:
+                raise _complain(self.__name__, data, error) from None
+
+
+class Model(BaseModel, metaclass=_Meta):
     """Frozen, strict, finite, array-safe base of every stepid model.
 
     Construction raises `stepid.errors.InputError` (a `ValueError`) that names the model and the field.
@@ -130,14 +141,6 @@ class Model(BaseModel):
         ser_json_inf_nan="constants",
         hide_input_in_errors=True,
     )
-
-    if not TYPE_CHECKING:  # keep the typed signature that pydantic gives each model
-
-        def __init__(self, **data: Any) -> None:
-            try:
-                super().__init__(**data)
-            except ValidationError as error:
-                raise _complain(type(self).__name__, data, error) from None
 
     @classmethod
     def model_validate(cls, obj: Any, **options: Any) -> Self:

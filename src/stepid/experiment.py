@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, Self
 
 import numpy as np
@@ -113,7 +114,7 @@ class Experiment(Model):
         stepid.errors.InputError
             If a column is missing or its content is not numeric.
         """
-        arrays = {}
+        arrays: dict[str, Any] = {}
         for field, column in (("time", time), ("position", position), ("input", input)):
             try:
                 arrays[field] = np.asarray(frame[column])
@@ -183,7 +184,7 @@ class Campaign(Model):
         offsets = []
         for base in dict.fromkeys(e.base for e in self.experiments):
             runs = sorted((e for e in self.experiments if e.base == base), key=lambda e: e.added_mass)
-            for one, two in zip(runs, runs[1:], strict=False):
+            for one, two in pairwise(runs):
                 difference = two.added_mass - one.added_mass
                 spread = self.weight_uncertainty * float(np.sqrt(abs(difference) / WEIGHT))
                 offsets.append(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from stepid._base import Array, Finite, Label, Matrix, Model, NonNegative, Positive, Vector
+from stepid._base import Finite, Label, Matrix, Model, NonNegative, Positive, Vector
 
 
 class CharacteristicsUncertainty(Model):
