@@ -20,6 +20,11 @@ from pydantic import (
 
 from stepid.errors import InputError
 
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass as _PydanticMeta
+else:
+    _PydanticMeta = type(BaseModel)
+
 Array = npt.NDArray[np.float64]
 
 
@@ -115,7 +120,7 @@ def _complain(owner: str, data: object, error: ValidationError) -> InputError:
     return InputError(f"{who}: " + "; ".join(lines), f"Give {owner} values of the documented type, unit and range.")
 
 
-class _Meta(type(BaseModel)):  # type: ignore[misc]
+class _Meta(_PydanticMeta):
     # on the metaclass, because a custom __init__ would make pydantic build nested models in Python mode
     if not TYPE_CHECKING:  # and hidden, to keep the typed signature that pydantic gives each model
 
