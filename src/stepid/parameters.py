@@ -1,103 +1,256 @@
-"""The result models of the paper's method: characteristics, stacked system, identified parameters, verification."""
+"""The results of the paper's method: the stacked system and the identified parameters."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from typing import Self
+
+import numpy as np
+from pydantic import Field, model_validator
 
 from stepid._base import Finite, Label, Matrix, Model, NonNegative, Positive, Vector
+from stepid._table import html_table, text_table
+from stepid.errors import InputError
+from stepid.estimate import Estimate, format_value
+from stepid.experiment import MassOffset
+from stepid.response import Characteristics, CharacteristicsUncertainty
+from stepid.verification import Verification, VerificationRun
 
-
-class CharacteristicsUncertainty(Model):
-    """Standard uncertainties of `Characteristics`, same units; None where the quantity is None."""
-
-    peak_time: NonNegative | None = None
-    overshoot: NonNegative | None = None
-    steady_state: NonNegative | None = None
-    damping_ratio: NonNegative = 0.0
-    damped_frequency: NonNegative = 0.0
-    natural_frequency: NonNegative = 0.0
-    static_gain: NonNegative | None = None
-    settling_time: NonNegative | None = None
-
-
-class Characteristics(Model):
-    """Second-order response characteristics of one run (Eqs. 3, 4, 7, 8).
-
-    Parameters
-    ----------
-    name, spring, damper, base : str
-        The run and its labels.
-    added_mass : float or None
-        kg; not needed by `stepid.assemble`, which takes mass offsets.
-    damped_frequency, natural_frequency : float
-        rad/s.
-    damping_ratio : float
-    peak_time : float or None
-        s, from the sample where the input changes; None for a release.
-    overshoot : float or None
-        Decimal fraction (Eq. of M_p); None for a release.
-    steady_state : float or None
-        m, signed displacement from the rest position before the step; None for a release.
-    static_gain : float or None
-        m/V; None for a release.
-    settling_time : float or None
-        s, into the 2 % band.
-    uncertainty : CharacteristicsUncertainty
-    correlation : float
-        Correlation of the errors of `damped_frequency` and `damping_ratio`.
-    """
-
-    name: Label
-    damped_frequency: Positive
-    damping_ratio: NonNegative
-    natural_frequency: Positive
-    peak_time: Positive | None = None
-    overshoot: Positive | None = None
-    steady_state: Finite | None = None
-    static_gain: Finite | None = None
-    settling_time: NonNegative | None = None
-    uncertainty: CharacteristicsUncertainty = CharacteristicsUncertainty()
-    correlation: Finite = 0.0
-    spring: Label = "spring"
-    damper: Label = "damper"
-    base: Label = "cart"
-    added_mass: NonNegative | None = None
+__all__ = [
+    "Characteristics",
+    "CharacteristicsUncertainty",
+    "IdentifiedParameters",
+    "ParameterUncertainty",
+    "StackedSystem",
+    "Verification",
+    "VerificationRun",
+]
 
 
 class StackedSystem(Model):
-    """The stacked linear system of Eqs. 6, 9 and 10 (corrected).
+    """The stacked linear system of Eqs. 6, 9 and 10 (corrected), made by `stepid.assemble`.
 
     Parameters
     ----------
-    matrix : array, shape (rows, n + s)
-        n masses, then s stiffnesses.
-    rhs : array, shape (rows,)
+    matrix : array, shape (2n − b, n + s)
+        n runs of b bases, s spring labels; columns are the masses [kg], then the stiffnesses [N/m].
+    rhs : array, shape (2n − b,)
+        N/m·rad² for the frequency rows (all zero), kg for the mass rows.
     row_labels, column_labels : tuple of str
     characteristics : tuple of Characteristics
-        The runs behind the rows, in the order of the mass columns.
-    row_covariance : array, shape (rows, rows)
-        Covariance of the row residuals at the solution's scale; see `stepid.assemble`.
+        The runs, in the order of their columns.
+    mass_offsets : tuple of MassOffset
+        In the order of their rows.
     """
 
     matrix: Matrix
     rhs: Vector
     row_labels: tuple[str, ...]
     column_labels: tuple[str, ...]
+    characteristics: tuple[Characteristics, ...]
+    mass_offsets: tuple[MassOffset, ...]
+
+    @model_validator(mode="after")
+    def _shapes(self) -> Self:
+        rows, columns = self.matrix.shape
+        if self.rhs.size != rows or len(self.row_labels) != rows or len(self.column_labels) != columns:
+            raise ValueError(f"matrix is {rows} × {columns}; rhs and labels must match it")
+        return self
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        return [
+            (label, *(f"{value:.5g}" for value in row), f"{right:.4g}")
+            for label, row, right in zip(self.row_labels, self.matrix, self.rhs, strict=True)
+        ]
+
+    @property
+    def _title(self) -> str:
+        return f"Stacked system (Eq. 10, corrected): {self.matrix.shape[0]} rows, {self.matrix.shape[1]} unknowns"
+
+    def summary(self) -> str:
+        """Return the system as the paper prints Eq. 10: a row an equation, a column an unknown."""
+        return text_table(("row", *self.column_labels, "= rhs"), self._rows(), title=self._title)
+
+    def __repr__(self) -> str:
+        return f"StackedSystem({self.matrix.shape[0]} rows, unknowns: {', '.join(self.column_labels)})"
+
+    __str__ = summary
+
+    def _repr_html_(self) -> str:
+        return html_table(("row", *self.column_labels, "= rhs"), self._rows(), title=self._title)
 
 
 class ParameterUncertainty(Model):
-    """Standard uncertainties of `IdentifiedParameters`, same keys and units."""
+    """Standard uncertainties of `IdentifiedParameters`, same names, keys and units."""
 
-    masses: Mapping[str, NonNegative]
-    stiffness: Mapping[str, NonNegative]
-    damping: Mapping[str, NonNegative]
-    damping_from_stiffness: Mapping[str, NonNegative]
-    pooled_damping: Mapping[str, NonNegative]
-    static_gains: Mapping[str, NonNegative]
-    base_mass: Mapping[str, NonNegative]
+    masses: Mapping[str, NonNegative] = Field(default_factory=dict)
+    stiffness: Mapping[str, NonNegative] = Field(default_factory=dict)
+    damping: Mapping[str, NonNegative] = Field(default_factory=dict)
+    damping_from_stiffness: Mapping[str, NonNegative] = Field(default_factory=dict)
+    pooled_damping: Mapping[str, NonNegative] = Field(default_factory=dict)
+    static_gain: Mapping[str, NonNegative] = Field(default_factory=dict)
+    base_mass: Mapping[str, NonNegative] = Field(default_factory=dict)
 
 
 class IdentifiedParameters(Model):
-    """What the paper's method finds."""
+    """What the paper's method finds.
 
-    masses: Mapping[str, Finite]
+    Parameters
+    ----------
+    masses : mapping
+        Run name to moving mass, kg.
+    stiffness : mapping
+        Spring label to stiffness, N/m.
+    damping, damping_from_stiffness : mapping
+        Run name to damping constant, N·s/m, by c = 2ζmω_d/√(1 − ζ²) and by c = 2ζk√(1 − ζ²)/ω_d.
+    pooled_damping : mapping
+        Damper label to damping constant, N·s/m: its runs' values pooled.
+    static_gain : mapping
+        Run name to static gain, m/V; runs without a step are absent.
+    base_mass : mapping
+        Base label to the mass of the base without the added weights, kg; absent where added masses are not known.
+    springs, dampers, bases : mapping
+        Run name to its label.
+    excluded : mapping
+        Run name to the reason why it was left out.
+    uncertainty : ParameterUncertainty
+        Standard uncertainties.
+    covariance : array, shape (q, q) or None
+        Covariance of the errors of all values, in the order of `covariance_labels`
+        (``"masses[case 4]"``, ``"stiffness[medium]"``, …).
+    covariance_labels : tuple of str
+    solver : str
+        The solver that found them, as text.
+    """
+
+    masses: Mapping[str, Positive]
+    stiffness: Mapping[str, Positive]
+    damping: Mapping[str, NonNegative]
+    static_gain: Mapping[str, Finite] = Field(default_factory=dict)
+    damping_from_stiffness: Mapping[str, NonNegative] = Field(default_factory=dict)
+    pooled_damping: Mapping[str, NonNegative] = Field(default_factory=dict)
+    base_mass: Mapping[str, Finite] = Field(default_factory=dict)
+    springs: Mapping[str, Label]
+    dampers: Mapping[str, Label] = Field(default_factory=dict)
+    bases: Mapping[str, Label] = Field(default_factory=dict)
+    excluded: Mapping[str, str] = Field(default_factory=dict)
+    uncertainty: ParameterUncertainty = ParameterUncertainty()
+    covariance: Matrix | None = None
+    covariance_labels: tuple[str, ...] = ()
+    solver: str = ""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        for name in self.masses:
+            spring = self.springs.get(name)
+            if spring not in self.stiffness:
+                raise ValueError(f"run {name!r} has spring {spring!r}, which is not among the stiffnesses")
+            if name not in self.damping:
+                raise ValueError(f"run {name!r} has a mass but no damping")
+        if self.covariance is not None and self.covariance.shape != (len(self.covariance_labels),) * 2:
+            raise ValueError("covariance and covariance_labels differ in size")
+        return self
+
+    def run_stiffness(self, name: str) -> float:
+        """Stiffness of the spring of run `name`, N/m; InputError names the runs there are."""
+        if name not in self.masses:
+            why = f" (left out: {self.excluded[name]})" if name in self.excluded else ""
+            raise InputError(f"no identified run {name!r}{why}", f"There are: {', '.join(map(repr, self.masses))}.")
+        return self.stiffness[self.springs[name]]
+
+    def base_difference(self, from_base: str, to_base: str) -> Estimate:
+        """Mass that `to_base` carries more than `from_base`, for example the moving parts of a connected damper.
+
+        Parameters
+        ----------
+        from_base, to_base : str
+            Base labels, for example case 3's two configurations.
+
+        Returns
+        -------
+        Estimate
+            kg, with the covariance of the two base masses taken into account.
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If a base label has no identified base mass.
+        """
+        for base in (from_base, to_base):
+            if base not in self.base_mass:
+                known = ", ".join(map(repr, self.base_mass)) or "none"
+                raise InputError(f"no base mass for base {base!r}", f"Base labels with a mass: {known}.")
+        value = self.base_mass[to_base] - self.base_mass[from_base]
+        labels = [f"base_mass[{base}]" for base in (from_base, to_base)]
+        if self.covariance is None or not set(labels) <= set(self.covariance_labels):
+            return Estimate(value=value, unit="kg")
+        i, j = (self.covariance_labels.index(label) for label in labels)
+        variance = self.covariance[i, i] + self.covariance[j, j] - 2 * self.covariance[i, j]
+        return Estimate(value=value, uncertainty=math.sqrt(max(float(variance), 0.0)), unit="kg")
+
+    def correlation(self, one: str, two: str) -> float:
+        """Correlation of the errors of two values, named as in `covariance_labels`."""
+        if self.covariance is None or one not in self.covariance_labels or two not in self.covariance_labels:
+            raise InputError(
+                f"no covariance of {one!r} and {two!r}", f"There are: {', '.join(self.covariance_labels) or 'none'}."
+            )
+        i, j = self.covariance_labels.index(one), self.covariance_labels.index(two)
+        scale = math.sqrt(float(self.covariance[i, i] * self.covariance[j, j]))
+        return float(np.clip(self.covariance[i, j] / scale, -1, 1)) if scale > 0 else 0.0
+
+    def _runs(self) -> list[tuple[str, ...]]:
+        u = self.uncertainty
+        return [
+            (
+                name,
+                format_value(self.masses[name], u.masses.get(name)),
+                format_value(self.damping[name], u.damping.get(name)),
+                _cell(self.damping_from_stiffness, u.damping_from_stiffness, name),
+                _cell(self.static_gain, u.static_gain, name),
+            )
+            for name in self.masses
+        ]
+
+    def _shared(self) -> list[tuple[str, str, str]]:
+        u = self.uncertainty
+        groups = (
+            ("stiffness", self.stiffness, u.stiffness, "N/m"),
+            ("damping, pooled", self.pooled_damping, u.pooled_damping, "N·s/m"),
+            ("base mass", self.base_mass, u.base_mass, "kg"),
+        )
+        return [
+            (f"{what} [{label}]", format_value(value, spread.get(label)), unit)
+            for what, values, spread, unit in groups
+            for label, value in values.items()
+        ]
+
+    def summary(self) -> str:
+        """Return tables of value ± standard uncertainty: by run, then what the runs share, then what was left out."""
+        parts = [
+            text_table(
+                _RUN_HEADER, self._runs(), title=f"Identified parameters{' by ' * bool(self.solver)}{self.solver}"
+            ),
+            text_table(("shared", "value", "unit"), self._shared()),
+            *(f"left out: {name}: {why}" for name, why in self.excluded.items()),
+        ]
+        return "\n\n".join(parts)
+
+    def __repr__(self) -> str:
+        springs = ", ".join(f"{label!r}: {value:.4g} N/m" for label, value in self.stiffness.items())
+        return f"IdentifiedParameters({len(self.masses)} runs, stiffness {springs})"
+
+    __str__ = summary
+
+    def _repr_html_(self) -> str:
+        out = html_table(_RUN_HEADER, self._runs(), title="Identified parameters")
+        out += html_table(("shared", "value", "unit"), self._shared())
+        left_out = tuple(self.excluded.items())
+        return out + (html_table(("left out", "why"), left_out) if left_out else "")
+
+
+_RUN_HEADER = ("run", "mass [kg]", "damping [N·s/m]", "damping from k [N·s/m]", "static gain [m/V]")
+
+
+def _cell(values: Mapping[str, float], spread: Mapping[str, float], name: str) -> str:
+    return format_value(values[name], spread.get(name)) if name in values else "–"
