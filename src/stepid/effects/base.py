@@ -1,0 +1,139 @@
+"""What an effect is: one small class that says what it adds to the linear plant."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from stepid._base import Array
+
+GRAVITY = 9.81  # m/s²
+
+Values = tuple[Array, ...]
+"""Parameter values of one effect, in the order of `Effect.parameters`, each broadcastable over the lanes."""
+
+
+class Parameter(NamedTuple):
+    """One parameter of an effect: its name, SI unit and bounds."""
+
+    name: str
+    unit: str
+    lower: float = 0.0
+    upper: float = np.inf
+
+
+class Motion(NamedTuple):
+    """The state of many plants at once ("lanes"), as an effect sees it; every field has shape (lanes,).
+
+    `x` [m] is measured from the spring's rest position, `v` [m/s] is its rate, `sign` the direction of motion (±1, held
+    through a stretch without reversal), `sides` the signs of the effect's own `switches`, `extra` its own states,
+    `memory` its own rate-independent states, `time` [s] counts from the record's first sample.
+    """
+
+    x: Array
+    v: Array
+    sign: Array
+    time: Array
+    mass: Array
+    stiffness: Array
+    damping: Array
+    volts: Array
+    sides: tuple[Array, ...] = ()
+    extra: tuple[Array, ...] = ()
+    memory: tuple[Array, ...] = ()
+
+
+class Scales(NamedTuple):
+    """Typical magnitudes of a campaign, for start guesses."""
+
+    displacement: float  # m, largest excursion from rest
+    velocity: float  # m/s, largest
+    force: float  # N, largest spring force
+    mass: float  # kg, mean moving mass
+    stiffness: float  # N/m, mean
+    damping: float  # N·s/m, mean
+    volts: float  # V, largest input
+    volts_least: float  # V, smallest nonzero input
+    sample_time: float  # s, mean
+    duration: float  # s, longest record
+    floor: float  # m, noise floor
+    low: float  # m, lowest position from rest
+    high: float  # m, highest position from rest
+    resonances: tuple[float, ...] = ()  # Hz, peaks of the residual's spectrum, strongest first
+
+
+class Effect:
+    """Base of every effect. Subclasses set the class attributes and override what they change; all else stays linear.
+
+    All methods work on lanes: arrays of one shape, one entry per plant and moment. The parameter values `p` come as a
+    tuple in the order of `parameters`.
+    """
+
+    name: ClassVar[str]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    law: ClassVar[str] = ""  # the added force in one formula
+    seen: ClassVar[str] = ""  # what it looks like in a lab
+    advice: ClassVar[str] = ""  # what to do about it
+
+    linear: ClassVar[bool] = False  # the plant stays linear: solved exactly
+    dry: ClassVar[bool] = False  # holds the cart at rest within its breakaway force
+    reverses: ClassVar[bool] = False  # its law changes where the velocity changes sign
+    rests_anywhere: ClassVar[bool] = False  # the cart may start off the spring's rest position
+    n_switches: ClassVar[int] = 0  # positions or states where its law changes
+    n_extra: ClassVar[int] = 0  # own states with a rate in time
+    n_memory: ClassVar[int] = 0  # own states that follow the displacement, not time
+    run_parameters: ClassVar[tuple[Parameter, ...]] = ()  # refitted for every run, appended to the values
+    contains: ClassVar[tuple[str, ...]] = ()  # simpler effects that this one reduces to
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        """Start guesses for the parameters (run parameters excluded), each a tuple in the order of `parameters`."""
+        raise NotImplementedError
+
+    def force(self, p: Values, m: Motion) -> Array | float:
+        """Force added to the plant, N, friction that holds at rest excepted."""
+        return 0.0
+
+    def friction(self, p: Values, m: Motion) -> Array | float:
+        """Magnitude of dry friction while sliding in direction `m.sign`, N."""
+        return 0.0
+
+    def breakaway(self, p: Values, m: Motion) -> Array | float:
+        """Largest force that friction holds at rest against a push in direction `m.sign`, N."""
+        return self.friction(p, m)
+
+    def switches(self, p: Values, m: Motion) -> tuple[Array, ...]:
+        """Functions of the state whose sign changes mark a change of law."""
+        return ()
+
+    def rates(self, p: Values, m: Motion) -> tuple[Array, ...]:
+        """Rates of the effect's own states `m.extra`, per second."""
+        return ()
+
+    def at_rest(self, p: Values, x: Array, volts: Array) -> tuple[Array, ...]:
+        """Own states (extra, then memory) of a plant that has long rested at `x` under `volts`."""
+        return tuple(np.zeros_like(x) for _ in range(self.n_extra + self.n_memory))
+
+    def remember(self, p: Values, memory: tuple[Array, ...], shift: Array, sign: Array) -> tuple[Array, ...]:
+        """Own memory after the cart has moved by `shift` [m] in direction `sign` from where it was `memory`."""
+        return memory
+
+    def drive(self, p: Values, m: Motion) -> Array:
+        """Voltage that reaches the motor, V (the measured one unless the effect changes it)."""
+        return m.volts
+
+    def delay(self, p: Values) -> Array | float:
+        """Time by which the input comes late, s."""
+        return 0.0
+
+    def reading(self, p: Values, time: Array) -> Array | float:
+        """Reading added to the true position, m."""
+        return 0.0
+
+    def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
+        """Substeps that a time step of `length` [s] needs to follow this effect's law."""
+        return 1.0
+
+    def __repr__(self) -> str:
+        return f"<effect {self.name}: {', '.join(q.name for q in self.parameters)}>"

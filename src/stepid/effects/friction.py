@@ -1,0 +1,143 @@
+"""Dry friction in its forms: constant, load-proportional, Stribeck, asymmetric, presliding."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from stepid._base import Array
+from stepid.effects.base import GRAVITY, Effect, Motion, Parameter, Scales, Values
+
+_SHARES = (0.01, 0.04, 0.12)  # of the largest spring force
+
+
+class _DryFriction(Effect):
+    dry: ClassVar[bool] = True
+    reverses: ClassVar[bool] = True
+    rests_anywhere: ClassVar[bool] = True
+
+
+class CoulombFriction(_DryFriction):
+    """−F_c sign(v), and sticking within ±F_c at rest."""
+
+    name = "coulomb_friction"
+    parameters = (Parameter("level", "N"),)
+    law = "−F_c sign(v)"
+    seen = "straight-line envelope, dead stop off zero, c and K that rise with mass in the paper's table"
+    advice = "clean and align the rails, oil the bearings; keep it in the model"
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(share * scales.force,) for share in _SHARES]
+
+    def friction(self, p: Values, m: Motion) -> Array | float:
+        return p[0]
+
+
+class LoadProportionalFriction(_DryFriction):
+    """Coulomb friction with F_c = μ m g, m the moving mass of the run."""
+
+    name = "load_proportional_friction"
+    parameters = (Parameter("coefficient", ""),)
+    law = "−μ m g sign(v)"
+    seen = "as Coulomb friction, growing with added mass"
+    advice = "the friction sits under the cart's weight: check wheels and rails, keep it in the model"
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(share * scales.force / (scales.mass * GRAVITY),) for share in _SHARES]
+
+    def friction(self, p: Values, m: Motion) -> Array | float:
+        return p[0] * GRAVITY * m.mass
+
+
+class StribeckFriction(_DryFriction):
+    """Friction that falls from F_s at rest to F_c with exp(−(v/v_s)²)."""
+
+    name = "stribeck_friction"
+    parameters = (Parameter("level", "N"), Parameter("breakaway", "N"), Parameter("velocity", "m/s", 1e-5))
+    law = "−(F_c + (F_s − F_c) exp(−(v/v_s)²)) sign(v)"
+    seen = "stick-slip, longer dead stops"
+    advice = "thin the lubricant, dither the drive; keep it in the model"
+    contains = ("coulomb_friction",)
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [
+            (share * scales.force, 2.0 * share * scales.force, part * scales.velocity)
+            for share in (0.01, 0.05)
+            for part in (0.02, 0.1)
+        ]
+
+    def friction(self, p: Values, m: Motion) -> Array | float:
+        out: Array = p[0] + (p[1] - p[0]) * np.exp(-np.square(m.v / p[2]))
+        return out
+
+    def breakaway(self, p: Values, m: Motion) -> Array | float:
+        return p[1]
+
+    def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
+        change = acceleration * length
+        slowest = np.where(m.v * (m.v + change) <= 0, 0.0, np.minimum(np.abs(m.v), np.abs(m.v + change)))
+        needed: Array = np.where(slowest < 4 * p[2], 2.5 * np.abs(change) / p[2], 1.0)
+        return needed
+
+
+class AsymmetricFriction(_DryFriction):
+    """Coulomb friction with different levels forward and backward."""
+
+    name = "asymmetric_friction"
+    parameters = (Parameter("level_forward", "N"), Parameter("level_backward", "N"))
+    law = "−F_c⁺ for v > 0, +F_c⁻ for v < 0"
+    seen = "halves of the envelope shrink differently"
+    advice = "look for a tilted rail or a one-sided seal; record steps in both directions"
+    contains = ("coulomb_friction",)
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [
+            (forward * share * scales.force, (1 - forward) * share * scales.force)
+            for share in (0.03, 0.15)
+            for forward in (0.3, 0.7)
+        ]
+
+    def friction(self, p: Values, m: Motion) -> Array | float:
+        level: Array = np.where(m.sign > 0, p[0], p[1])
+        return level
+
+
+class PreslidingHysteresis(Effect):
+    """Friction that builds up over a small displacement (Bouc–Wen, n = 1, β = γ).
+
+    z′ = v(1 − max(0, sign(v)·z/distance)) depends on the path only, so z is a closed form of the displacement.
+    """
+
+    name = "presliding_hysteresis"
+    parameters = (Parameter("level", "N"), Parameter("distance", "m", 1e-7))
+    law = "−F z/d, z′ = v(1 − max(0, sign(v) z/d))"
+    seen = "stiff at small moves, loops"
+    advice = "let the cart make one full swing before the record; keep it in the model"
+    reverses: ClassVar[bool] = True
+    n_memory: ClassVar[int] = 1
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [
+            (share * scales.force, part * scales.displacement) for share in (0.01, 0.05) for part in (0.003, 0.02, 0.1)
+        ]
+
+    def force(self, p: Values, m: Motion) -> Array | float:
+        return -p[0] * m.memory[0] / p[1]
+
+    def remember(self, p: Values, memory: tuple[Array, ...], shift: Array, sign: Array) -> tuple[Array, ...]:
+        distance = p[1]
+        along = sign * memory[0]
+        path = np.abs(shift)
+        free = np.maximum(-along, 0.0)  # unloading is elastic until z = 0
+        built = np.maximum(along, 0.0)
+        loaded = distance - (distance - built) * np.exp(-np.maximum(path - free, 0.0) / distance)
+        return (sign * np.where(path < free, along + path, loaded),)
+
+    def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
+        left = 1.0 - m.sign * m.memory[0] / p[1]
+        path = np.abs(m.v) * length + 0.5 * np.abs(acceleration) * length**2
+        needed: Array = np.where(left > 1e-4, np.minimum(4.0 * path / p[1], 16.0), 1.0)
+        stiff = np.where(left > 1e-4, np.sqrt(p[0] / (p[1] * m.mass)) * length / 0.2, 1.0)
+        return np.maximum(needed, stiff)

@@ -1,0 +1,28 @@
+"""What the reading adds to the true position."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from stepid._base import Array
+from stepid.effects.base import Effect, Parameter, Scales, Values
+
+
+class SensorDrift(Effect):
+    """The reading drifts at a constant rate."""
+
+    name = "sensor_drift"
+    parameters = (Parameter("rate", "m/s", -np.inf),)
+    law = "reading + rate·t"
+    seen = "settled part slopes"
+    advice = "let the sensor warm up; check for a slipping encoder wheel"
+    linear: ClassVar[bool] = True
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(0.0,)]
+
+    def reading(self, p: Values, time: Array) -> Array | float:
+        return p[0] * time

@@ -1,0 +1,93 @@
+"""Springs that are not linear: cubic, quadratic, free play, end stop."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from stepid._base import Array
+from stepid.effects.base import Effect, Motion, Parameter, Scales, Values
+
+
+class CubicStiffness(Effect):
+    """−k₃ x³, hardening for k₃ > 0."""
+
+    name = "cubic_stiffness"
+    parameters = (Parameter("coefficient", "N/m³", -np.inf),)
+    law = "−k₃ x³"
+    seen = "frequency changes with amplitude"
+    advice = "take smaller steps or use a longer spring; keep it in the model"
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(share * scales.stiffness / scales.displacement**2,) for share in (0.1, -0.1)]
+
+    def force(self, p: Values, m: Motion) -> Array | float:
+        return -p[0] * m.x * np.square(m.x)
+
+
+class QuadraticStiffness(Effect):
+    """−k₂ x²."""
+
+    name = "quadratic_stiffness"
+    parameters = (Parameter("coefficient", "N/m²", -np.inf),)
+    law = "−k₂ x²"
+    seen = "swings lopsided about rest"
+    advice = "preload the spring so that it stays in its linear range; record steps in both directions"
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(share * scales.stiffness / scales.displacement,) for share in (0.1, -0.1)]
+
+    def force(self, p: Values, m: Motion) -> Array | float:
+        return -p[0] * np.square(m.x)
+
+
+class FreePlay(Effect):
+    """No spring force within ±gap of rest."""
+
+    name = "free_play"
+    parameters = (Parameter("gap", "m"),)
+    law = "k x within ±gap, +k gap sign(x) outside (on top of −k x)"
+    seen = "floats about zero, lower frequency at small amplitude"
+    advice = "tighten the spring's clamps"
+    n_switches: ClassVar[int] = 2
+    rests_anywhere: ClassVar[bool] = True
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(share * scales.displacement,) for share in (0.01, 0.04, 0.12)]
+
+    def switches(self, p: Values, m: Motion) -> tuple[Array, ...]:
+        return (m.x - p[0], m.x + p[0])
+
+    def force(self, p: Values, m: Motion) -> Array | float:
+        above, below = m.sides
+        inside = (above < 0) & (below >= 0)
+        return m.stiffness * np.where(inside, m.x, np.where(above >= 0, p[0], -p[0]))
+
+
+class EndStop(Effect):
+    """Extra stiffness beyond a signed position."""
+
+    name = "end_stop"
+    parameters = (Parameter("stiffness", "N/m", 1.0), Parameter("position", "m", -np.inf))
+    law = "−k_s (x − x_s) beyond x_s"
+    seen = "clipped, kinked peaks"
+    advice = "move the stop out of the cart's way or take smaller steps"
+    n_switches: ClassVar[int] = 1
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        ends = [end for end in (scales.high, scales.low) if abs(end) > 0.1 * scales.displacement]
+        return [
+            (times * scales.stiffness, part * end) for end in ends for part in (0.97, 0.9, 0.78) for times in (2.0, 10.0)
+        ]
+
+    def switches(self, p: Values, m: Motion) -> tuple[Array, ...]:
+        return (np.sign(p[1]) * (m.x - p[1]),)
+
+    def force(self, p: Values, m: Motion) -> Array | float:
+        return np.where(m.sides[0] >= 0, -p[0] * (m.x - p[1]), 0.0)
+
+    def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
+        needed: Array = np.where(m.sides[0] >= 0, np.sqrt(p[0] / m.mass) * length / 0.2, 1.0)
+        return needed

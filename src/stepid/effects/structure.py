@@ -1,0 +1,71 @@
+"""Structure that the one-mass model lacks: a creeping spring, a second mass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from stepid._base import Array
+from stepid.effects.base import Effect, Motion, Parameter, Scales, Values
+
+
+class ViscoelasticSpring(Effect):
+    """A spring and damper in series beside k (standard linear solid)."""
+
+    name = "viscoelastic_spring"
+    parameters = (Parameter("stiffness", "N/m"), Parameter("damping", "N·s/m", 1e-6))
+    law = "−f, f′ = k_v v − (k_v/c_v) f"
+    seen = "creep after the step, stiffness that depends on speed"
+    advice = "use a steel spring, wait longer between runs; keep it in the model"
+    linear: ClassVar[bool] = True
+    n_extra: ClassVar[int] = 1
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [
+            (share * scales.stiffness, share * scales.stiffness * time)
+            for share in (0.15,)
+            for time in (0.03, 0.15, 0.6, 2.0)
+        ]
+
+    def force(self, p: Values, m: Motion) -> Array | float:
+        return -m.extra[0]
+
+    def rates(self, p: Values, m: Motion) -> tuple[Array, ...]:
+        return (p[0] * (m.v - m.extra[0] / p[1]),)
+
+
+class FlexibleCoupling(Effect):
+    """A second mass carried on a spring and damper."""
+
+    name = "flexible_coupling"
+    parameters = (
+        Parameter("mass", "kg", 1e-4),
+        Parameter("stiffness", "N/m", 1e-2),
+        Parameter("damping", "N·s/m"),
+    )
+    law = "k₂(x₂ − x) + c₂(v₂ − v), m₂ x₂″ = −that"
+    seen = "a faster ripple on the response"
+    advice = "tighten what is loose on the cart (weights, rack); keep it in the model"
+    linear: ClassVar[bool] = True
+    n_extra: ClassVar[int] = 2
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        natural = np.sqrt(scales.stiffness / scales.mass)
+        around = [2 * np.pi * f for f in scales.resonances[:2]] + [1.5 * natural, 2.5 * natural, 4.5 * natural]
+        mass = 0.2 * scales.mass
+        return [(mass, mass * w**2 / 1.2, 0.06 * mass * w) for w in around]
+
+    def force(self, p: Values, m: Motion) -> Array | float:
+        return p[1] * (m.extra[0] - m.x) + p[2] * (m.extra[1] - m.v)
+
+    def rates(self, p: Values, m: Motion) -> tuple[Array, ...]:
+        return (m.extra[1], -(p[1] * (m.extra[0] - m.x) + p[2] * (m.extra[1] - m.v)) / p[0])
+
+    def at_rest(self, p: Values, x: Array, volts: Array) -> tuple[Array, ...]:
+        return (x, np.zeros_like(x))
+
+    def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
+        fast: Array = np.sqrt(p[1] * (1.0 / p[0] + 1.0 / m.mass)) * length / 0.25
+        return fast
