@@ -1,0 +1,197 @@
+"""The manifest of a campaign, campaign.toml: its keys, checked one by one, and its text."""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any
+
+from stepid.errors import InputError
+from stepid.step_input import StepInput
+
+
+def _text(value: object) -> object:
+    return value if isinstance(value, str) and value else _bad("text that is not empty")
+
+
+def _number(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return _bad("a number")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    return number if math.isfinite(number) else _bad("a finite number")
+
+
+def _positive(value: object) -> object:
+    number = _number(value)
+    return number if isinstance(number, _Bad) or (isinstance(number, float) and number > 0) else _bad("above zero")
+
+
+def _mass(value: object) -> object:
+    number = _number(value)
+    if isinstance(number, float) and number < 0:
+        return _bad("the mass in kg that was added, 0 or more")
+    return number
+
+
+def _scale(value: object) -> object:
+    number = _number(value)
+    return _bad("a number other than zero") if number == 0 else number
+
+
+def _whole(value: object) -> object:
+    return value if isinstance(value, int) and not isinstance(value, bool) else _bad("a whole number")
+
+
+def _column(value: object) -> object:
+    ok = isinstance(value, str | int) and not isinstance(value, bool)
+    return value if ok else _bad("a column's name or its index from 0")
+
+
+def _texts(value: object) -> object:
+    ok = isinstance(value, list) and value and all(isinstance(v, str) and v for v in value)
+    return tuple(value) if ok and isinstance(value, list) else _bad("a list of texts")
+
+
+def _step(value: object) -> object:
+    if not isinstance(value, dict) or "level" not in value or not value.keys() <= {"level", "start", "end"}:
+        return _bad("a table like { level = 0.5, start = 0.0 }, in V and s (end is optional)")
+    numbers = {key: _number(v) for key, v in value.items()}
+    if any(isinstance(v, _Bad) for v in numbers.values()):
+        return _bad("a table of numbers like { level = 0.5, start = 0.0 }")
+    return StepInput(**numbers)  # type: ignore[arg-type]
+
+
+class _Bad(str):
+    """What a value should have been."""
+
+
+def _bad(wanted: str) -> _Bad:
+    return _Bad(wanted)
+
+
+Check = Callable[[object], object]
+CAMPAIGN: Mapping[str, Check] = {
+    "name": _text,
+    "counts_per_meter": _scale,
+    "weight_uncertainty": _positive,
+}
+_SHARED: Mapping[str, Check] = {
+    "name": _text,
+    "added_mass": _mass,
+    "spring": _text,
+    "damper": _text,
+    "base": _text,
+    "counts_per_meter": _scale,
+    "input_before": _number,
+    "sample_time": _positive,
+    "step": _step,
+}
+EXPORT: Mapping[str, Check] = {
+    **_SHARED,
+    "file": _text,
+    "encoder": _whole,
+    "columns": _texts,
+    "effort_scale": _scale,
+}
+TABLE: Mapping[str, Check] = {
+    **_SHARED,
+    "file": _text,
+    "files": _texts,
+    "time": _column,
+    "position": _column,
+    "input": _column,
+    "position_scale": _scale,
+    "delimiter": _text,
+    "start": _whole,
+    "stop": _whole,
+}
+REQUIRED = ("name", "added_mass", "spring", "damper")
+
+
+def parse_manifest(text: str, where: str) -> tuple[dict[str, Any], list[tuple[str, dict[str, Any]]]]:
+    """Parse and check the text of a manifest.
+
+    Returns
+    -------
+    campaign : dict
+        The campaign's own keys.
+    experiments : list of (format, dict)
+        Format ``"ecp"`` or ``"table"`` and the checked keys of each run.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        Naming the file, the run and the key.
+    """
+    try:
+        document = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{where}: is not TOML ({error})", "Correct it; texts need quotation marks.") from None
+    runs = document.pop("experiment", None)
+    if not isinstance(runs, list) or not runs or not all(isinstance(run, dict) for run in runs):
+        raise InputError(f"{where}: lists no experiments", "Add a [[experiment]] table for each run.")
+    return _checked(document, CAMPAIGN, ("name",), where), [_run(run, i, where) for i, run in enumerate(runs)]
+
+
+def _run(run: dict[str, Any], index: int, where: str) -> tuple[str, dict[str, Any]]:
+    who = f"{where}, run {run['name']!r}" if isinstance(run.get("name"), str) else f"{where}, experiment {index + 1}"
+    keys = dict(run)
+    kind = keys.pop("format", "ecp")
+    if kind not in ("ecp", "table"):
+        raise InputError(f"{who}: format is {kind!r}", 'Give format = "ecp" or format = "table".')
+    if kind == "ecp":
+        if only := [key for key in keys if key in TABLE and key not in EXPORT]:
+            raise InputError(f"{who}: the key {only[0]!r} is for tables", 'Add format = "table", or remove the key.')
+        return kind, _checked(keys, EXPORT, (*REQUIRED, "file"), who)
+    checked = _checked(keys, TABLE, (*REQUIRED, "position"), who)
+    if ("file" in checked) == ("files" in checked):
+        raise InputError(f"{who}: needs either file or files", 'Give file = "…" or files = ["…", "…"].')
+    if "step" in checked and "input" in checked:
+        raise InputError(f"{who}: gives both step and input", "Keep the one that is true.")
+    return kind, checked
+
+
+def _checked(
+    keys: Mapping[str, object], checks: Mapping[str, Check], required: Sequence[str], who: str
+) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    for key, value in keys.items():
+        if key not in checks:
+            near = get_close_matches(key, checks, n=1, cutoff=0.5)
+            known = f"Did you mean {near[0]!r}?" if near else f"Known keys: {', '.join(checks)}."
+            raise InputError(f"{who}: unknown key {key!r}", known)
+        result[key] = checks[key](value)
+        if isinstance(result[key], _Bad):
+            raise InputError(f"{who}: {key} is {_shown(value)}", f"It must be {result[key]}.")
+    missing = [key for key in required if key not in result]
+    if missing:
+        raise InputError(f"{who}: the key {missing[0]!r} is missing", f"Add {missing[0]} = ….")
+    return result
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def render_manifest(campaign: Mapping[str, object], experiments: Sequence[Mapping[str, object]]) -> str:
+    """Write the text of a manifest; numbers in full, so that they read back equal."""
+    blocks = [_lines(campaign), *("[[experiment]]\n" + _lines(run) for run in experiments)]
+    return "\n".join(blocks)
+
+
+def _lines(keys: Mapping[str, object]) -> str:
+    return "".join(f"{key} = {_toml(value)}\n" for key, value in keys.items())
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, str):
+        # JSON's escapes are TOML's, except that TOML wants DEL escaped, too
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return repr(value)
