@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from numbers import Real
+from numbers import Integral, Real
 
 import numpy as np
 
@@ -145,7 +145,7 @@ def export_experiment(
     )
     volts = _volts(export, input, time, effort_scale, input_before, where)
     with np.errstate(all="ignore"):  # an overflow is reported by the model: not finite
-        position = counts / counts_per_meter + 0.0  # + 0.0 turns -0 into 0
+        position = counts / float(counts_per_meter) + 0.0  # + 0.0 turns -0 into 0
     try:
         return Experiment(
             name=name,
@@ -167,16 +167,20 @@ def check_number(label: str, value: object, where: str) -> None:
     """Refuse what is neither None nor a finite number."""
     if value is None:
         return
-    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
+    try:
+        good = not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
+    except OverflowError:  # an integer beyond all floats
+        good = False
+    if not good:
         raise InputError(f"{where}: {label} is {value!r}", "Give a finite number.")
 
 
 def _encoder(export: Export, encoder: object, where: str) -> str:
     there = [name for name in export.columns if name.startswith("Encoder ")]
     listed = ", ".join(there) or "none"
-    if isinstance(encoder, bool) or not isinstance(encoder, int) or encoder < 1:
+    if isinstance(encoder, bool) or not isinstance(encoder, Integral) or encoder < 1:
         raise InputError(f"{where}: encoder is {encoder!r}", f"Give the number of an encoder; the file has {listed}.")
-    column = encoder_column(encoder)
+    column = encoder_column(int(encoder))
     if column not in export:
         raise InputError(f"{where}: has no column {column!r}", f"Choose encoder=…; the file has {listed}.")
     return column
@@ -245,9 +249,11 @@ def _volts(
             )
         return values
     effort = export[EFFORT]
-    volts = effort * (VOLTS_PER_DAC_UNIT if export.tabbed else 1.0) if scale is None else effort * scale
     if scale is None:
         _check_unit(export, where)
+        scale = VOLTS_PER_DAC_UNIT if export.tabbed else 1.0
+    with np.errstate(all="ignore"):
+        volts = effort * float(scale)
     if values is not None and (off := np.flatnonzero(values != volts)).size:
         what = "the StepInput" if isinstance(given, StepInput) else "the array"
         raise InputError(

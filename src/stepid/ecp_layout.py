@@ -102,7 +102,11 @@ def _split(lines: Sequence[str], where: str) -> tuple[list[str], list[list[str]]
     numbers: list[int] = []
     end = None
     for i in range(start, len(lines)):
-        body = (first if i == start else lines[i]).partition("%")[0].strip()
+        body, _, comment = (first if i == start else lines[i]).partition("%")
+        if comment or (not rows and len(_names(body)) > 1):  # the header may have slipped behind the bracket
+            preamble.append(comment or body)
+            body = body if comment else ""
+        body = body.strip()
         if "]" in body:
             body, _, rest = body.partition("]")
             if rest.strip(" \t;"):
@@ -153,7 +157,7 @@ def _numeric(line: str) -> bool:
 def _names(line: str) -> tuple[str, ...]:
     """Column names of a header line; empty where no known name is in it."""
     line = line.strip().lstrip("%").strip()
-    if not _KNOWN.search(line):
+    if "/" in line or "\\" in line or not _KNOWN.search(line):  # a file name may hold such words, too
         return ()
     names: list[str] = []
     end = 0

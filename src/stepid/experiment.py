@@ -70,11 +70,12 @@ class Experiment(Model):
         step = self.sample_time
         if not step > 0:
             raise ValueError("time does not increase")
-        off = np.abs(self.time - self.time[0] - step * np.arange(n))
+        with np.errstate(all="ignore"):  # times near the largest float overflow here, and are then not uniform
+            off = np.abs(self.time - self.time[0] - step * np.arange(n)) / step
         worst = int(np.argmax(off))
-        if off[worst] > 0.01 * step:
+        if not off[worst] <= 0.01:
             raise ValueError(
-                f"time is not uniform: sample {worst} is {off[worst] / step:.2g} of a sample time off; "
+                f"time is not uniform: sample {worst} is {off[worst]:.2g} of a sample time off; "
                 "rebuild it from the sample number and the sample time"
             )
         return self
@@ -82,7 +83,7 @@ class Experiment(Model):
     @cached_property
     def sample_time(self) -> float:
         """Sample time, s."""
-        return float((self.time[-1] - self.time[0]) / (self.time.size - 1))
+        return (float(self.time[-1]) - float(self.time[0])) / (self.time.size - 1)
 
     @property
     def resolution(self) -> float | None:
@@ -96,7 +97,19 @@ class Experiment(Model):
 
     @classmethod
     def from_dataframe(
-        cls, frame: Any, *, time: str = "time", position: str = "position", input: str = "input", **fields: Any
+        cls,
+        frame: Any,
+        *,
+        name: str,
+        added_mass: float,
+        spring: str,
+        damper: str,
+        time: str = "time",
+        position: str = "position",
+        input: str = "input",
+        counts_per_meter: float | None = None,
+        input_before: float = 0.0,
+        base: str = "cart",
     ) -> Self:
         """Make an experiment from a pandas DataFrame (or anything indexed by column name).
 
@@ -104,26 +117,35 @@ class Experiment(Model):
         ----------
         frame : pandas.DataFrame
             One row a sample, SI units.
+        name, added_mass, spring, damper, counts_per_meter, input_before, base
+            Fields of `Experiment`.
         time, position, input : str
-            Column names.
-        **fields
-            The remaining fields of `Experiment`: ``name``, ``added_mass``, ``spring``, ``damper``, …
+            Names of the columns with s, m and V.
 
         Raises
         ------
         stepid.errors.InputError
-            If a column is missing or its content is not numeric.
+            If a column is missing or its content is not numeric, or a field is wrong.
         """
         arrays: dict[str, Any] = {}
         for field, column in (("time", time), ("position", position), ("input", input)):
             try:
                 arrays[field] = np.asarray(frame[column])
-            except (KeyError, IndexError):
+            except (KeyError, IndexError, ValueError):
                 raise InputError(
                     f"the data frame has no column {column!r} for {field}",
-                    f"Name the column with {field}=…; there are: {', '.join(map(str, frame.columns))}.",
+                    f"Name the column with {field}=…; there are: {', '.join(map(str, frame))}.",
                 ) from None
-        return cls(**arrays, **fields)
+        return cls(
+            **arrays,
+            name=name,
+            added_mass=added_mass,
+            spring=spring,
+            damper=damper,
+            counts_per_meter=counts_per_meter,
+            input_before=input_before,
+            base=base,
+        )
 
 
 class MassOffset(Model):

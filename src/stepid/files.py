@@ -6,6 +6,8 @@ import os
 import re
 import shutil
 import tempfile
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +51,7 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     ``position_scale``, ``delimiter``, ``start`` and ``stop``, as in `read_table`.
     """
     manifest = as_path(path)
-    if manifest.is_dir():
+    if os.path.isdir(manifest):  # pathlib's is_dir raises on names that the system refuses
         manifest = manifest / MANIFEST
     where = str(manifest)
     keys, runs = parse_manifest(decode(read_bytes(manifest), where), where)
@@ -70,7 +72,7 @@ def _read_run(kind: str, run: dict[str, Any], shared: float | None, manifest: Pa
     names = keys.pop("files", None) or (keys.pop("file"),)
     paths = [manifest.parent / name for name in names]
     for name, path in zip(names, paths, strict=True):
-        if not _exists(path):
+        if not os.path.exists(path):
             raise InputError(
                 f"{who}: there is no file {name!r} in {manifest.parent}", "Correct its name, or put the file there."
             )
@@ -80,13 +82,6 @@ def _read_run(kind: str, run: dict[str, Any], shared: float | None, manifest: Pa
         return read_ecp(paths[0], **keys) if kind == "ecp" else read_table(paths, **keys)
     except InputError as error:
         raise InputError(f"{who}: {error.cause}", error.remedy) from None
-
-
-def _exists(path: Path) -> bool:
-    try:
-        return path.exists()
-    except (OSError, ValueError):  # names that the file system cannot hold
-        return False
 
 
 def write_campaign(campaign: Campaign, folder: str | os.PathLike[str]) -> Path:
@@ -113,16 +108,14 @@ def write_campaign(campaign: Campaign, folder: str | os.PathLike[str]) -> Path:
     """
     target = as_path(folder)
     files = _render(campaign)
-    try:
-        made = _make_folders(target)
-    except OSError as error:
-        raise InputError(f"{target}: cannot be made ({error.strerror})", "Choose another folder.") from None
+    for name in files:
+        if os.path.lexists(target / name):
+            raise InputError(f"{target / name}: exists already", "Choose a new folder, or move the file away.")
+    missing = [path for path in (target, *target.parents) if not os.path.exists(path)]
     placed: list[Path] = []
     workshop = None
     try:
-        for name in files:
-            if (target / name).exists():
-                raise InputError(f"{target / name}: exists already", "Choose a new folder, or move the file away.")
+        target.mkdir(parents=True, exist_ok=True)
         workshop = Path(tempfile.mkdtemp(prefix=".writing-", dir=target))
         for name, content in files.items():
             (workshop / name).write_bytes(content)
@@ -131,27 +124,22 @@ def write_campaign(campaign: Campaign, folder: str | os.PathLike[str]) -> Path:
             placed.append(target / name)
         workshop.rmdir()
     except BaseException as error:
+        _take_back(placed, workshop, missing)
+        if isinstance(error, OSError | ValueError):
+            reason = getattr(error, "strerror", None) or str(error)
+            raise InputError(f"{target}: cannot be written ({reason})", "Choose another folder.") from None
+        raise
+    return target / MANIFEST
+
+
+def _take_back(placed: Sequence[Path], workshop: Path | None, made: Sequence[Path]) -> None:
+    with suppress(OSError, ValueError):
         for path in placed:
             path.unlink(missing_ok=True)
         if workshop is not None:
             shutil.rmtree(workshop, ignore_errors=True)
         for path in made:
             path.rmdir()
-        if isinstance(error, OSError):
-            raise InputError(f"{target}: cannot be written ({error.strerror})", "Choose another folder.") from None
-        raise
-    return target / MANIFEST
-
-
-def _make_folders(target: Path) -> list[Path]:
-    """Make `target` and return the folders that were missing, the deepest first."""
-    missing = []
-    path = target
-    while not path.exists():
-        missing.append(path)
-        path = path.parent
-    target.mkdir(parents=True, exist_ok=True)
-    return missing
 
 
 def _render(campaign: Campaign) -> dict[str, bytes]:

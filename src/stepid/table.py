@@ -244,7 +244,7 @@ def _time(table: _Table, column: Column | None, sample_time: float | None, where
 
 
 def _follows(time: Array, index: Array, step: float, tolerance: float) -> bool:
-    return bool(np.all(np.abs(time - time[0] - step * index) <= tolerance * step))
+    return bool(np.all(np.abs(time - time[0] - step * index) / step <= tolerance))
 
 
 def _input(table: _Table, given: Column | InputValues | None, time: Array, before: float, where: str) -> Array:
