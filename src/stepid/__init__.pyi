@@ -1,5 +1,6 @@
 from . import datasets as datasets
 from . import errors as errors
+from . import plot as plot
 from .ecp import read_ecp as read_ecp
 from .estimate import Estimate as Estimate
 from .experiment import Campaign as Campaign
@@ -7,6 +8,7 @@ from .experiment import Experiment as Experiment
 from .experiment import MassOffset as MassOffset
 from .files import read_campaign as read_campaign
 from .files import write_campaign as write_campaign
+from .paper import rebuild_paper as rebuild_paper
 from .parameters import IdentifiedParameters as IdentifiedParameters
 from .parameters import StackedSystem as StackedSystem
 from .parameters import Verification as Verification

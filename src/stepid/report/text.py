@@ -1,0 +1,31 @@
+"""The text of `stepid identify`."""
+
+from __future__ import annotations
+
+from stepid.experiment import Campaign
+from stepid.parameters import IdentifiedParameters
+from stepid.report.section import Section
+from stepid.verification import Verification
+
+
+def identify_report(
+    campaign: Campaign, parameters: IdentifiedParameters, verified: Verification
+) -> tuple[Section, ...]:
+    """Write what the paper's method finds in a campaign.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    parameters : IdentifiedParameters
+        From `stepid.identify`.
+    verified : Verification
+        From `stepid.verify`.
+
+    Returns
+    -------
+    tuple of Section
+    """
+    return (
+        Section(title=f"Campaign {campaign.name!r}", body=parameters.summary()),
+        Section(title="Verification responses", body=verified.summary()),
+    )
