@@ -1,0 +1,132 @@
+"""The command line: thin, colored only on a terminal; exit status 0 done, 2 bad input."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+import stepid
+from stepid.errors import StepidError
+from stepid.report import Section, as_text, identify_report, paper_report
+from stepid.report.folder import file_names, staged
+
+app = typer.Typer(
+    name="stepid",
+    help="Identify a mass-spring-damper from its step responses.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+)
+
+CampaignFile = Annotated[
+    Path, typer.Argument(metavar="CAMPAIGN.toml", help="The campaign's manifest.", show_default=False)
+]
+Out = Annotated[
+    Path | None, typer.Option("--out", metavar="DIR", help="Folder for report and figures.", show_default=False)
+]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"stepid {stepid.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version and stop.", callback=_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Identify a mass-spring-damper from its step responses."""
+
+
+@app.command(epilog="Example:  [bold]stepid paper --out out[/bold]")
+def paper(out: Out = None) -> None:
+    """Rebuild Burchett's Table 2 and Eqs. 12 to 15 beside the printed ones, name the misprints, draw the figures."""
+    rebuilt = stepid.rebuild_paper()
+    sections = paper_report(rebuilt)
+    written: list[Path] = []
+    if out is not None:
+        from stepid import plot
+
+        with staged(out) as folder:
+            (folder / "paper.txt").write_text(as_text(sections), encoding="utf-8")
+            for run in rebuilt.responses:
+                upper, _ = plot.paper_figure(run)
+                plot.save(upper, folder / f"{run.figure.lower().replace('. ', '-')}.png")
+            written = sorted(out / path.name for path in folder.iterdir())
+    _show(sections, written)
+
+
+@app.command(epilog="Example:  [bold]stepid identify lab/campaign.toml --out results[/bold]")
+def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> None:
+    """Find masses, stiffness and damping by the paper's method, and verify them against the records."""
+    read = stepid.read_campaign(campaign)
+    parameters = stepid.identify(read)
+    verified = stepid.verify(parameters, read)
+    sections = identify_report(read, parameters, verified)
+    values = {
+        "campaign": read.name,
+        "parameters": parameters.model_dump(mode="json"),
+        "verification": [
+            run.model_dump(mode="json", exclude={"time", "measured", "simulated"}) for run in verified.runs
+        ],
+    }
+    written: list[Path] = []
+    if out is not None:
+        from stepid import plot
+
+        with staged(out) as folder:
+            (folder / "report.txt").write_text(as_text(sections), encoding="utf-8")
+            _write_json(folder / "parameters.json", values)
+            plot.save(plot.verification_grid(verified)[0, 0], folder / "verification.png")
+            for name, file in file_names(run.name for run in verified.runs).items():
+                plot.save(plot.verification(verified[name])[0], folder / f"verification-{file}.png")
+            written = sorted(out / path.name for path in folder.iterdir())
+    if as_json:
+        typer.echo(json.dumps(values, indent=2, ensure_ascii=False))
+    else:
+        _show(sections, written)
+
+
+def _write_json(path: Path, values: Any) -> None:
+    path.write_text(json.dumps(values, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def _show(sections: Iterable[Section], written: Sequence[Path]) -> None:
+    console = Console(highlight=False, soft_wrap=True)  # tables keep their lines, also in a pipe
+    for section in sections:
+        console.print(section.title, style="bold", markup=False)
+        console.print(f"{section.body}\n", markup=False)
+    for path in written:
+        console.print(f"wrote {path}", style="dim", markup=False)
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        Without the program's name.
+
+    Returns
+    -------
+    int
+        Exit status: 0 done, 2 bad input (with one message on standard error).
+    """
+    try:
+        app(args=list(arguments), prog_name="stepid", standalone_mode=True)
+    except SystemExit as done:
+        return done.code if isinstance(done.code, int) else int(done.code is not None)
+    except StepidError as error:
+        Console(stderr=True, highlight=False, soft_wrap=True).print(f"stepid: {error}", style="red", markup=False)
+        return 2
+    return 0
