@@ -1,0 +1,287 @@
+"""Whole campaigns with a known truth, at a wanted visibility.
+
+`r0` is the RMS residual of the best joint linear fit over the noise RMS: 1 is invisible, 100 is plain to the eye. A campaign
+is drawn, simulated without noise, fitted linearly; then noise and strength are chosen so that r0 comes out as asked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+import stepid
+
+from .draw import Setup, choose_kind, draw_effect, draw_setup
+from .fast import fast
+from .linear_fit import linear_fit
+from .outside import apply_outside, ripple
+from .plant import DRY, Run
+
+ROUNDS = 6
+HEAVIEST = 0.05  # noise RMS over static displacement
+
+
+@dataclass(frozen=True)
+class Request:
+    """What to hide in one campaign; None is drawn at random from `seed`."""
+
+    seed: int
+    effects: tuple[str, ...] = ()
+    outside: str | None = None
+    r0: float | None = None
+    kind: str | None = None
+
+
+@dataclass
+class _Draft:
+    request: Request
+    setup: Setup
+    target: float
+    counting: bool  # no noise but the encoder's own rounding
+    noise_wish: float
+    spread: float
+    variants: tuple[str, ...]
+    strength: dict[str, float] = field(default_factory=dict)
+    readings: list[np.ndarray] = field(default_factory=list)
+    misfit: float = 0.0
+    sigma: float = 0.0
+    done: bool = False
+
+    def stream(self, *tag: int) -> np.random.Generator:
+        return np.random.default_rng([self.request.seed, *tag])
+
+    def effects(self, only: Sequence[str] | None = None) -> dict[str, dict[str, float]]:
+        wanted = self.request.effects if only is None else only
+        return {
+            name: {
+                p: float(v) for p, v in draw_effect(self.stream(2, i), name, self.setup, self.strength[name]).items()
+            }
+            for i, name in enumerate(self.request.effects)
+            if name in wanted
+        }
+
+    def runs(self, only: Sequence[str] | None = None) -> list[Run]:
+        effects, made = self.effects(only), []
+        for i, slot in enumerate(self.setup.slots):
+            own = self.stream(3, i)
+            start, phase = float(own.uniform(-1, 1)), float(own.uniform(0, 2 * np.pi))
+            run = Run(
+                mass=self.setup.base_mass + slot.added_mass,
+                stiffness=self.setup.stiffness[slot.spring],
+                damping=self.setup.damping[slot.damper],
+                gain=self.setup.gain,
+                sample_time=self.setup.sample_time,
+                inputs=slot.inputs,
+                effects=effects,
+                phase=phase,
+                position=slot.position,
+                settled="settled" in self.variants,
+            )
+            if "anywhere in the band" in self.variants and self.setup.kind != "release" and set(effects) & set(DRY):
+                forward, backward = run.levels[:2]
+                reach = backward if start > 0 else forward
+                run = replace(run, position=0.9 * start * reach / run.stiffness)
+            if "anywhere in the play" in self.variants and "free_play" in effects:
+                run = replace(run, position=run.position + 0.9 * start * effects["free_play"]["gap"])
+            if "ripple before" in self.variants and "periodic_disturbance" in effects:
+                before = self.lead(run)
+                run = replace(run, inputs=np.concatenate([np.zeros(before), run.inputs]))
+            if self.request.outside:
+                strength = self.strength["outside"]
+                run = apply_outside(self.request.outside, run, self.setup, strength, self.stream(4), self.stream(5, i))
+            made.append(run)
+        return made
+
+    def lead(self, run: Run) -> int:
+        """Samples before the record in which a disturbance that is always on comes to its steady swing."""
+        decay = run.damping / 2 / run.mass
+        return min(1500, int(10 / decay / run.sample_time)) if "ripple before" in self.variants else 0
+
+    def read(self, run: Run, x: np.ndarray, slot_index: int) -> np.ndarray:
+        n = self.setup.slots[slot_index].inputs.size
+        x = x[x.size - n :]
+        if self.request.outside == "sensor_ripple":
+            x = ripple(x, self.setup, self.strength["outside"], self.stream(4))
+        return x
+
+    @property
+    def step(self) -> float:
+        return 1 / abs(self.setup.counts_per_meter)
+
+    @property
+    def rounding(self) -> float:
+        return self.step / np.sqrt(12)
+
+
+def _open(request: Request) -> _Draft:
+    rng = np.random.default_rng([request.seed, 1])
+    kind = request.kind or choose_kind(rng, request.effects)
+    setup = draw_setup(rng, kind)
+    target = float(np.exp(rng.uniform(0, np.log(100)))) if request.r0 is None else request.r0
+    counting = bool(rng.random() < 0.25)
+    if counting and request.r0 is None:  # the finest encoder sees effects of natural size plainly
+        target = float(np.exp(rng.uniform(np.log(10), np.log(400))))
+    rounding = 1 / abs(setup.counts_per_meter) / np.sqrt(12)
+    heavy = max(HEAVIEST * setup.reach, 3 * rounding)
+    wish = rounding if counting else float(np.exp(rng.uniform(np.log(1.5 * rounding), np.log(heavy))))
+    spread = float(np.exp(rng.uniform(0, np.log(3))))
+    variants = []
+    if rng.random() < 0.75:
+        variants.append("anywhere in the band")
+    odd = rng.random() < 0.2
+    if odd and "free_play" in request.effects and kind != "release":
+        variants.append("anywhere in the play")
+    if odd and "cogging" in request.effects and kind != "release" and not set(request.effects) & set(DRY):
+        variants.append("settled")
+    if odd and "periodic_disturbance" in request.effects and kind != "release" and len(request.effects) == 1:
+        variants.append("ripple before")
+    draft = _Draft(request, setup, max(target, 1.0), counting, wish, spread, tuple(variants))
+    draft.strength = dict.fromkeys((*request.effects, "outside"), 1.0)
+    return draft
+
+
+def _experiments(draft: _Draft, readings: Sequence[np.ndarray]) -> list[Any]:
+    s = draft.setup
+    return [
+        stepid.Experiment(
+            name=slot.name,
+            time=s.sample_time * np.arange(slot.inputs.size),
+            position=x,
+            input=slot.inputs,
+            added_mass=slot.added_mass,
+            spring=slot.spring,
+            damper=slot.damper,
+            counts_per_meter=s.counts_per_meter,
+        )
+        for slot, x in zip(s.slots, readings, strict=True)
+    ]
+
+
+def _misfit(draft: _Draft, readings: Sequence[np.ndarray]) -> float:
+    s = draft.setup
+    found = linear_fit(
+        _experiments(draft, readings), base_mass={"cart": s.base_mass}, stiffness=s.stiffness, damping=s.damping
+    )
+    return found.rms
+
+
+def _simulate(drafts: Sequence[_Draft], only: Sequence[Sequence[str] | None]) -> list[list[np.ndarray]]:
+    runs = [d.runs(o) for d, o in zip(drafts, only, strict=True)]
+    flat = fast([r for some in runs for r in some])
+    out, at = [], 0
+    for draft, some in zip(drafts, runs, strict=True):
+        out.append([draft.read(r, flat[at + i], i) for i, r in enumerate(some)])
+        at += len(some)
+    return out
+
+
+def _balance(drafts: Sequence[_Draft]) -> None:
+    """Of two effects, neither may hide behind the other: equal misfits alone, within a factor of three."""
+    for _ in range(2):
+        alone: dict[int, list[float]] = {}
+        for which in (0, 1):
+            only = [(d.request.effects[which],) for d in drafts]
+            for draft, readings in zip(drafts, _simulate(drafts, only), strict=True):
+                alone.setdefault(id(draft), []).append(_misfit(draft, readings))
+        for draft in drafts:
+            one, two = alone[id(draft)]
+            first, second = draft.request.effects
+            if one > draft.spread * two > 0:
+                draft.strength[second] *= float(np.clip(one / two / draft.spread, 1, 8))
+            elif two > draft.spread * one > 0:
+                draft.strength[first] *= float(np.clip(two / one / draft.spread, 1, 8))
+
+
+def _decide(draft: _Draft, last: bool) -> None:
+    """Accept the draft with the noise that gives the wanted r0, or change the strength for another round."""
+    ratio = max(np.sqrt(draft.target**2 - 1), 0.1)
+    sigma = draft.misfit / ratio
+    heaviest = max(HEAVIEST * draft.setup.reach, 3 * draft.rounding)
+    if draft.counting:
+        off = draft.rounding / sigma
+        fits = 0.9 < off < 1.1
+    else:
+        fits = 1.02 * draft.rounding <= sigma <= heaviest
+        off = draft.noise_wish / sigma
+    if fits or last:
+        draft.done, draft.sigma = True, float(np.clip(sigma, draft.rounding, heaviest))
+        if draft.counting:
+            draft.sigma = draft.rounding
+        return
+    for name in draft.strength:
+        draft.strength[name] *= float(np.clip(off, 1 / 300, 8))
+
+
+def _finish(draft: _Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
+    s, request = draft.setup, draft.request
+    noise = np.sqrt(max(draft.sigma**2 - draft.rounding**2, 0.0))
+    positions, rests = [], []
+    for i, x in enumerate(draft.readings):
+        own = draft.stream(6, i)
+        rest = own.uniform(-45, 45) * draft.step
+        counts = np.round((x + rest + noise * own.standard_normal(x.size)) / draft.step) * np.sign(s.counts_per_meter)
+        positions.append(counts / s.counts_per_meter)
+        rests.append(float(rest))
+    experiments = _experiments(draft, positions)
+    found = linear_fit(experiments, base_mass={"cart": s.base_mass}, stiffness=s.stiffness, damping=s.damping)
+    hidden = request.effects if not request.outside else (*request.effects, request.outside)
+    name = f"{'+'.join(hidden) or 'none'} {request.seed}"
+    runs = draft.runs()
+    used = {e.spring for e in experiments}, {e.damper for e in experiments}
+    truth = {
+        "seed": request.seed,
+        "kind": s.kind,
+        "effects": request.effects,
+        "outside": request.outside,
+        "base_mass": s.base_mass,
+        "stiffness": {k: v for k, v in s.stiffness.items() if k in used[0]},
+        "damping": {k: v for k, v in s.damping.items() if k in used[1]},
+        "force_gain": s.gain,
+        "parameters": {f"{e}.{p}": v for e, values in draft.effects().items() for p, v in values.items()},
+        "noise_rms": draft.sigma,
+        "misfit": draft.misfit,
+        "r0": found.rms / draft.sigma,
+        "variants": tuple(v for v in draft.variants if v != "anywhere in the band"),
+        "rests": rests,
+        "starts": [float(r.start) for r in runs],
+        "phases": [r.phase for r in runs],
+    }
+    return stepid.Campaign(name=name, experiments=tuple(experiments)), truth
+
+
+def make_campaigns(requests: Sequence[Request]) -> list[tuple[stepid.Campaign, dict[str, Any]]]:
+    """Campaigns and truths of all requests; simulated together because width is cheap."""
+    drafts = [_open(r) for r in requests]
+    pairs = [d for d in drafts if len(d.request.effects) == 2]
+    if pairs:
+        _balance(pairs)
+    for number in range(ROUNDS):
+        waiting = [d for d in drafts if not d.done]
+        if not waiting:
+            break
+        for draft, readings in zip(waiting, _simulate(waiting, [None] * len(waiting)), strict=True):
+            draft.readings = readings
+            if not draft.request.effects and not draft.request.outside:
+                draft.sigma, draft.done = draft.noise_wish, True
+                continue
+            draft.misfit = _misfit(draft, readings)
+            _decide(draft, number == ROUNDS - 1)
+    return [_finish(d) for d in drafts]
+
+
+def make_campaign(
+    seed: int,
+    effects: tuple[str, ...] = (),
+    *,
+    outside: str | None = None,
+    r0: float | None = None,
+    kind: str | None = None,
+) -> tuple[stepid.Campaign, dict[str, Any]]:
+    """One campaign with the given effects hidden in it, and its truth.
+
+    The same request gives the same campaign, alone or in company.
+    """
+    return make_campaigns([Request(seed, tuple(effects), outside, r0, kind)])[0]

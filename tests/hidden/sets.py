@@ -1,0 +1,83 @@
+"""The standing sets of campaigns: every effect in turn, none, pairs, and what is outside the catalogue."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Any
+
+from .campaigns import Request, make_campaigns
+from .outside import OUTSIDE
+from .plant import NAMES
+
+PAIRS = (
+    ("coulomb_friction", "cubic_stiffness"),
+    ("coulomb_friction", "quadratic_damping"),
+    ("coulomb_friction", "viscoelastic_spring"),
+    ("coulomb_friction", "flexible_coupling"),
+    ("coulomb_friction", "actuator_lag"),
+    ("coulomb_friction", "periodic_disturbance"),
+    ("coulomb_friction", "sensor_drift"),
+    ("load_proportional_friction", "end_stop"),
+    ("cubic_stiffness", "quadratic_damping"),
+    ("input_delay", "cubic_stiffness"),
+    ("coulomb_friction", "quadratic_stiffness"),
+    ("coulomb_friction", "position_dependent_damping"),
+    ("coulomb_friction", "input_delay"),
+    ("coulomb_friction", "free_play"),
+    ("coulomb_friction", "cogging"),
+    ("asymmetric_friction", "viscoelastic_spring"),
+    ("actuator_lag", "cubic_stiffness"),
+    ("load_proportional_friction", "periodic_disturbance"),
+    ("viscoelastic_spring", "sensor_drift"),
+    ("stribeck_friction", "flexible_coupling"),
+)
+SETS = ("single", "none", "pairs", "outside")
+_FIRST_SEED = {"single": 10_000, "none": 40_000, "pairs": 60_000, "outside": 80_000}
+Found = tuple[Any, dict[str, Any]]
+
+
+def requests(which: str, count: int, *, skip: int = 0) -> list[Request]:
+    """`count` requests of a set; `skip` leaves out the first ones, for campaigns nobody has developed against."""
+    seeds = range(skip, skip + count)
+    first = _FIRST_SEED[which]
+    if which == "single":
+        return [Request(first + i, (NAMES[i % len(NAMES)],)) for i in seeds]
+    if which == "none":
+        return [Request(first + i) for i in seeds]
+    if which == "pairs":
+        return [Request(first + i, PAIRS[i % len(PAIRS)]) for i in seeds]
+    if which == "outside":
+        return [Request(first + i, (), OUTSIDE[i % len(OUTSIDE)]) for i in seeds]
+    raise KeyError(which)
+
+
+def make(
+    wanted: Sequence[Request],
+    *,
+    executor: Executor | None = None,
+    chunk: int = 100,
+    progress: Callable[[int], object] = lambda done: None,
+) -> list[Found]:
+    """Campaigns and truths, in chunks; an executor spreads the chunks."""
+    pieces = [wanted[i : i + chunk] for i in range(0, len(wanted), chunk)]
+    made: list[Found] = []
+    for some in map(make_campaigns, pieces) if executor is None else executor.map(make_campaigns, pieces):
+        made.extend(some)
+        progress(len(made))
+    return made
+
+
+def cached(folder: Path | None, which: str, count: int, *, skip: int = 0, **options: Any) -> list[Found]:
+    """The set from `folder` if it is there, else made (and kept there)."""
+    file = None if folder is None else folder / f"{which}-{skip}-{count}.pkl"
+    if file is not None and file.exists():
+        found: list[Found] = pickle.loads(file.read_bytes())
+        return found
+    made = make(requests(which, count, skip=skip), **options)
+    if file is not None:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(pickle.dumps(made))
+    return made
