@@ -21,5 +21,6 @@ from .stacked import assemble as assemble
 from .step_input import StepInput as StepInput
 from .table import read_table as read_table
 from .transfer import transfer_function as transfer_function
+from .verify import verify as verify
 
 __version__: str
