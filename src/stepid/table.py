@@ -71,7 +71,7 @@ def read_table(
     time : str or int, optional
         Column of the time, s. Without it, `sample_time` says how far rows are apart.
     input : str, int, StepInput or array, shape (n,), optional
-        Column of the input (V), or the input itself over all rows. Without it the record is a free release: zeros.
+        Column of the input (V), or the input itself over the rows kept. Without it the record is a free release: zeros.
     position_scale : float
         m per unit of the position column, negative where +V gives falling values.
     sample_time : float, optional
@@ -119,16 +119,17 @@ def read_table(
         raise InputError(f"{where}: delimiter is {delimiter!r}", "Give the text that separates columns.")
     table = _join([_parse(file, delimiter) for file in files], where)
     kept = _stretch(start, stop, len(table.places), where)
-    clock = _time(table, time, sample_time, where)
+    table = _Table(table.names, table.values[kept], table.places[kept])
+    clock = _time(table, time, sample_time, start, where)
     volts = _input(table, input, clock, input_before, where)
     with np.errstate(all="ignore"):  # an overflow is reported by the model: not finite
         meters = table.column(position, "position", where) * float(position_scale) + 0.0
     try:
         return Experiment(
             name=files[0].stem if name is None else name,
-            time=clock[kept],
-            position=meters[kept],
-            input=volts[kept],
+            time=clock,
+            position=meters,
+            input=volts,
             added_mass=added_mass,
             spring=spring,
             damper=damper,
@@ -211,14 +212,14 @@ def _stretch(start: int, stop: int | None, rows: int, where: str) -> slice:
     return slice(start, last)
 
 
-def _time(table: _Table, column: Column | None, sample_time: float | None, where: str) -> Array:
+def _time(table: _Table, column: Column | None, sample_time: float | None, start: int, where: str) -> Array:
     index = np.arange(len(table.places), dtype=np.float64)
     if sample_time is not None and not sample_time > 0:
         raise InputError(f"{where}: sample_time is {sample_time:g} s", "Give a positive sample time in seconds.")
     if column is None:
         if sample_time is None:
             raise InputError(f"{where}: nothing says when the rows were taken", "Give time=… or sample_time=… (s).")
-        return index * sample_time
+        return (start + index) * sample_time
     time = table.column(column, "time", where)
     with np.errstate(all="ignore"):
         mean = float((time[-1] - time[0]) / (time.size - 1))
