@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from html import escape
 from typing import Any, Self
 
 from pydantic import model_validator
@@ -111,7 +112,8 @@ class Characteristics(Model):
 
     def summary(self) -> str:
         """Return a table of value ± standard uncertainty with units."""
-        return text_table(("quantity", "value", "unit"), self._rows(), title=f"Characteristics of {self.name!r}")
+        table = text_table(("quantity", "value", "unit"), self._rows(), title=f"Characteristics of {self.name!r}")
+        return "\n".join([table, *(f"note: {note}" for note in self.notes)])
 
     def _rows(self) -> list[tuple[str, str, str]]:
         rows = []
@@ -119,7 +121,7 @@ class Characteristics(Model):
             value = getattr(self, field)
             if value is not None:
                 rows.append((field.replace("_", " "), format_value(value, getattr(self.uncertainty, field)), unit))
-        return rows + [(f"note: {note}", "", "") for note in self.notes]
+        return rows
 
     def __repr__(self) -> str:
         return (
@@ -130,7 +132,8 @@ class Characteristics(Model):
     __str__ = summary
 
     def _repr_html_(self) -> str:
-        return html_table(("quantity", "value", "unit"), self._rows(), title=f"Characteristics of {self.name!r}")
+        table = html_table(("quantity", "value", "unit"), self._rows(), title=f"Characteristics of {self.name!r}")
+        return table + "".join(f"<p>{escape(note)}</p>" for note in self.notes)
 
 
 _UNITS = {
