@@ -1,6 +1,9 @@
 from . import datasets as datasets
 from . import errors as errors
 from . import plot as plot
+from .characteristics import characterize as characterize
+from .characteristics import characterize_all as characterize_all
+from .characteristics import characterize_each as characterize_each
 from .ecp import read_ecp as read_ecp
 from .estimate import Estimate as Estimate
 from .experiment import Campaign as Campaign
@@ -8,10 +11,13 @@ from .experiment import Experiment as Experiment
 from .experiment import MassOffset as MassOffset
 from .files import read_campaign as read_campaign
 from .files import write_campaign as write_campaign
+from .identification import identify as identify
 from .paper import rebuild_paper as rebuild_paper
 from .parameters import IdentifiedParameters as IdentifiedParameters
 from .parameters import StackedSystem as StackedSystem
 from .parameters import Verification as Verification
+from .peak import InterpolatedPeak as InterpolatedPeak
+from .peak import SampledPeak as SampledPeak
 from .response import Characteristics as Characteristics
 from .response import CharacteristicsUncertainty as CharacteristicsUncertainty
 from .solution import solve as solve
@@ -21,6 +27,7 @@ from .stacked import assemble as assemble
 from .step_input import StepInput as StepInput
 from .table import read_table as read_table
 from .transfer import transfer_function as transfer_function
+from .trends import find_trends as find_trends
 from .verify import verify as verify
 
 __version__: str

@@ -109,43 +109,60 @@ def _check(runs: Sequence[Characteristics], offsets: Sequence[MassOffset]) -> No
             raise InputError(f"a mass offset joins run {offset.from_run!r} to itself", "Join two different runs.")
 
 
+def undetermined_springs(system: StackedSystem) -> tuple[str, ...]:
+    """Spring labels whose stiffness the known mass differences do not fix.
+
+    Parameters
+    ----------
+    system : StackedSystem
+
+    Returns
+    -------
+    tuple of str
+        Empty where all are fixed; all labels where no two runs differ in mass.
+
+    Notes
+    -----
+    Measured frequencies of runs that must be equal (same spring, masses joined by a zero difference) differ by noise
+    alone, so they are replaced by their mean before the rank is judged.
+    """
+    runs, offsets = system.characteristics, system.mass_offsets
+    springs = list(dict.fromkeys(run.spring for run in runs))
+    if not any(offset.difference for offset in offsets):
+        return tuple(springs)
+    ratio = _ideal_ratios(system)  # m/k of each run, so that each offset is a row in the stiffnesses alone
+    spring = {run.name: springs.index(run.spring) for run in runs}
+    reduced = np.zeros((len(offsets) + len(springs), len(springs)))
+    for row, offset in zip(reduced, offsets, strict=False):
+        row[spring[offset.to_run]] += ratio[offset.to_run]
+        row[spring[offset.from_run]] -= ratio[offset.from_run]
+    _, singular, right = np.linalg.svd(reduced / max(ratio.values()))
+    free = right[singular < 1e-9]
+    return tuple(label for i, label in enumerate(springs) if free.size and np.abs(free[:, i]).max() > 1e-6)
+
+
 def require_determined(system: StackedSystem) -> None:
     """Raise unless the known mass differences fix every unknown of the system.
-
-    Measured frequencies of runs that must be equal (same spring, masses joined by a zero difference) differ by
-    noise alone, so they are replaced by their mean before the rank is judged.
 
     Raises
     ------
     stepid.errors.UndeterminedError
         Naming the unknowns that are not fixed and the run to add.
     """
-    runs, offsets = system.characteristics, system.mass_offsets
-    springs = list(dict.fromkeys(run.spring for run in runs))
-    ratio = _ideal_ratios(system)  # m/k of each run
-    reduced = np.zeros((len(offsets), len(springs)))
-    for row, offset in zip(reduced, offsets, strict=True):
-        for name, sign in ((offset.to_run, 1.0), (offset.from_run, -1.0)):
-            run = next(r for r in runs if r.name == name)
-            row[springs.index(run.spring)] += sign * ratio[name]
-    scale = max(ratio.values())
-    _, singular, right = np.linalg.svd(np.vstack([reduced / scale, np.zeros((len(springs), len(springs)))]))
-    differences = [offset.difference for offset in offsets]
-    if not offsets or not np.any(differences):
-        spring = springs[0]
+    loose = undetermined_springs(system)
+    if not loose:
+        return
+    masses = [run.name for run in system.characteristics if run.spring in loose]
+    if len(masses) == len(system.characteristics):
         raise UndeterminedError(
-            "no two runs differ in known mass, so masses and stiffness are fixed only up to one common factor",
-            f"Add a run with spring {spring!r}, on a base already used, with another known added mass.",
+            "no known difference in mass fixes the scale: masses and stiffness are known up to a common factor only",
+            f"Add a run with spring {loose[0]!r}, on a base already used, with another known added mass.",
         )
-    free = right[singular < 1e-9]
-    if free.size:
-        loose = [label for i, label in enumerate(springs) if np.abs(free[:, i]).max() > 1e-6]
-        masses = [run.name for run in runs if run.spring in loose]
-        raise UndeterminedError(
-            f"the stiffness of spring {', '.join(map(repr, loose))} is not fixed, nor the mass of "
-            f"{', '.join(map(repr, masses))}: no known mass difference reaches them",
-            f"Add a run with spring {loose[0]!r} on the base of {masses[0]!r} with another known added mass.",
-        )
+    raise UndeterminedError(
+        f"the stiffness of spring {', '.join(map(repr, loose))} is not fixed, nor the mass of "
+        f"{', '.join(map(repr, masses))}: no known mass difference reaches them",
+        f"Add a run with spring {loose[0]!r} on the base of {masses[0]!r} with another known added mass.",
+    )
 
 
 def _ideal_ratios(system: StackedSystem) -> dict[str, float]:

@@ -1,0 +1,121 @@
+"""The paper's whole route in one call: characteristics, stacked system, solve."""
+
+from __future__ import annotations
+
+from stepid.characteristics import characterize_each
+from stepid.errors import IdentificationError, NoStepError, UndeterminedError
+from stepid.experiment import Campaign, Experiment, MassOffset
+from stepid.parameters import IdentifiedParameters
+from stepid.peak import Peak
+from stepid.response import Characteristics
+from stepid.solution import solve
+from stepid.solvers import Solver
+from stepid.stacked import assemble, undetermined_springs
+
+_VAGUE = 0.1  # relative uncertainty of the natural frequency beyond which a run says nothing
+
+
+def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | None = None) -> IdentifiedParameters:
+    """Identify masses, stiffnesses and damping constants of a campaign by the paper's method.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Steps and free releases may mix; runs may differ in spring, damper and base.
+    peak : InterpolatedPeak or SampledPeak, optional
+        Default `InterpolatedPeak()`.
+    solver : OrdinaryLeastSquares or WeightedLeastSquares, optional
+        Default `WeightedLeastSquares()`. With `SampledPeak()` and `OrdinaryLeastSquares()` this is the paper's own
+        procedure.
+
+    Returns
+    -------
+    IdentifiedParameters
+        One stiffness a spring label, damping pooled a damper label, one base mass a base label. Runs that the method
+        cannot use are in `excluded`, each with the reason.
+
+    Raises
+    ------
+    stepid.errors.UndeterminedError
+        If the runs that are left do not fix the parameters; the message says what to add.
+
+    Notes
+    -----
+    Each run counts with its first step that can be read. Runs of one base are joined by their known mass
+    differences; equal added masses are exact constraints.
+    """
+    used, excluded = characterize_campaign(campaign, peak=peak)
+    while True:
+        kept = [run for run in campaign.experiments if run.name in used]
+        if len(kept) < 2:
+            raise UndeterminedError(
+                f"campaign {campaign.name!r} leaves {len(kept)} usable run(s) of {len(campaign.experiments)}"
+                + "".join(f"; {name} is left out: {why}" for name, why in excluded.items()),
+                "Two runs with the same spring and different known added masses are the least.",
+            )
+        system = assemble([used[run.name] for run in kept], _join(campaign, kept))
+        loose = undetermined_springs(system)
+        if not loose or len(loose) == len({run.spring for run in kept}):
+            break
+        for run in (run for run in kept if run.spring in loose):
+            del used[run.name]
+            excluded[run.name] = (
+                f"no known mass difference fixes the stiffness of spring {run.spring!r}: "
+                "add a run with this spring on a base of the others with another known added mass"
+            )
+    found = solve(system, solver=solver)
+    order = [run.name for run in campaign.experiments]
+    left_out = dict(sorted(excluded.items(), key=lambda item: order.index(item[0])))
+    return IdentifiedParameters(**found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out})
+
+
+def characterize_campaign(
+    campaign: Campaign, *, peak: Peak | None = None
+) -> tuple[dict[str, Characteristics], dict[str, str]]:
+    """Read the characteristics of every run, and say which runs yield none and why.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    peak : InterpolatedPeak or SampledPeak, optional
+
+    Returns
+    -------
+    tuple
+        Run name to `Characteristics`, and run name to the reason why there are none.
+    """
+    used: dict[str, Characteristics] = {}
+    excluded: dict[str, str] = {}
+    for experiment in campaign.experiments:
+        try:
+            used[experiment.name] = _first_readable(experiment, peak)
+        except IdentificationError as error:
+            excluded[experiment.name] = error.cause
+    return used, excluded
+
+
+def _first_readable(experiment: Experiment, peak: Peak | None) -> Characteristics:
+    results = characterize_each(experiment, peak=peak)
+    errors = [result for result in results if isinstance(result, IdentificationError)]
+    if len(errors) == len(results):
+        raise errors[0]
+    for number, result in enumerate(results):
+        if isinstance(result, IdentificationError):
+            continue
+        vague = result.uncertainty.natural_frequency / result.natural_frequency
+        if vague > _VAGUE:
+            raise IdentificationError(
+                f"run {experiment.name!r}: too little overshoot ({100 * (result.overshoot or 0.0):.2g} %), "
+                f"the natural frequency is uncertain by {100 * vague:.0f} %"
+            )
+        if number == 0:
+            return result
+        skipped = "; ".join(error.cause for error in results[:number] if isinstance(error, IdentificationError))
+        fields = result.model_dump() | {"uncertainty": result.uncertainty, "name": experiment.name}
+        return Characteristics(**fields | {"notes": (*result.notes, f"from step {number + 1}, because {skipped}")})
+    raise NoStepError(f"run {experiment.name!r}: no step in it")
+
+
+def _join(campaign: Campaign, kept: list[Experiment]) -> tuple[MassOffset, ...]:
+    part = Campaign(name=campaign.name, experiments=tuple(kept), weight_uncertainty=campaign.weight_uncertainty)
+    return part.mass_offsets
