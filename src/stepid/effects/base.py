@@ -78,6 +78,7 @@ class Effect:
     advice: ClassVar[str] = ""  # what to do about it
 
     linear: ClassVar[bool] = False  # the plant stays linear: solved exactly
+    affine: ClassVar[bool] = False  # linear with constant forces between its events: solved exactly between them
     dry: ClassVar[bool] = False  # holds the cart at rest within its breakaway force
     reverses: ClassVar[bool] = False  # its law changes where the velocity changes sign
     rests_anywhere: ClassVar[bool] = False  # the cart may start off the spring's rest position

@@ -27,6 +27,7 @@ class CoulombFriction(_DryFriction):
     law = "−F_c sign(v)"
     seen = "straight-line envelope, dead stop off zero, c and K that rise with mass in the paper's table"
     advice = "clean and align the rails, oil the bearings; keep it in the model"
+    affine: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.force,) for share in _SHARES]
@@ -43,6 +44,7 @@ class LoadProportionalFriction(_DryFriction):
     law = "−μ m g sign(v)"
     seen = "as Coulomb friction, growing with added mass"
     advice = "the friction sits under the cart's weight: check wheels and rails, keep it in the model"
+    affine: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.force / (scales.mass * GRAVITY),) for share in _SHARES]
@@ -90,6 +92,7 @@ class AsymmetricFriction(_DryFriction):
     law = "−F_c⁺ for v > 0, +F_c⁻ for v < 0"
     seen = "halves of the envelope shrink differently"
     advice = "look for a tilted rail or a one-sided seal; record steps in both directions"
+    affine: ClassVar[bool] = True
     contains = ("coulomb_friction",)
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:

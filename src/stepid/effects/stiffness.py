@@ -51,6 +51,7 @@ class FreePlay(Effect):
     law = "k x within ±gap, +k gap sign(x) outside (on top of −k x)"
     seen = "floats about zero, lower frequency at small amplitude"
     advice = "tighten the spring's clamps"
+    affine: ClassVar[bool] = True
     n_switches: ClassVar[int] = 2
     rests_anywhere: ClassVar[bool] = True
 
@@ -74,6 +75,7 @@ class EndStop(Effect):
     law = "−k_s (x − x_s) beyond x_s"
     seen = "clipped, kinked peaks"
     advice = "move the stop out of the cart's way or take smaller steps"
+    affine: ClassVar[bool] = True
     n_switches: ClassVar[int] = 1
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:

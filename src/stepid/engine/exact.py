@@ -1,0 +1,97 @@
+"""Exact steps of linear plants: matrix exponentials with held input."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from stepid._base import Array
+from stepid.engine.law import LENGTH, Law
+
+Index = npt.NDArray[np.intp]
+
+
+def exponential(a: Array) -> Array:
+    """Matrix exponentials of a stack, shape (n, d, d): Taylor of degree 12 with scaling and squaring."""
+    norm = float(np.abs(a).sum(axis=2).max(initial=0.0))
+    if not math.isfinite(norm):
+        return np.full_like(a, np.nan)
+    squarings = max(0, math.ceil(math.log2(norm / 0.25))) if norm > 0 else 0
+    b = a / 2.0**squarings
+    eye = np.eye(a.shape[1])
+    total = eye + b / 12
+    for degree in range(11, 0, -1):
+        total = eye + (b @ total) / degree
+    for _ in range(squarings):
+        total = total @ total
+    return total
+
+
+def step_matrices(law: Law, table: Array, sides: Array) -> tuple[Array, Array]:
+    """Transition matrix Φ and held-input matrix Γ of plants that are affine within a regime.
+
+    Parameters
+    ----------
+    law : Law
+        Affine: within the regime its rates are A z + b.
+    table : array, shape (n_rows, lanes)
+    sides : array, shape (n_sides, lanes)
+        The regime.
+
+    Returns
+    -------
+    phi, gamma : arrays, shape (lanes, d, d)
+        z(length) = Φ z(0) + Γ b, b the rates at z = 0.
+    """
+    d, lanes = law.n_states, table.shape[1]
+    sign = np.ones(lanes)
+    base = offset(law, table, sign, sides)
+    a = np.zeros((lanes, 2 * d, 2 * d))
+    for j in range(d):
+        z = np.zeros((d, lanes))
+        z[j] = 1.0
+        out = np.empty((d, lanes))
+        a[:, :d, j] = (law.rates(table, z, sign, 0.0, sides, out) - base).T
+    a[:, :d, d:] = np.eye(d)
+    both = exponential(a * table[LENGTH][:, None, None])
+    return both[:, :d, :d], both[:, :d, d:]
+
+
+def offset(law: Law, table: Array, sign: Array, sides: Array) -> Array:
+    """Rates at z = 0 under the held input and the friction of `sign`, shape (d, lanes)."""
+    z, out = np.zeros((law.n_states, table.shape[1])), np.empty((law.n_states, table.shape[1]))
+    return law.rates(table, z, sign, 0.0, sides, out)
+
+
+class FullStep:
+    """Exact steps of a whole sample for affine laws: one matrix for each plant and regime, shared by all its samples.
+
+    Parameters
+    ----------
+    law : Law
+    plants : array, shape (n_rows, G)
+        Lane table of the plants; its LENGTH row is the step.
+    """
+
+    def __init__(self, law: Law, plants: Array) -> None:
+        self._law = law
+        regimes = 2**law.n_sides
+        bits = np.repeat(np.arange(regimes), plants.shape[1])
+        sides = np.array([np.where(bits >> i & 1, 1.0, -1.0) for i in range(law.n_sides)]).reshape(-1, bits.size)
+        self.phi, self._gamma = step_matrices(law, np.tile(plants, regimes), sides)
+        self._plants = plants.shape[1]
+
+    def __call__(self, group: Index, table: Array, z: Array, sign: Array, sides: Array) -> Array:
+        """Advance every lane (of plant `group`) by its whole step, shape (d, lanes) in and out."""
+        for i in range(self._law.n_sides):
+            group = group + np.where(sides[i] > 0, self._plants << i, 0)
+        b = offset(self._law, table, sign, sides)
+        out: Array = _apply(self.phi[group], z) + _apply(self._gamma[group], b)
+        return out
+
+
+def _apply(matrices: Array, vectors: Array) -> Array:
+    out: Array = np.matmul(matrices, vectors.T[:, :, None])[:, :, 0].T
+    return out

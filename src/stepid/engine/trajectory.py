@@ -1,0 +1,377 @@
+"""Whole records solved at once: Newton over all samples of all runs, with the exact discrete sensitivities.
+
+Every sample's state is an unknown and every step an equation, z[n+1] = Ψ(z[n]). All steps are evaluated side by side;
+the Newton system is block bidiagonal, so one banded triangular solve gives the update, and the same matrix gives the
+sensitivities. Causality makes it converge: each iteration settles at least one more step.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import lapack
+
+from stepid._base import Array
+from stepid.effects.base import Effect
+from stepid.engine.exact import FullStep, Index
+from stepid.engine.flow import advance
+from stepid.engine.law import DAMPING, FIRST, GAIN, LENGTH, MASS, STIFFNESS, TIME, VOLTS, Law
+from stepid.engine.records import Records
+
+_ITERATIONS = 14
+_TOLERANCE = 1e-9  # m and m/s·s: far below a count
+_FAR = 1e3  # states this many times larger than the data are a runaway
+
+
+class Point(NamedTuple):
+    """Parameter values of C plants ("copies"): `shared` (C, P), `local` (C, Q, R)."""
+
+    shared: Array
+    local: Array
+
+
+class Solved(NamedTuple):
+    """A solved trajectory.
+
+    States (d, S), reading (S,), its sensitivities to the shared (P, S) and local (Q, S) parameters, and the tangents of
+    the states to all of them (P + Q, d, S); None where not wanted.
+    """
+
+    states: Array
+    reading: Array
+    shared: Array | None = None
+    local: Array | None = None
+    tangent: Array | None = None
+
+
+class _Stage(NamedTuple):
+    lanes: Array
+    group: Index
+    full: FullStep | None
+
+
+class Simulator:
+    """Solves all records of a campaign for one plant model, with sensitivities."""
+
+    def __init__(self, records: Records, effects: tuple[Effect, ...]) -> None:
+        self.records = records
+        self.law = Law(effects)
+        self.n_labels = (len(records.bases), len(records.springs), len(records.dampers))
+        self.n_linear = sum(self.n_labels) + 1
+        self.n_shared = self.n_linear + sum(len(e.parameters) for e in effects)
+        self.n_local = 2 + sum(len(e.run_parameters) for e in effects)  # displacement, velocity, the effects' own
+        self._linked = np.ones(records.size, dtype=bool)
+        self._linked[records.bounds[1:] - 1] = False
+        self._scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), 1e-9)
+        w = np.median(records.sample_time)
+        self._eps = np.array([1e-7, 1e-7 / w * 0.1] + [1e-7] * (self.law.n_states - 2)) * self._scale
+        self._eps[2 : self.law.n_rates] = 1e-6 * max(self._scale, 1e-3)
+
+    # ---- lane tables ------------------------------------------------------------------------------------------
+
+    def _run_table(self, point: Point) -> Array:
+        """Lane table of every copy and run, shape (n_rows, C, R); times, volts and lengths are filled in later."""
+        r = self.records
+        copies, runs = point.shared.shape[0], len(r.runs)
+        a, b, c = self.n_labels
+        table = np.zeros((self.law.n_rows, copies, runs))
+        table[MASS] = point.shared[:, :a][:, r.base] + r.added_mass
+        table[STIFFNESS] = point.shared[:, a : a + b][:, r.spring]
+        table[DAMPING] = point.shared[:, a + b : a + b + c][:, r.damper]
+        table[GAIN] = point.shared[:, a + b + c, None]
+        row, shared, local = FIRST, self.n_linear, 2
+        for e in self.law.effects:
+            for _ in e.parameters:
+                table[row] = point.shared[:, shared, None]
+                row, shared = row + 1, shared + 1
+            for _ in e.run_parameters:
+                table[row] = point.local[:, local]
+                row, local = row + 1, local + 1
+        table[LENGTH] = r.sample_time
+        table[VOLTS] = r.before
+        return table
+
+    def _delay(self, table: Array) -> Array | None:
+        total = None
+        for place in self.law.places:
+            if type(place.effect).delay is not Effect.delay:
+                extra = place.effect.delay(self.law.values(table, place)) * np.ones(table.shape[1:])
+                total = extra if total is None else total + extra
+        return total
+
+    def _parts(self, table: Array) -> list[tuple[Array, Array, Array]]:
+        """Split each step where a delayed input changes: (volts, start, length), each (C, S)."""
+        r = self.records
+        delay = self._delay(table)
+        copies = table.shape[1]
+        if delay is None:
+            return [
+                (
+                    np.broadcast_to(r.volts, (copies, r.size)),
+                    np.zeros((copies, r.size)),
+                    np.broadcast_to(r.sample_time[r.run], (copies, r.size)),
+                )
+            ]
+        h = r.sample_time
+        whole = np.floor(np.maximum(delay, 0.0) / h).astype(int)
+        rest = np.clip(delay - whole * h, 0.0, None)
+        at = np.arange(r.size) - whole[:, r.run]
+        first = r.first[r.run]
+
+        def held(index: Array) -> Array:
+            out: Array = np.where(index >= first, r.volts[np.maximum(index, 0)], r.before[r.run])
+            return out
+
+        rest_s = rest[:, r.run]
+        return [(held(at - 1), np.zeros_like(rest_s), rest_s), (held(at), rest_s, h[r.run] - rest_s)]
+
+    def _lanes(self, table: Array, part: tuple[Array, Array, Array]) -> Array:
+        """Expand a run table over the samples, shape (n_rows, C·S)."""
+        full = table[:, :, self.records.run]
+        full[VOLTS], full[TIME], full[LENGTH] = part[0], self.records.time + part[1], part[2]
+        return full.reshape(self.law.n_rows, -1)
+
+    # ---- where records begin --------------------------------------------------------------------------------------
+
+    def initial(self, point: Point) -> Array:
+        """States at each run's first sample, shape (d, C, R)."""
+        r, law = self.records, self.law
+        table = self._run_table(point)
+        flat = table.reshape(law.n_rows, -1)
+        moving = np.broadcast_to(r.moving, point.local[:, 0].shape).ravel()
+        x = np.zeros(flat.shape[1])
+        if np.any(r.before):
+            for _ in range(12):
+                z = self._still(flat, x)
+                step = 1e-6 * self._scale
+                f = law.net(flat, z, 0.0 * x, self._sides(flat, z))
+                z = self._still(flat, x + step)
+                slope = (law.net(flat, z, 0.0 * x, self._sides(flat, z)) - f) / step
+                x = x - np.where(moving, 0.0, f / slope)
+        x = x + point.local[:, 0].ravel()
+        z = self._still(flat, x)
+        z[1] = np.where(moving, point.local[:, 1].ravel(), 0.0)
+        return z.reshape(law.n_states, *table.shape[1:])
+
+    def _sides(self, table: Array, z: Array) -> Array:
+        return np.where(self.law.switches(table, z, np.zeros(z.shape[1])) < 0, -1.0, 1.0)
+
+    def _still(self, table: Array, x: Array) -> Array:
+        z = np.zeros((self.law.n_states, x.size))
+        z[0] = x
+        for place in self.law.places:
+            e = place.effect
+            own = e.at_rest(self.law.values(table, place), x, table[VOLTS])
+            if e.n_extra:
+                z[place.extra] = own[: e.n_extra]
+            if e.n_memory:
+                z[place.memory] = own[e.n_extra :]
+        return z
+
+    # ---- one step of everything -------------------------------------------------------------------------------
+
+    def _stages(self, point: Point) -> list[_Stage]:
+        """Lane tables and exact steps of each part of a sample."""
+        table = self._run_table(point)
+        copies, runs = table.shape[1:]
+        group = (np.arange(copies)[:, None] * runs + self.records.run).ravel()
+        stages = []
+        for part in self._parts(table):
+            full = None
+            if self.law.affine:
+                plants = table.copy()
+                plants[LENGTH] = part[2][:, self.records.first]
+                full = FullStep(self.law, plants.reshape(self.law.n_rows, -1))
+            stages.append(_Stage(self._lanes(table, part), group, full))
+        return stages
+
+    def _step(self, stages: list[_Stage], z: Array, index: Index | None = None) -> Array:
+        """Ψ of lanes (all, or those of `index`); z and the result have shape (d, lanes)."""
+        for lanes, group, full in stages:
+            if index is not None:
+                lanes, group = lanes[:, index], group[index]
+            if full is not None and self.law.linear:
+                z = full(group, lanes, z, np.ones(z.shape[1]), np.ones((0, z.shape[1])))
+            else:
+                z = advance(self.law, lanes, z, full, group)
+        return z
+
+    def _linearize(self, stages: list[_Stage], z: Array, index: Index) -> tuple[Array, Array]:
+        """Ψ (d, n) of samples `index` and its derivative by the state (d, d, n): [i, j] = ∂Ψ_i/∂z_j."""
+        d, n = z.shape
+        if self.law.linear:
+            total = np.eye(d)
+            for stage in stages:
+                assert stage.full is not None
+                total = stage.full.phi[stage.group[index]] @ total
+            return self._step(stages, z, index), np.moveaxis(total, 0, 2)
+        copies = np.repeat(z[:, None], d + 1, axis=1)
+        for j in range(d):
+            copies[j, j + 1] += self._eps[j]
+        psi = self._step(stages, copies.reshape(d, -1), np.tile(index, d + 1)).reshape(d, d + 1, n)
+        return psi[:, 0], (psi[:, 1:] - psi[:, :1]) / self._eps[None, :, None]
+
+    # ---- all samples at once --------------------------------------------------------------------------------------
+
+    def _band(self, slope: Array) -> Array:
+        d, size = self.law.n_states, self.records.size
+        band = np.zeros((2 * d, size * d))
+        band[0] = 1.0
+        view = band.reshape(2 * d, size, d)
+        linked = np.where(self._linked, 1.0, 0.0)
+        for i in range(d):
+            for j in range(d):
+                view[d + i - j, :, j] = -slope[i, j] * linked
+        return band
+
+    def _triangular(self, band: Array, rhs: Array) -> Array:
+        """Solve for stacked right-hand sides, shape (n, d, S) in and out."""
+        n, d, size = rhs.shape
+        b = np.asfortranarray(rhs.transpose(2, 1, 0).reshape(size * d, n))
+        x, info = lapack.dtbtrs(band, b, uplo="L", diag="U", overwrite_b=1)
+        if info:
+            raise FloatingPointError
+        out: Array = x.reshape(size, d, n).transpose(2, 1, 0)
+        return out
+
+    def _chain(self, psi: Array, initial: Array) -> Array:
+        """What each sample's state should be: the step from the sample before, or the run's initial state."""
+        target = np.empty_like(psi)
+        target[..., 1:] = psi[..., :-1]
+        target[..., self.records.first] = initial
+        return target
+
+    def guess(self) -> Array:
+        """States read off the measured record, shape (d, S): a start for Newton."""
+        r = self.records
+        z = np.zeros((self.law.n_states, r.size))
+        for piece in r.pieces():
+            y = r.position[piece]
+            z[0, piece] = y - y[0]
+            z[1, piece] = np.gradient(y, r.time[piece])
+        return z
+
+    def solve(self, shared: Array, local: Array, *, start: Array | None = None, sensitive: bool = True) -> Solved | None:
+        """Solve all records for parameter values.
+
+        Parameters
+        ----------
+        shared : array, shape (P,)
+        local : array, shape (Q, R)
+        start : array, shape (d, S), optional
+            A nearby trajectory.
+        sensitive : bool
+            Whether sensitivities are wanted.
+
+        Returns
+        -------
+        Solved or None
+            None where the trajectory runs away or Newton does not settle: a rejected step.
+        """
+        point = Point(shared[None], local[None])
+        with np.errstate(all="ignore"):
+            try:
+                return self._newton(point, self.guess() if start is None else start, sensitive)
+            except (FloatingPointError, np.linalg.LinAlgError):
+                return None
+
+    def _newton(self, point: Point, z: Array, sensitive: bool) -> Solved | None:
+        initial = self.initial(point)[:, 0]
+        limit = _FAR * self._scale
+        weight = np.array([1.0, 0.01] + [1.0] * (self.law.n_states - 2))[:, None]
+        stages = self._stages(point)
+        psi, slope = self._linearize(stages, z, np.arange(self.records.size))
+        for _ in range(_ITERATIONS):
+            miss = self._chain(psi, initial) - z
+            if not (np.isfinite(miss).all() and np.isfinite(slope).all()):
+                return None
+            band = self._band(slope)
+            change = self._triangular(band, miss[None])[0]
+            z = z + change
+            largest = (np.abs(change) * weight).max(axis=0)
+            if largest.max() < _TOLERANCE or self.law.linear:
+                break
+            if not np.abs(z[0]).max() < limit:
+                return None
+            psi = psi + np.einsum("ijs,js->is", slope, change)
+            stale = np.flatnonzero(largest > 0.01 * _TOLERANCE)
+            psi[:, stale], slope[:, :, stale] = self._linearize(stages, z[:, stale], stale)
+        else:
+            return None
+        reading = z[0] + self._reading(point)[0]
+        return self._sensitivities(point, z, band, reading) if sensitive else Solved(z, reading)
+
+    def march(self, shared: Array, local: Array) -> Array:
+        """Solve sample by sample from each record's start: slower, but it needs no start and cannot fail to settle.
+
+        Parameters
+        ----------
+        shared : array, shape (C, P)
+        local : array, shape (C, Q, R)
+
+        Returns
+        -------
+        array, shape (C, d, S)
+            States; not finite where a plant runs away.
+        """
+        point = Point(shared, local)
+        copies, size, bounds = shared.shape[0], self.records.size, self.records.bounds
+        z = np.empty((self.law.n_states, copies, size))
+        with np.errstate(all="ignore"):
+            stages = self._stages(point)
+            z[..., self.records.first] = self.initial(point)
+            lengths = np.diff(bounds)
+            for k in range(int(lengths.max()) - 1):
+                at = bounds[:-1][lengths > k + 1] + k
+                index = (np.arange(copies)[:, None] * size + at).ravel()
+                after = self._step(stages, z[..., at].reshape(self.law.n_states, -1), index)
+                z[..., at + 1] = after.reshape(self.law.n_states, copies, -1)
+        return z.transpose(1, 0, 2)
+
+    def _reading(self, point: Point) -> Array:
+        total = np.zeros((point.shared.shape[0], self.records.size))
+        table = self._run_table(point)
+        for place in self.law.places:
+            if type(place.effect).reading is not Effect.reading:
+                values = tuple(row[:, self.records.run] for row in table[place.values])
+                total = total + place.effect.reading(values, self.records.time)
+        return total
+
+    def steps(self, shared: Array) -> Array:
+        """Finite-difference steps of the shared parameters."""
+        return 1e-6 * np.maximum(np.abs(shared), 1e-4 * self.typical(shared))
+
+    def typical(self, shared: Array) -> Array:
+        """Magnitudes by which the shared parameters are judged."""
+        a, b, _ = self.n_labels
+        mass, stiffness = np.abs(shared[:a]).max(), np.abs(shared[a : a + b]).max()
+        out = np.maximum(np.abs(shared), 1e-12)
+        out[:a] = max(mass, 0.1)
+        out[a + b : self.n_linear - 1] = np.sqrt(mass * stiffness)
+        return out
+
+    def _sensitivities(self, point: Point, z: Array, band: Array, reading: Array) -> Solved:
+        p, q = self.n_shared, self.n_local
+        shared = np.repeat(point.shared, 1 + p + q, 0)
+        local = np.repeat(point.local, 1 + p + q, 0)
+        steps = np.concatenate([self.steps(point.shared[0]), np.full(q, 1e-6)])
+        steps[p : p + 2] = 1e-6 * self._scale, 1e-5 * self._scale
+        for j in range(p):
+            shared[1 + j, j] += steps[j]
+        for j in range(q):
+            local[1 + p + j, j] += steps[p + j]
+        many = Point(shared, local)
+        start = self.initial(many)
+        rhs = np.zeros((p + q, z.shape[0], self.records.size))
+        own = [0, *range(1, p + 1), *range(p + 3, 1 + p + q)]  # displacement and velocity act at the start only
+        copies = np.repeat(z[:, None], len(own), axis=1).reshape(z.shape[0], -1)
+        psi = self._step(self._stages(Point(shared[own], local[own])), copies).reshape(z.shape[0], len(own), -1)
+        column = np.array(own[1:]) - 1
+        moved = (psi[:, 1:] - psi[:, :1]).transpose(1, 0, 2) / steps[column, None, None]
+        rhs[column, :, 1:] = moved[..., :-1]
+        rhs[..., self.records.first] = (start[:, 1:] - start[:, :1]).transpose(1, 0, 2) / steps[:, None, None]
+        shown = self._reading(many)
+        tangent = self._triangular(band, rhs)
+        seen = tangent[:, 0] + (shown[1:] - shown[:1]) / steps[:, None]
+        return Solved(z, reading, seen[:p], seen[p:], tangent)
