@@ -1,7 +1,7 @@
 """Whole campaigns with a known truth, at a wanted visibility.
 
-`r0` is the RMS residual of the best joint linear fit over the noise RMS: 1 is invisible, 100 is plain to the eye. A campaign
-is drawn, simulated without noise, fitted linearly; then noise and strength are chosen so that r0 comes out as asked.
+`r0` is the RMS residual of the best joint linear fit over the noise RMS: 1 is invisible, 100 is plain to the eye. A
+campaign is drawn, simulated without noise, fitted linearly; then noise and strength are chosen for the wanted r0.
 """
 
 from __future__ import annotations
@@ -122,8 +122,11 @@ def _open(request: Request) -> _Draft:
     setup = draw_setup(rng, kind)
     target = float(np.exp(rng.uniform(0, np.log(100)))) if request.r0 is None else request.r0
     counting = bool(rng.random() < 0.25)
-    if counting and request.r0 is None:  # the finest encoder sees effects of natural size plainly
-        target = float(np.exp(rng.uniform(np.log(10), np.log(400))))
+    plain = float(np.exp(rng.uniform(np.log(10), np.log(400))))
+    if request.r0 is not None and request.r0 < 10 and (request.effects or request.outside):
+        counting = False  # rounding is no noise to an effect smaller than a count
+    elif counting and request.r0 is None:
+        target = plain
     rounding = 1 / abs(setup.counts_per_meter) / np.sqrt(12)
     heavy = max(HEAVIEST * setup.reach, 3 * rounding)
     wish = rounding if counting else float(np.exp(rng.uniform(np.log(1.5 * rounding), np.log(heavy))))
@@ -179,20 +182,19 @@ def _simulate(drafts: Sequence[_Draft], only: Sequence[Sequence[str] | None]) ->
 
 
 def _balance(drafts: Sequence[_Draft]) -> None:
-    """Of two effects, neither may hide behind the other: equal misfits alone, within a factor of three."""
-    for _ in range(2):
-        alone: dict[int, list[float]] = {}
-        for which in (0, 1):
-            only = [(d.request.effects[which],) for d in drafts]
-            for draft, readings in zip(drafts, _simulate(drafts, only), strict=True):
-                alone.setdefault(id(draft), []).append(_misfit(draft, readings))
-        for draft in drafts:
-            one, two = alone[id(draft)]
-            first, second = draft.request.effects
-            if one > draft.spread * two > 0:
-                draft.strength[second] *= float(np.clip(one / two / draft.spread, 1, 8))
-            elif two > draft.spread * one > 0:
-                draft.strength[first] *= float(np.clip(two / one / draft.spread, 1, 8))
+    """Of two effects, neither may hide behind the other: misfits alone within a factor of three."""
+    alone: dict[int, list[float]] = {id(d): [] for d in drafts}
+    for which in (0, 1):
+        only = [(d.request.effects[which],) for d in drafts]
+        for draft, readings in zip(drafts, _simulate(drafts, only), strict=True):
+            alone[id(draft)].append(_misfit(draft, readings))
+    for draft in drafts:
+        one, two = (max(m, 1e-9) for m in alone[id(draft)])
+        first, second = draft.request.effects
+        if one > draft.spread * two:
+            draft.strength[second] *= min(one / two / draft.spread, 8.0)
+        elif two > draft.spread * one:
+            draft.strength[first] *= min(two / one / draft.spread, 8.0)
 
 
 def _decide(draft: _Draft, last: bool) -> None:
@@ -243,6 +245,7 @@ def _finish(draft: _Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
         "parameters": {f"{e}.{p}": v for e, values in draft.effects().items() for p, v in values.items()},
         "noise_rms": draft.sigma,
         "misfit": draft.misfit,
+        "exact": draft.readings,  # without noise, rounding and rest position
         "r0": found.rms / draft.sigma,
         "variants": tuple(v for v in draft.variants if v != "anywhere in the band"),
         "rests": rests,

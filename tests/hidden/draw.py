@@ -9,7 +9,7 @@ import numpy as np
 
 Strengths = dict[str, dict[str, float]]
 TABLE_1 = (
-    # added weights, damper, spring, share of the step (the stiff damper and the light spring get what the lab gave them)
+    # added weights, damper, spring, share of the step (less where the travel would not suffice)
     (2, "half", "medium", 1.0),
     (2, "full", "medium", 0.8),
     (2, "none", "medium", 1.0),
@@ -152,10 +152,10 @@ def _stop(rng: np.random.Generator, p: Setup, strength: float) -> dict[str, floa
 
 
 def draw_effect(rng: np.random.Generator, name: str, p: Setup, strength: float = 1.0) -> dict[str, float]:
-    """Parameters of one effect, of natural size at strength 1 and proportional to strength where that means anything."""
+    """Parameters of one effect, of natural size at strength 1 and as good as proportional to strength."""
     k, c, push, rate = p.stiffness["medium"], p.damping["half"], p.stiffness["medium"] * p.reach, p.rate
     sign = float(rng.choice([-1, 1]))
-    friction = strength * _log(rng, 0.01, 0.06) * push
+    friction = min(0.2, strength * _log(rng, 0.01, 0.06)) * push
     if name == "coulomb_friction":
         return {"level": friction}
     if name == "load_proportional_friction":

@@ -1,8 +1,8 @@
 """The best joint linear fit, by code of its own: exact held-input recursion, and what is linear eliminated.
 
-Shared: base mass (a base label), stiffness (a spring label), damping (a damper label), one force gain. Per run: the rest
-position and, for a free release, the initial state. Masses, stiffness and damping are searched; gain, rest positions and
-initial states are eliminated exactly (variable projection).
+Shared: base mass (a base label), stiffness (a spring label), damping (a damper label), one force gain. Per run: the
+rest position and, for a free release, the initial state. Masses, stiffness and damping are searched; gain, rest
+positions and initial states are eliminated exactly (variable projection).
 """
 
 from __future__ import annotations

@@ -8,6 +8,8 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .campaigns import Request, make_campaigns
 from .outside import OUTSIDE
 from .plant import NAMES
@@ -36,7 +38,17 @@ PAIRS = (
 )
 SETS = ("single", "none", "pairs", "outside")
 _FIRST_SEED = {"single": 10_000, "none": 40_000, "pairs": 60_000, "outside": 80_000}
+# bands of r0 that each effect goes through in turn; None is whatever a natural strength gives
+_BANDS = ((2, 10), (1.1, 2), (10, 100), (1.0, 1.05), (5, 30), None, (1.1, 2), (2, 100))
 Found = tuple[Any, dict[str, Any]]
+
+
+def _visibility(seed: int, turn: int) -> float | None:
+    band = _BANDS[turn % len(_BANDS)]
+    if band is None:
+        return None
+    low, high = band
+    return float(low * (high / low) ** np.random.default_rng([seed, 9]).random())
 
 
 def requests(which: str, count: int, *, skip: int = 0) -> list[Request]:
@@ -44,7 +56,7 @@ def requests(which: str, count: int, *, skip: int = 0) -> list[Request]:
     seeds = range(skip, skip + count)
     first = _FIRST_SEED[which]
     if which == "single":
-        return [Request(first + i, (NAMES[i % len(NAMES)],)) for i in seeds]
+        return [Request(first + i, (NAMES[i % len(NAMES)],), r0=_visibility(first + i, i // len(NAMES))) for i in seeds]
     if which == "none":
         return [Request(first + i) for i in seeds]
     if which == "pairs":
