@@ -153,17 +153,17 @@ def bombard(tmp_path, kind, count, seed):
     file = write(tmp_path / name, good)
     read(file)
     rng = random.Random(f"{kind} {seed}")
-    survived = 0
-    for round_ in range(count):
+    survived = mute = 0
+    for _ in range(count):
         raw = corrupt(good, rng)
         file.write_bytes(raw)
         try:
             read(file)
         except StepidError as error:
-            assert error.cause, (kind, seed, round_)
-            assert error.remedy, (kind, seed, round_)
+            mute += not (error.cause and error.remedy)
         else:
             survived += 1
+    assert mute == 0
     return survived
 
 
