@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid._base import Array, Model
+from stepid.errors import NoOvershootError
 from stepid.second_order import damping_ratio, natural_frequency
 
 _WINDOW = 0.25  # half width of the fitted stretch, as a fraction of the peak time
@@ -99,11 +100,21 @@ def fit_peak(time: Array, swing: Array, near: float, half_width: float, *, noise
     PeakReading
         Its uncertainties come from the least-squares covariance with the noise, or with the misfit where the
         polynomial leaves more than the noise.
+
+    Raises
+    ------
+    stepid.errors.NoOvershootError
+        If the maximum drifts out of the record.
     """
     period = float(time[1] - time[0])
     half = max(half_width, 0.5 * (_POINTS - 0.5) * period)
     center, seen = near, set()
     while True:
+        if not time[0] <= center <= time[-1]:
+            raise NoOvershootError(
+                "the outward motion ends in no peak within the record",
+                "Eqs. 7 and 8 need an overshoot: less damping, more mass or a stiffer spring; stepid.fit needs none.",
+            )
         inside = np.flatnonzero(np.abs(time - center) <= half)
         key = (int(inside[0]), int(inside[-1]))
         offset = (time[inside] - center) / half

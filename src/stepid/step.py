@@ -67,7 +67,10 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
     if left > 2 * _MOVING * abs(level):
         raise _swinging(who, left / abs(level))
     for _ in range(30):  # the tail fit needs the damping ratio, which needs the level
-        found = peak.locate(time, swing, level=level, noise=noise)
+        try:
+            found = peak.locate(time, swing, level=level, noise=noise)
+        except NoOvershootError as error:
+            raise NoOvershootError(f"{who}: {error.cause}", error.remedy) from None
         excess = overshoot(found.height, level)
         if not max(5 * noise, 2 * grid) < excess * level < level:
             raise _no_overshoot(who, excess, level, noise, grid)
