@@ -66,9 +66,15 @@ def requests(which: str, count: int, *, skip: int = 0) -> list[Request]:
     raise KeyError(which)
 
 
+def one(which: str, number: int) -> Found:
+    """Campaign and truth of the given number in a set."""
+    return make(requests(which, 1, skip=number), which=which)[0]
+
+
 def make(
     wanted: Sequence[Request],
     *,
+    which: str = "",
     executor: Executor | None = None,
     chunk: int = 100,
     progress: Callable[[int], object] = lambda done: None,
@@ -77,6 +83,8 @@ def make(
     pieces = [wanted[i : i + chunk] for i in range(0, len(wanted), chunk)]
     made: list[Found] = []
     for some in map(make_campaigns, pieces) if executor is None else executor.map(make_campaigns, pieces):
+        for _, truth in some:
+            truth["number"] = truth["seed"] - _FIRST_SEED.get(which, 0)
         made.extend(some)
         progress(len(made))
     return made
@@ -88,7 +96,7 @@ def cached(folder: Path | None, which: str, count: int, *, skip: int = 0, **opti
     if file is not None and file.exists():
         found: list[Found] = pickle.loads(file.read_bytes())
         return found
-    made = make(requests(which, count, skip=skip), **options)
+    made = make(requests(which, count, skip=skip), which=which, **options)
     if file is not None:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_bytes(pickle.dumps(made))
