@@ -54,9 +54,12 @@ def test_only_another_encoder_is_read(tmp_path):
 def test_minus_zero_is_zero(tmp_path):
     content = export_bytes().replace(b"               0          0.0000", b"              -0         -0.0000")
     assert b"-0 " in content
-    experiment = read_ecp(write(tmp_path / "a.txt", content), counts_per_meter=-SCALE)
-    assert not np.signbit(experiment.position[0])
-    assert not np.signbit(experiment.input[0])
+    file = write(tmp_path / "a.txt", content)
+    for scale in (SCALE, -SCALE):
+        experiment = read_ecp(file, counts_per_meter=scale)
+        assert np.count_nonzero(experiment.position == 0) >= 2
+        assert not np.signbit(experiment.position[experiment.position == 0]).any()
+        assert not np.signbit(experiment.input[0])
 
 
 @pytest.mark.parametrize("period", [0.0088542, 0.00113, 0.0095032116, 0.02])

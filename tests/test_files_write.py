@@ -114,6 +114,24 @@ def test_any_campaign_reads_back_equal(tmp_path_factory, campaign):
     assert Campaign.model_validate_json(campaign.model_dump_json()) == campaign
 
 
+def test_names_of_any_kind_read_back(tmp_path):
+    odd = [
+        "\x7f",
+        "\x00\x1f",
+        'a "quoted" \\ name',
+        "tab\tand\r\nline",
+        "München ½ 🛒",
+        "../up",
+        "  ",
+        "CON",
+        "x" * 300,
+    ]
+    runs = tuple(experiment(name=name, spring=name, damper=name, base=name) for name in odd)
+    campaign = Campaign(name=odd[0], experiments=runs)
+    assert read_campaign(write_campaign(campaign, tmp_path / "new")) == campaign
+    assert len(list((tmp_path / "new").iterdir())) == len(odd) + 1
+
+
 def test_nothing_is_overwritten(tmp_path):
     campaign = Campaign(name="c", experiments=(experiment(),))
     for name in ("campaign.toml", "01-case-5.txt"):
