@@ -30,7 +30,10 @@ def _times(records: Sequence[Record]) -> str:
     groups = defaultdict(list)
     for r in records:
         groups[(r["set"], r["runs"])].append(r["seconds"])
-    rows = ["| time | runs | median s | 90 % s | slowest s | cases |", "| --- | --- | --- | --- | --- | --- |"]
+    rows = [
+        "| CPU time on one core | runs | median s | 90 % s | slowest s | cases |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
     for (which, runs), s in sorted(groups.items()):
         rows.append(f"| {which} | {runs} | {quantile(s, 0.5):.2f} | {quantile(s, 0.9):.2f} | {max(s):.2f} | {len(s)} |")
     return "\n".join(rows)

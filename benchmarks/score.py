@@ -144,9 +144,9 @@ def score(records: Sequence[Record]) -> list[Line]:
         met = 0.92 <= inside <= 0.98
         lines.append(Line("95 % intervals cover", "92 to 98 %", inside, len(errors), met, beyond))
     nine = [r["seconds"] for r in clear if r["runs"] >= 9]
-    lines.append(mean("one effect, nine runs: median s", "≤ 0.7", 0.7, nine, middle=True))
+    lines.append(mean("one effect, nine runs: median CPU s", "≤ 0.7", 0.7, nine, middle=True))
     two = [r["seconds"] for r in pairs if visible(r)]
-    lines.append(mean("two effects: median s", "≤ 5", 5.0, two, middle=True))
+    lines.append(mean("two effects: median CPU s", "≤ 5", 5.0, two, middle=True))
     lines.append(share("ended in an error", "≤ 0 %", 0.0, records, lambda r: "error" in r, at_most=True))
     return lines
 
