@@ -26,7 +26,7 @@ SHORT = {
     "actuator_lag": {"time_constant": "tau"},
     "input_delay": {"delay": "delay"},
     "periodic_disturbance": {"amplitude": "aper", "frequency": "fper"},
-    "cogging": {"amplitude": "kper", "pitch": "xper"},
+    "cogging": {"amplitude": "kper", "pitch": "xper", "phase": "phper"},
     "sensor_drift": {"rate": "drift"},
 }
 
