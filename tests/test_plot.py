@@ -41,7 +41,9 @@ def test_response_draws_dots_and_line() -> None:
     _, axes = plt.subplots()
     one = run()
     assert plot.response(one, axes=axes) is axes
-    dots, line = axes.get_lines()
+    dots, line, peak = axes.get_lines()
+    assert set(peak.get_xdata()) == {0.25}
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["measured", "model", "first peak"]
     assert (dots.get_marker(), line.get_linestyle()) == (".", "-")
     np.testing.assert_allclose(dots.get_ydata(), 1e3 * one.measured)
     np.testing.assert_allclose(line.get_ydata(), 1e3 * one.simulated)
@@ -75,7 +77,8 @@ def test_grid_shows_every_run(count: int) -> None:
     drawn = plot.verification_grid(Verification(runs=tuple(run(f"case {i}") for i in range(count))))
     assert drawn.shape == (count, 2)
     assert [a.get_title(loc="left").split(":")[0] for a in drawn[:, 0]] == [f"case {i}" for i in range(count)]
-    assert len({a.figure for a in drawn.ravel()}) == 1
+    (figure,) = {a.figure for a in drawn.ravel()}
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["measured", "model", "first peak"]
 
 
 def test_paper_figure_marks_what_was_measured() -> None:

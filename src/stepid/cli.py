@@ -12,6 +12,7 @@ from rich.console import Console
 
 import stepid
 from stepid.errors import StepidError
+from stepid.identification import characterize_campaign
 from stepid.report import Section, as_text, identify_report, paper_report
 from stepid.report.folder import file_names, staged
 
@@ -71,7 +72,8 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
     read = stepid.read_campaign(campaign)
     parameters = stepid.identify(read)
     verified = stepid.verify(parameters, read)
-    sections = identify_report(read, parameters, verified)
+    trends = stepid.find_trends(characterize_campaign(read)[0].values())
+    sections = identify_report(read, parameters, verified, trends)
     values = {
         "campaign": read.name,
         "parameters": parameters.model_dump(mode="json"),
@@ -89,11 +91,35 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
             plot.save(plot.verification_grid(verified)[0, 0], folder / "verification.png")
             for name, file in file_names(run.name for run in verified.runs).items():
                 plot.save(plot.verification(verified[name])[0], folder / f"verification-{file}.png")
+            if trends.trends:
+                plot.save(plot.trends(trends)[0, 0], folder / "trends.png")
             written = sorted(out / path.name for path in folder.iterdir())
     if as_json:
         typer.echo(json.dumps(values, indent=2, ensure_ascii=False))
     else:
         _show(sections, written)
+
+
+def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> None:
+    """Say whether a linear model is adequate, and if not, which effect is missing."""
+    library: Any = stepid
+    found = library.diagnose(stepid.read_campaign(campaign))
+    sections = [Section(title="Diagnosis", body=found.summary())]
+    values = found.model_dump(mode="json")
+    written: list[Path] = []
+    if out is not None:
+        with staged(out) as folder:
+            (folder / "diagnosis.txt").write_text(as_text(sections), encoding="utf-8")
+            _write_json(folder / "diagnosis.json", values)
+            written = sorted(out / path.name for path in folder.iterdir())
+    if as_json:
+        typer.echo(json.dumps(values, indent=2, ensure_ascii=False))
+    else:
+        _show(sections, written)
+
+
+if "diagnose" in dir(stepid):
+    app.command(epilog="Example:  [bold]stepid diagnose lab/campaign.toml --out results[/bold]")(diagnose)
 
 
 def _write_json(path: Path, values: Any) -> None:

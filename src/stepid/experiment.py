@@ -199,7 +199,7 @@ class Campaign(Model):
 
     @property
     def mass_offsets(self) -> tuple[MassOffset, ...]:
-        """Mass differences (Eq. 9): runs of one base sorted by added mass, each to the next.
+        """Mass differences (Eq. 9), runs of one base sorted by added mass, each to the next.
 
         Runs of equal added mass keep the campaign's order and are joined by an exact constraint.
         """

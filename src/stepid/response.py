@@ -16,7 +16,22 @@ from stepid.second_order import damped_fraction, damped_frequency, damping_ratio
 
 
 class CharacteristicsUncertainty(Model):
-    """Standard uncertainties of `Characteristics`, same names and units; None where the quantity is None."""
+    """Standard uncertainties of `Characteristics`; None where the quantity is None.
+
+    Parameters
+    ----------
+    peak_time, settling_time : float or None
+        s.
+    overshoot : float or None
+        Decimal fraction.
+    steady_state : float or None
+        m.
+    static_gain : float or None
+        m/V.
+    damping_ratio : float
+    damped_frequency, natural_frequency : float
+        rad/s.
+    """
 
     peak_time: NonNegative | None = None
     overshoot: NonNegative | None = None

@@ -52,10 +52,14 @@ class Trend(Model):
             return "no clear change"
         return "rises" if last > first else "falls"
 
+    def setting(self, run: Characteristics) -> str:
+        """What varies, of one run: its damper, its added mass or its spring, as text."""
+        return _setting(self.varies, run)
+
     def _rows(self) -> list[tuple[str, ...]]:
         rows = [
             (
-                f"{run.name} ({_setting(self.varies, run)})",
+                f"{run.name} ({self.setting(run)})",
                 *(
                     "–" if (value := getattr(run, q)) is None else format_value(value, getattr(run.uncertainty, q))
                     for q, _ in _QUANTITIES

@@ -5,11 +5,12 @@ from __future__ import annotations
 from stepid.experiment import Campaign
 from stepid.parameters import IdentifiedParameters
 from stepid.report.section import Section
+from stepid.trends import Trends
 from stepid.verification import Verification
 
 
 def identify_report(
-    campaign: Campaign, parameters: IdentifiedParameters, verified: Verification
+    campaign: Campaign, parameters: IdentifiedParameters, verified: Verification, trends: Trends
 ) -> tuple[Section, ...]:
     """Write what the paper's method finds in a campaign.
 
@@ -20,6 +21,8 @@ def identify_report(
         From `stepid.identify`.
     verified : Verification
         From `stepid.verify`.
+    trends : Trends
+        From `stepid.find_trends`.
 
     Returns
     -------
@@ -28,4 +31,5 @@ def identify_report(
     return (
         Section(title=f"Campaign {campaign.name!r}", body=parameters.summary()),
         Section(title="Verification responses", body=verified.summary()),
+        Section(title="Trends", body=trends.summary()),
     )

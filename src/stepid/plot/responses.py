@@ -23,7 +23,7 @@ AxesPair = tuple[Axes, Axes]
 
 
 def response(run: VerificationRun, *, axes: Axes) -> Axes:
-    """Draw the measured response as dots and the model's as a line.
+    """Draw the measured response as dots and the model's as a line, with the first peak marked.
 
     Parameters
     ----------
@@ -39,6 +39,7 @@ def response(run: VerificationRun, *, axes: Axes) -> Axes:
     with styled():
         axes.plot(run.time, 1e3 * run.measured, ".", color=MEASURED, markersize=3, label="measured", rasterized=True)
         axes.plot(run.time, 1e3 * run.simulated, "-", color=MODEL, label="model")
+        _mark_peak(run, axes)
         axes.set_ylabel("position [mm]")
         axes.set_title(f"{run.name}: fit {run.fit_percent:.1f} %")
         axes.legend(loc="best")
@@ -64,12 +65,15 @@ def residual(run: VerificationRun, *, axes: Axes) -> Axes:
     with styled():
         axes.axhline(0.0, color=MODEL, linewidth=0.8)
         axes.plot(run.time, scale * difference, ".", color=MEASURED, markersize=2.5, rasterized=True)
-        if run.peak_time is not None:
-            axes.axvline(run.peak_time, color=MARK, linewidth=0.9, linestyle="--", label="first peak")
-            axes.legend(loc="best")
+        _mark_peak(run, axes)
         axes.set_ylabel(f"residual [{unit}]")
         axes.set_xlabel("time [s]")
     return axes
+
+
+def _mark_peak(run: VerificationRun, axes: Axes) -> None:
+    if run.peak_time is not None:
+        axes.axvline(run.peak_time, color=MARK, linewidth=0.9, linestyle="--", label="first peak")
 
 
 def verification(run: VerificationRun, *, axes: AxesPair | None = None) -> AxesPair:
@@ -110,12 +114,14 @@ def verification_grid(verified: Verification, *, columns: int = 3) -> npt.NDArra
     """
     columns = min(columns, len(verified.runs))
     bands = -(-len(verified.runs) // columns)
-    figure = new_figure(width=PAGE, height=2.6 * bands)
+    figure = new_figure(width=PAGE, height=2.6 * bands + 0.3)
     outer = figure.add_gridspec(bands, columns)
     drawn = np.empty((len(verified.runs), 2), dtype=object)
     for i, run in enumerate(verified.runs):
         drawn[i] = verification(run, axes=stacked_axes(figure, outer[divmod(i, columns)], ratio=2.2))
-        for axes in drawn[i] if i else ():  # one legend a page is enough
-            if (legend := axes.get_legend()) is not None:
-                legend.remove()
+    handles, labels = drawn[0, 0].get_legend_handles_labels()
+    for upper in drawn[:, 0]:
+        upper.get_legend().remove()  # one legend a page is enough
+    with styled():
+        figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
     return drawn

@@ -1,0 +1,35 @@
+"""Sphinx configuration."""
+
+from __future__ import annotations
+
+from importlib.metadata import version as _version
+
+project = "stepid"
+author = "The stepid developers"
+copyright = "The stepid developers"
+release = version = _version("stepid")
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.mathjax",
+    "sphinx.ext.viewcode",
+]
+myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
+myst_heading_anchors = 3
+exclude_patterns = ["_build", "notebooks"]
+
+html_theme = "furo"
+html_static_path = ["_static"]
+html_title = f"stepid {release}"
+
+nitpicky = True
+add_module_names = False
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # types and units stand in the numpydoc sections
+autodoc_default_options = {"members": True, "exclude-members": "model_config, model_fields, model_computed_fields"}
+napoleon_google_docstring = False
+napoleon_use_param = False
+napoleon_use_rtype = False
+napoleon_use_ivar = True

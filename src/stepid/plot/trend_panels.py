@@ -1,0 +1,84 @@
+"""What damping, mass and stiffness do to the response, drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+
+from stepid.plot.style import MARKERS, PAGE, SERIES, new_figure, styled
+from stepid.trends import Trend, Trends
+
+_QUANTITIES = (  # field, label, factor from SI
+    ("peak_time", "peak time [s]", 1.0),
+    ("overshoot", "overshoot [%]", 100.0),
+    ("settling_time", "settling time [s]", 1.0),
+    ("static_gain", "static gain [cm/V]", 100.0),
+)
+_ROOM = 24  # letters that fit below one axes
+
+
+def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
+    """Draw peak time, overshoot, settling time and static gain of runs in which one thing varies.
+
+    Parameters
+    ----------
+    one : Trend
+        One of ``stepid.find_trends(characteristics).trends``.
+    axes : sequence of four matplotlib.axes.Axes or None
+        A new figure, one page wide, if not given.
+
+    Returns
+    -------
+    sequence of matplotlib.axes.Axes
+        With bars of two standard uncertainties.
+    """
+    if axes is None:
+        with styled():
+            axes = new_figure(width=PAGE, height=2.0).subplots(1, len(_QUANTITIES)).tolist()
+    places = np.arange(len(one.runs))
+    settings = [one.setting(run).removesuffix(" kg") for run in one.runs]
+    crowded = sum(map(len, settings)) > _ROOM
+    color = SERIES[("damping", "mass", "stiffness").index(one.varies)]
+    marker = MARKERS[("damping", "mass", "stiffness").index(one.varies)]
+    with styled():
+        for ax, (field, label, factor) in zip(axes, _QUANTITIES, strict=True):
+            values = [getattr(run, field) for run in one.runs]
+            spread = [getattr(run.uncertainty, field) or 0.0 for run in one.runs]
+            known = [i for i, value in enumerate(values) if value is not None]
+            ax.errorbar(
+                places[known],
+                [factor * values[i] for i in known],
+                yerr=[2 * factor * spread[i] for i in known],
+                fmt=f"{marker}-",
+                color=color,
+                capsize=2,
+                markersize=4,
+            )
+            ax.set_xticks(places, settings, rotation=30 if crowded else 0, ha="right" if crowded else "center")
+            ax.set_xlim(-0.4, len(one.runs) - 0.6)
+            ax.set_xlabel("added mass [kg]" if one.varies == "mass" else f"more {one.varies} →")
+            ax.set_ylabel(label)
+    return axes
+
+
+def trends(found: Trends) -> npt.NDArray[np.object_]:
+    """Draw all trends on one page, a row each.
+
+    Parameters
+    ----------
+    found : Trends
+        From `stepid.find_trends`, at least one trend.
+
+    Returns
+    -------
+    array of matplotlib.axes.Axes, shape (trends, 4)
+    """
+    with styled():
+        figure = new_figure(width=PAGE, height=2.0 * len(found.trends))
+        grid: npt.NDArray[np.object_] = figure.subplots(len(found.trends), len(_QUANTITIES), squeeze=False)
+    for one, row in zip(found.trends, grid, strict=True):
+        trend(one, axes=row.tolist())
+    return grid
