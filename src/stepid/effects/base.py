@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -64,6 +64,17 @@ class Scales(NamedTuple):
     resonances: tuple[float, ...] = ()  # Hz, peaks of the residual's spectrum, strongest first
 
 
+class Regressor(NamedTuple):
+    """Forces whose sum, with coefficients to be found, is the effect at one choice of its shape parameters.
+
+    `forces` are arrays of shape (samples,); `values` turns their coefficients into the effect's parameter values, or
+    None where the coefficients are not the effect's.
+    """
+
+    forces: tuple[Array, ...]
+    values: Callable[[Array], tuple[float, ...] | None]
+
+
 class Effect:
     """Base of every effect. Subclasses set the class attributes and override what they change; all else stays linear.
 
@@ -91,6 +102,10 @@ class Effect:
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         """Start guesses for the parameters (run parameters excluded), each a tuple in the order of `parameters`."""
         raise NotImplementedError
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        """Forces on the measured motion that would be this effect, for starts by linear least squares (optional)."""
+        return ()
 
     def force(self, p: Values, m: Motion) -> Array | float:
         """Force added to the plant, N, friction that holds at rest excepted."""

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from stepid._base import Array
-from stepid.effects.base import Effect, Motion, Parameter, Scales, Values
+from stepid.effects.base import Effect, Motion, Parameter, Regressor, Scales, Values
 
 
 class QuadraticDamping(Effect):
@@ -23,6 +23,9 @@ class QuadraticDamping(Effect):
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * (scales.damping + 0.1) / scales.velocity,) for share in (0.1, 0.6)]
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        return [Regressor((-m.v * np.abs(m.v),), lambda a: (a[0],) if a[0] > 0 else None)]
 
     def force(self, p: Values, m: Motion) -> Array | float:
         return -p[0] * m.sign * np.square(m.v)
@@ -39,6 +42,9 @@ class PositionDependentDamping(Effect):
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share / scales.displacement,) for share in (0.1, -0.1)]
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        return [Regressor((-m.damping * m.x * m.v,), lambda a: (a[0],))]
 
     def force(self, p: Values, m: Motion) -> Array | float:
         return -m.damping * p[0] * m.x * m.v

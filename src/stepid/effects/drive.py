@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from stepid._base import Array
-from stepid.effects.base import Effect, Motion, Parameter, Scales, Values
+from stepid.effects.base import Effect, Motion, Parameter, Regressor, Scales, Values
 
 
 class ActuatorLag(Effect):
@@ -125,6 +125,16 @@ class Cogging(Effect):
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         pitches = scales.displacement * np.array([0.1, 0.14, 0.19, 0.26, 0.36, 0.5])
         return [(0.02 * scales.force, float(pitch), phase) for pitch in pitches for phase in (0.0, 2.1, 4.2)]
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        def at(pitch: float) -> Regressor:
+            angle = 2 * np.pi * m.x / pitch
+            return Regressor(
+                (np.sin(angle), np.cos(angle)),
+                lambda a: (float(np.hypot(a[0], a[1])), pitch, float(np.arctan2(a[1], a[0]))),
+            )
+
+        return [at(float(part) * scales.displacement) for part in np.geomspace(0.05, 0.8, 24)]
 
     def force(self, p: Values, m: Motion) -> Array | float:
         return p[0] * np.sin(2 * np.pi * m.x / p[1] + p[2])

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from stepid._base import Array
-from stepid.effects.base import GRAVITY, Effect, Motion, Parameter, Scales, Values
+from stepid.effects.base import GRAVITY, Effect, Motion, Parameter, Regressor, Scales, Values
 
 _SHARES = (0.01, 0.04, 0.12)  # of the largest spring force
 
@@ -17,6 +17,11 @@ class _DryFriction(Effect):
     dry: ClassVar[bool] = True
     reverses: ClassVar[bool] = True
     rests_anywhere: ClassVar[bool] = True
+
+
+def _direction(scales: Scales, m: Motion) -> Array:
+    """Sign of the measured velocity, softened where noise hides it."""
+    return np.clip(m.v / (0.02 * scales.velocity), -1.0, 1.0)
 
 
 class CoulombFriction(_DryFriction):
@@ -31,6 +36,9 @@ class CoulombFriction(_DryFriction):
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.force,) for share in _SHARES]
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        return [Regressor((-_direction(scales, m),), lambda a: (a[0],) if a[0] > 0 else None)]
 
     def friction(self, p: Values, m: Motion) -> Array | float:
         return p[0]
@@ -48,6 +56,9 @@ class LoadProportionalFriction(_DryFriction):
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.force / (scales.mass * GRAVITY),) for share in _SHARES]
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        return [Regressor((-_direction(scales, m) * m.mass * GRAVITY,), lambda a: (a[0],) if a[0] > 0 else None)]
 
     def friction(self, p: Values, m: Motion) -> Array | float:
         return p[0] * GRAVITY * m.mass
@@ -69,6 +80,17 @@ class StribeckFriction(_DryFriction):
             for share in (0.01, 0.05)
             for part in (0.02, 0.1)
         ]
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        sign = _direction(scales, m)
+
+        def at(velocity: float) -> Regressor:
+            return Regressor(
+                (-sign, -sign * np.exp(-np.square(m.v / velocity))),
+                lambda a: (a[0], a[0] + a[1], velocity) if a[0] > 0 and a[1] > 0 else None,
+            )
+
+        return [at(part * scales.velocity) for part in (0.02, 0.05, 0.12, 0.3)]
 
     def friction(self, p: Values, m: Motion) -> Array | float:
         out: Array = p[0] + (p[1] - p[0]) * np.exp(-np.square(m.v / p[2]))
@@ -102,6 +124,11 @@ class AsymmetricFriction(_DryFriction):
             for forward in (0.3, 0.7)
         ]
 
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        sign = _direction(scales, m)
+        forces = (-np.maximum(sign, 0.0), -np.minimum(sign, 0.0))
+        return [Regressor(forces, lambda a: (a[0], a[1]) if min(a) > 0 else None)]
+
     def friction(self, p: Values, m: Motion) -> Array | float:
         level: Array = np.where(m.sign > 0, p[0], p[1])
         return level
@@ -125,6 +152,14 @@ class PreslidingHysteresis(Effect):
         return [
             (share * scales.force, part * scales.displacement) for share in (0.01, 0.05) for part in (0.003, 0.02, 0.1)
         ]
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        sign = _direction(scales, m)
+
+        def at(distance: float) -> Regressor:
+            return Regressor((-sign,), lambda a: (a[0], distance) if a[0] > 0 else None)
+
+        return [at(part * scales.displacement) for part in (0.002, 0.01, 0.05)]
 
     def force(self, p: Values, m: Motion) -> Array | float:
         return -p[0] * m.memory[0] / p[1]

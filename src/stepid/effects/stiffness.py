@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from stepid._base import Array
-from stepid.effects.base import Effect, Motion, Parameter, Scales, Values
+from stepid.effects.base import Effect, Motion, Parameter, Regressor, Scales, Values
 
 
 class CubicStiffness(Effect):
@@ -22,6 +22,9 @@ class CubicStiffness(Effect):
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.stiffness / scales.displacement**2,) for share in (0.1, -0.1)]
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        return [Regressor((-(m.x**3),), lambda a: (a[0],))]
 
     def force(self, p: Values, m: Motion) -> Array | float:
         return -p[0] * m.x * np.square(m.x)
@@ -38,6 +41,9 @@ class QuadraticStiffness(Effect):
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.stiffness / scales.displacement,) for share in (0.1, -0.1)]
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        return [Regressor((-(m.x**2),), lambda a: (a[0],))]
 
     def force(self, p: Values, m: Motion) -> Array | float:
         return -p[0] * np.square(m.x)
@@ -57,6 +63,12 @@ class FreePlay(Effect):
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.displacement,) for share in (0.01, 0.04, 0.12)]
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        def at(gap: float) -> Regressor:
+            return Regressor((m.stiffness * np.clip(m.x, -gap, gap),), lambda a: (gap,) if 0.2 < a[0] < 5 else None)
+
+        return [at(part * scales.displacement) for part in (0.01, 0.03, 0.07, 0.15)]
 
     def switches(self, p: Values, m: Motion) -> tuple[Array, ...]:
         return (m.x - p[0], m.x + p[0])
@@ -83,6 +95,14 @@ class EndStop(Effect):
         return [
             (times * scales.stiffness, part * end) for end in ends for part in (0.97, 0.9, 0.78) for times in (2.0, 10.0)
         ]
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        def at(position: float) -> Regressor:
+            beyond = np.maximum(np.sign(position) * (m.x - position), 0.0) * np.sign(position)
+            return Regressor((-beyond,), lambda a: (a[0], position) if a[0] > 1.0 else None)
+
+        ends = [end for end in (scales.high, scales.low) if abs(end) > 0.1 * scales.displacement]
+        return [at(part * end) for end in ends for part in (0.98, 0.95, 0.9, 0.84, 0.77, 0.68, 0.58)]
 
     def switches(self, p: Values, m: Motion) -> tuple[Array, ...]:
         return (np.sign(p[1]) * (m.x - p[1]),)

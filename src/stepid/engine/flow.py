@@ -137,7 +137,7 @@ def _locate(
         low, high = np.where(below, low, at), np.where(below, at, high)
         z_high = np.where(below, z_at, z_high)
         kept = np.where(below, 1, -1)
-        if np.all((high - low < tolerance) | (np.abs(f) < 1e-13)):
+        if np.all((high - low < tolerance) | (np.abs(f) < 1e-12)):
             break
     return high, _stretch(law, table, z, elapsed, high, sign, sides, moving)
 

@@ -28,8 +28,9 @@ class Law:
     memories. Lane tables have shape (n_rows, lanes), see `FIRST`.
     """
 
-    def __init__(self, effects: tuple[Effect, ...]) -> None:
+    def __init__(self, effects: tuple[Effect, ...], fineness: float = 1.0) -> None:
         self.effects = effects
+        self.fineness = fineness  # substeps are scaled by it: below 1 for searching, above 1 for checking
         self.n_rates = 2 + sum(e.n_extra for e in effects)
         self.n_states = self.n_rates + sum(e.n_memory for e in effects)
         self.n_sides = sum(e.n_switches for e in effects)
@@ -146,4 +147,4 @@ class Law:
                     acceleration = self.rates(table, z, sign, elapsed, sides, out)[1]
                 m = self.motion(table, place, z, sign, elapsed, sides)
                 needed = np.maximum(needed, place.effect.pieces(self.values(table, place), m, acceleration, length))
-        return needed
+        return needed * self.fineness

@@ -67,7 +67,7 @@ def evaluate(problem: Problem, shared: Array, local: Array, start: Array | None)
     """Solve all records at a point, marching where Newton does not settle."""
     sim = problem.simulator
     solved = sim.solve(shared, local, start=start)
-    if solved is None:
+    if solved is None and not sim.law.linear:
         marched = sim.march(shared[None], local[None])[0]
         if np.isfinite(marched).all() and np.abs(marched[0]).max() < 1e3:
             solved = sim.solve(shared, local, start=marched)
@@ -168,7 +168,7 @@ def evaluate_near(
         run = sim.records.run
         for q in range(sim.n_local):
             start = start + local_change[q, run] * solved.tangent[sim.n_shared + q]
-    return evaluate(problem, shared, local, start)
+    return sim.solve(shared, local, start=start)
 
 
 def _blocked(problem: Problem, shared: Array, jacobian: Array, residual: Array) -> npt.NDArray[np.bool_]:

@@ -54,9 +54,9 @@ class _Stage(NamedTuple):
 class Simulator:
     """Solves all records of a campaign for one plant model, with sensitivities."""
 
-    def __init__(self, records: Records, effects: tuple[Effect, ...]) -> None:
+    def __init__(self, records: Records, effects: tuple[Effect, ...], fineness: float = 1.0) -> None:
         self.records = records
-        self.law = Law(effects)
+        self.law = Law(effects, fineness)
         self.n_labels = (len(records.bases), len(records.springs), len(records.dampers))
         self.n_linear = sum(self.n_labels) + 1
         self.n_shared = self.n_linear + sum(len(e.parameters) for e in effects)

@@ -1,0 +1,129 @@
+"""Find the best fit of a plant with given effects: many starts raced, the best polished."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepid._base import Array
+from stepid.effects.base import Effect, Motion, Scales
+from stepid.engine.least_squares import Optimum, minimize
+from stepid.engine.problem import build, fixes_mass, scales, start_local, strongest_period
+from stepid.engine.records import Records
+from stepid.engine.weak import WeakForm, measured_motion
+
+
+class Start(NamedTuple):
+    """Shared parameters to start from."""
+
+    linear: Array
+    values: tuple[tuple[float, ...], ...]
+
+
+class Ground:
+    """What every search on one campaign shares: records, linear fit, scales, the weak form, the measured motion."""
+
+    def __init__(self, records: Records, linear: Optimum, floor: float) -> None:
+        self.records, self.linear, self.floor = records, linear, floor
+        self.scales: Scales = scales(records, linear, floor)
+        period = strongest_period(records)
+        self.motion: Motion = measured_motion(records, linear.shared, floor, period)
+        self.tangent = np.linalg.qr(linear.problem.jacobian(linear.solved))[0]
+        self.weak = WeakForm(records, 0.6 * period, fixed_mass=fixes_mass(records))
+
+    @property
+    def tolerance(self) -> float:
+        """Predicted decrease of the cost that no longer matters, m²."""
+        return 0.05 * self.floor**2
+
+    def weak_starts(self, effect: Effect, count: int) -> list[Start]:
+        """Best starts of one effect by linear least squares on the weak form."""
+        found = []
+        for regressor in effect.regressors(self.scales, self.motion):
+            solution = self.weak.solve(regressor.forces)
+            if solution is None:
+                continue
+            values = regressor.values(solution.coefficients)
+            if values is not None:
+                found.append((solution.left, Start(solution.shared, (values,))))
+        found.sort(key=lambda item: item[0])
+        return [start for _, start in found[:count]]
+
+
+class Contender:
+    """One set of effects in the race: its starts, and the best fit so far."""
+
+    def __init__(self, ground: Ground, effects: tuple[Effect, ...]) -> None:
+        self.ground, self.effects = ground, effects
+        self.coarse = build(ground.records, effects, fineness=0.3)
+        self.fine = build(ground.records, effects)
+        self.best: Optimum | None = None
+
+    @property
+    def cost(self) -> float:
+        """Sum of squared residuals of the best fit so far, m²."""
+        return np.inf if self.best is None else self.best.cost
+
+    def begin(self, starts: list[Start], *, like: Optimum, keep: int = 2, laps: int = 3) -> None:
+        """Try starts: march them side by side, run a few steps from the best."""
+        problem = self.coarse
+        sim = problem.simulator
+        local = start_local(problem, like)
+        shared = np.array([np.concatenate([s.linear, *s.values]) for s in starts])
+        shared = np.clip(shared, problem.lower, problem.upper)
+        order, states = range(len(starts)), None
+        if sim.law.reverses or sim.law.n_sides or len(starts) > 3:
+            if sim.law.linear:
+                states = None
+            else:
+                states = sim.march(shared, np.repeat(local[None], len(starts), 0))
+                costs = [self._reach(z[0]) for z in states]
+                order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
+        for i in order:
+            found = minimize(
+                problem,
+                shared[i],
+                local,
+                start=self._near(like) if states is None else states[i],
+                tolerance=self.ground.tolerance,
+                iterations=laps,
+            )
+            if found is not None and found.cost < self.cost:
+                self.best = found
+
+    def _near(self, like: Optimum) -> Array:
+        states = np.zeros((self.coarse.simulator.law.n_states, self.ground.records.size))
+        states[:2] = like.solved.states[:2]
+        return states
+
+    def _reach(self, reading: Array) -> float:
+        """Cost that a trajectory would leave after the linear plant has adapted to it."""
+        if not np.isfinite(reading).all() or np.abs(reading).max() > 1e2:
+            return np.inf
+        records = self.ground.records
+        r = records.centered(records.position - reading)
+        r = r - self.ground.tangent @ (self.ground.tangent.T @ r)
+        return float(r @ r)
+
+    def run(self, *, laps: int, fine: bool = False) -> None:
+        """Go on from the best fit so far."""
+        if self.best is None or (self.best.converged and (not fine or self.best.problem is self.fine)):
+            return
+        problem = self.fine if fine else self.best.problem
+        found = minimize(
+            problem,
+            self.best.shared,
+            self.best.local,
+            start=self.best.solved.states,
+            tolerance=self.ground.tolerance,
+            iterations=laps,
+        )
+        if found is not None and (fine or found.cost <= self.best.cost):
+            self.best = found
+
+
+def starts_of(ground: Ground, effect: Effect) -> list[Start]:
+    """Starts of one effect on top of the linear plant: from the weak form, then the effect's own guesses."""
+    own = [Start(ground.linear.shared, (tuple(values),)) for values in effect.starts(ground.scales)]
+    return [*ground.weak_starts(effect, 3), *own]
