@@ -13,6 +13,7 @@ from stepid.solvers import Solver
 from stepid.stacked import assemble, undetermined_springs
 
 _VAGUE = 0.1  # relative uncertainty of the natural frequency beyond which a run says nothing
+_LEAST_OVERSHOOT = 0.01  # below it the peak is so flat that the smallest departure from the model moves it far
 
 
 def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | None = None) -> IdentifiedParameters:
@@ -103,10 +104,14 @@ def _first_readable(experiment: Experiment, peak: Peak | None) -> Characteristic
         if isinstance(result, IdentificationError):
             continue
         vague = result.uncertainty.natural_frequency / result.natural_frequency
+        if result.overshoot is not None and result.overshoot < _LEAST_OVERSHOOT:
+            raise IdentificationError(
+                f"run {experiment.name!r}: too little overshoot ({100 * result.overshoot:.2g} %), "
+                "its peak is too flat to tell the frequency"
+            )
         if vague > _VAGUE:
             raise IdentificationError(
-                f"run {experiment.name!r}: too little overshoot ({100 * (result.overshoot or 0.0):.2g} %), "
-                f"the natural frequency is uncertain by {100 * vague:.0f} %"
+                f"run {experiment.name!r}: noise leaves the natural frequency uncertain by {100 * vague:.0f} %"
             )
         if number == 0:
             return result

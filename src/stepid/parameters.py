@@ -122,6 +122,9 @@ class IdentifiedParameters(Model):
     covariance_labels : tuple of str
     solver : str
         The solver that found them, as text.
+    misfit : float or None
+        Of the weighted solve: root mean square of its rows over what their uncertainties allow. About 1 where plant and
+        labels are as assumed; much more says that the plant is not linear or a label or weight is wrong.
     """
 
     masses: Mapping[str, Positive]
@@ -139,6 +142,7 @@ class IdentifiedParameters(Model):
     covariance: Matrix | None = None
     covariance_labels: tuple[str, ...] = ()
     solver: str = ""
+    misfit: NonNegative | None = None
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -234,6 +238,11 @@ class IdentifiedParameters(Model):
             text_table(("shared", "value", "unit"), self._shared()),
             *(f"left out: {name}: {why}" for name, why in self.excluded.items()),
         ]
+        if self.misfit is not None and self.misfit > _LARGE_MISFIT:
+            parts.append(
+                f"The runs contradict each other {self.misfit:.1f} times more than their uncertainties allow: "
+                "the plant is not linear, or a label or added mass is wrong. The uncertainties above hold for a linear one."
+            )
         return "\n\n".join(parts)
 
     def __repr__(self) -> str:
@@ -249,6 +258,7 @@ class IdentifiedParameters(Model):
         return out + (html_table(("left out", "why"), left_out) if left_out else "")
 
 
+_LARGE_MISFIT = 2.0
 _RUN_HEADER = ("run", "mass [kg]", "damping [N·s/m]", "damping from k [N·s/m]", "static gain [m/V]")
 
 

@@ -11,7 +11,7 @@ from stepid._base import Array
 from stepid.errors import NoOvershootError, NoStepError, NotSettledError
 from stepid.experiment import Experiment
 from stepid.noise import apparent_resolution, noise_level
-from stepid.peak import Peak, SampledPeak, fit_peak
+from stepid.peak import Peak, SampledPeak, fit_peak, sampled_peak_spread
 from stepid.response import Characteristics, CharacteristicsUncertainty
 
 _SMALL = 0.05  # extrema below this fraction of the largest are too uncertain to help
@@ -61,11 +61,14 @@ def find_extrema(time: Array, position: Array, *, rest: float, noise: float, pea
         sign = float(side[top])
         if isinstance(peak, SampledPeak):
             curvature = abs(swing[top]) * (math.pi / max(half, period)) ** 2
-            spread = math.sqrt(period**2 / 12 + 0.5 * noise / curvature)
-            rows.append((time[top], position[top], spread, math.hypot(noise, curvature * period**2 / 24)))
+            rows.append((time[top], position[top], *sampled_peak_spread(period, noise, curvature)))
         else:
             near = slice(max(top - 2 * reach - 5, 0), top + 2 * reach + 6)
             found = fit_peak(time[near] - time[top], sign * swing[near], 0.0, 0.25 * half, noise=noise)
+            if found.time_uncertainty > 0.25 * half:
+                if rows:
+                    break  # noise hides it, and the smaller ones after it
+                continue
             rows.append(
                 (time[top] + found.time, rest + sign * found.height, found.time_uncertainty, found.height_uncertainty)
             )

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from stepid._base import Array
 from stepid.experiment import WEIGHT, WEIGHT_UNCERTAINTY
 from stepid.parameters import IdentifiedParameters, ParameterUncertainty, StackedSystem
 from stepid.response import Characteristics
-from stepid.solvers import Solver, WeightedLeastSquares, check_positive, run_covariances
+from stepid.solvers import Solver, WeightedLeastSquares, check_positive, run_covariances, scaled_rows
 from stepid.stacked import require_determined
 
 
@@ -71,12 +72,19 @@ def solve(system: StackedSystem, *, solver: Solver | None = None) -> IdentifiedP
     check_positive(system, unknowns)
     outputs = _Outputs(runs, _pooling_weights(runs))
     values = outputs(unknowns, measured)
-    jacobian = _jacobian(system, method, outputs, measured, differences)
-    covariance = jacobian @ _input_covariance(system) @ jacobian.T
+    inputs = _input_covariance(system)
+    known = np.diag(inputs) == 0  # exact inputs need no derivative; exact differences must not be moved
+    jacobian = _jacobian(system, method, outputs, unknowns, measured, differences, known)
+    covariance = jacobian @ inputs @ jacobian.T
     base_variance = outputs.added_weight_variance()
     index = [outputs.labels.index(label) for label in base_variance]
     covariance[index, index] += list(base_variance.values())
-    return _result(outputs, values, covariance, runs, f"{type(method).__name__}()")
+    misfit = None
+    spare = len(system.mass_offsets) - len(outputs.springs)  # rows less unknowns
+    if isinstance(method, WeightedLeastSquares) and spare > 0:
+        residual, _ = scaled_rows(system, unknowns, measured, differences)
+        misfit = float(np.sqrt(residual @ residual / spare))
+    return _result(outputs, values, covariance, misfit, f"{type(method).__name__}()")
 
 
 class _Outputs:
@@ -146,7 +154,15 @@ def _pooling_weights(runs: Sequence[Characteristics]) -> dict[str, Array]:
     return weights
 
 
-def _jacobian(system: StackedSystem, method: Solver, outputs: _Outputs, measured: Array, differences: Array) -> Array:
+def _jacobian(
+    system: StackedSystem,
+    method: Solver,
+    outputs: _Outputs,
+    unknowns: Array,
+    measured: Array,
+    differences: Array,
+    known: npt.NDArray[np.bool_],
+) -> Array:
     """Derivative of all outputs by (ω_d, ζ of each run; differences), by central differences."""
     flat, scale = measured.ravel(), np.abs(differences).max()
     inputs = np.concatenate([flat, differences])
@@ -154,10 +170,13 @@ def _jacobian(system: StackedSystem, method: Solver, outputs: _Outputs, measured
 
     def evaluate(point: Array) -> Array:
         at = point[: flat.size].reshape(measured.shape)
-        return outputs(method.unknowns(system, at, point[flat.size :]), at)
+        return outputs(method.unknowns(system, at, point[flat.size :], start=unknowns), at)
 
     columns = []
     for i, step in enumerate(steps):
+        if known[i]:
+            columns.append(np.zeros(len(outputs.labels)))
+            continue
         shift = np.zeros(inputs.size)
         shift[i] = step
         columns.append((evaluate(inputs + shift) - evaluate(inputs - shift)) / (2 * step))
@@ -176,8 +195,9 @@ def _input_covariance(system: StackedSystem) -> Array:
 
 
 def _result(
-    outputs: _Outputs, values: Array, covariance: Array, runs: Sequence[Characteristics], solver: str
+    outputs: _Outputs, values: Array, covariance: Array, misfit: float | None, solver: str
 ) -> IdentifiedParameters:
+    runs = outputs.runs
     spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
 
     def pick(numbers: Array, field: str) -> dict[str, float]:
@@ -207,6 +227,7 @@ def _result(
         covariance=covariance,
         covariance_labels=outputs.labels,
         solver=solver,
+        misfit=misfit,
     )
 
 

@@ -22,7 +22,9 @@ class OrdinaryLeastSquares(Model):
     are constraints.
     """
 
-    def unknowns(self, system: StackedSystem, measured: Array, differences: Array) -> Array:
+    def unknowns(
+        self, system: StackedSystem, measured: Array, differences: Array, *, start: Array | None = None
+    ) -> Array:
         """Solve for the unknowns of `system` at given measured values.
 
         Parameters
@@ -33,6 +35,8 @@ class OrdinaryLeastSquares(Model):
             Damped frequency [rad/s] and damping ratio of each run.
         differences : array, shape (d,)
             kg, the mass differences.
+        start : array, shape (n + s,), optional
+            Where an iterating solver begins; this one needs none.
 
         Returns
         -------
@@ -45,12 +49,12 @@ class OrdinaryLeastSquares(Model):
 
 
 class WeightedLeastSquares(Model):
-    """Least squares with each row scaled by its standard uncertainty, measured values adjusted along.
+    """Least squares with each row scaled by its standard uncertainty.
 
-    Damped frequency and damping ratio stand in the matrix of Eq. 10, so scaling alone would leave a bias
-    (errors in variables). Each pass therefore moves the measured values onto the model by their own covariance and
-    linearizes there; at the end the scaled squares of all corrections are least (Gauss-Helmert adjustment). The
-    answer does not depend on the unit of time, the order of the runs, or the choice among equivalent differences.
+    Damped frequency and damping ratio stand in the matrix of Eq. 10, so scaling it once would leave a bias (errors in
+    variables). Each pass therefore linearizes at the model: the frequency row of a run becomes
+    ln(ω_d²/(1 − ζ²)) − ln k + ln m over its standard uncertainty, the mass row its misfit over its own. The answer
+    does not depend on the unit of time, the order of the runs, or the choice among equivalent differences.
     Differences known exactly (uncertainty 0) are constraints.
 
     Parameters
@@ -59,9 +63,11 @@ class WeightedLeastSquares(Model):
         At most this many passes.
     """
 
-    iterations: int = 100
+    iterations: int = 200
 
-    def unknowns(self, system: StackedSystem, measured: Array, differences: Array) -> Array:
+    def unknowns(
+        self, system: StackedSystem, measured: Array, differences: Array, *, start: Array | None = None
+    ) -> Array:
         """Solve for the unknowns; see `OrdinaryLeastSquares.unknowns`.
 
         Raises
@@ -69,43 +75,119 @@ class WeightedLeastSquares(Model):
         stepid.errors.InputError
             If a run carries no uncertainty.
         stepid.errors.ConvergenceError
-            If the passes do not settle.
+            If the passes do not settle: the peaks contradict the known mass differences.
         """
-        covariance = run_covariances(system.characteristics)
-        _require_uncertainty(system.characteristics, covariance)
-        exact, count = _exact(system), len(system.characteristics)
-        offset_spread = np.array([offset.uncertainty for offset in system.mass_offsets])
-        run_row, offset_row = _row_numbers(system)
-        unknowns = OrdinaryLeastSquares().unknowns(system, measured, differences)
-        if np.any(unknowns <= 0):  # a start on the right side of zero: equal relative weights
-            unknowns = _start(system, measured, differences)
-        adjusted, change = measured.copy(), np.inf
+        unknowns = starting_point(system, measured, differences) if start is None else start
+        change = np.inf
+        exact = np.array([offset.uncertainty == 0 for offset in system.mass_offsets])
+        count = len(system.characteristics)
         for _ in range(self.iterations):
-            mass, stiffness = unknowns[:count], unknowns[_springs(system)]
-            # f = m ω² − k (1 − ζ²); its gradient by (ω, ζ) at the adjusted values
-            slope = np.column_stack([2 * mass * adjusted[:, 0], 2 * stiffness * adjusted[:, 1]])
-            carried = np.einsum("ij,ijk->ik", slope, covariance)
-            spread = np.sqrt(np.einsum("ij,ij->i", carried, slope))
-            matrix, right = _fill(system, adjusted, differences)
-            right[run_row] = -np.einsum("ij,ij->i", slope, measured - adjusted)
-            scale = np.ones(right.size)
-            scale[run_row], scale[offset_row] = spread, np.where(offset_spread > 0, offset_spread, 1.0)
-            matrix, right = matrix / scale[:, None], right / scale
-            new = _constrained(matrix[~exact], right[~exact], matrix[exact], right[exact])
-            misfit = (matrix @ new - right)[run_row] / spread
-            adjusted, old = measured - carried * misfit[:, None], adjusted
-            before = change
-            change = max(np.max(np.abs(new / unknowns - 1)), np.max(np.abs(adjusted - old) / np.abs(measured)))
-            unknowns = new
-            if np.any(unknowns <= 0) or np.any(adjusted <= 0):
-                raise _negative(system, unknowns)
-            if change < 1e-13 or (change < 1e-10 and change >= before):  # converged, or down to rounding
+            residual, slope = scaled_rows(system, unknowns, measured, differences)
+            hard = np.concatenate([np.zeros(count, dtype=bool), exact])
+            step = _constrained(slope[~hard], -residual[~hard], slope[hard], -residual[hard])
+            before, cost, length = change, float(residual[~hard] @ residual[~hard]), 1.0
+            while length > 1e-6:  # a trial step that leaves the positive side or climbs is halved
+                trial = unknowns + length * step
+                if np.all(trial > 0):
+                    ahead = scaled_rows(system, trial, measured, differences)[0][~hard]
+                    if float(ahead @ ahead) <= cost * (1 + 1e-9) + 1e-18:
+                        break
+                length /= 2
+            else:
+                trial = unknowns
+            change = float(np.max(np.abs(step / unknowns)))
+            unknowns = trial
+            if change < 1e-13 or (change < 1e-9 and change >= 0.5 * before):  # converged, or down to rounding
                 return unknowns
         best = ", ".join(f"{label} = {v:.4g}" for label, v in zip(system.column_labels, unknowns, strict=True))
         raise ConvergenceError(
-            f"the weighted solve still changes by {change:.1g} after {self.iterations} passes (best so far: {best})",
-            "Check the known mass differences against the peak times, or use OrdinaryLeastSquares().",
+            f"the weighted solve does not settle: the peaks contradict the known mass differences "
+            f"(best so far: {best})",
+            "More mass must give a later peak with the same spring: check added_mass, spring labels and peak times.",
         )
+
+
+def scaled_rows(system: StackedSystem, unknowns: Array, measured: Array, differences: Array) -> tuple[Array, Array]:
+    """Residuals of all rows over their standard uncertainties, and their derivative by the unknowns.
+
+    Parameters
+    ----------
+    system : StackedSystem
+    unknowns : array, shape (n + s,)
+        kg, N/m; all positive.
+    measured : array, shape (n, 2)
+        Damped frequency [rad/s] and damping ratio.
+    differences : array, shape (d,)
+        kg.
+
+    Returns
+    -------
+    tuple of array, shapes (n + d,) and (n + d, n + s)
+        Frequency rows first, then mass rows. Exact differences are scaled by the largest difference.
+    """
+    runs, offsets = system.characteristics, system.mass_offsets
+    count, springs = len(runs), _springs(system)
+    frequency, ratio = measured.T
+    # ln ω_n² = ln ω_d² − ln(1 − ζ²)
+    slope = np.column_stack([2 / frequency, 2 * ratio / (1 - ratio**2)])
+    spread = np.sqrt(np.einsum("ij,ijk,ik->i", slope, run_covariances(runs), slope))
+    _require_uncertainty(runs, spread)
+    mass, stiffness = unknowns[:count], unknowns[springs]
+    residual = np.empty(count + len(offsets))
+    rows = np.zeros((residual.size, unknowns.size))
+    residual[:count] = (np.log(frequency**2 / (1 - ratio**2)) - np.log(stiffness / mass)) / spread
+    rows[np.arange(count), np.arange(count)] = 1 / (mass * spread)
+    rows[np.arange(count), springs] = -1 / (stiffness * spread)
+    column = {run.name: i for i, run in enumerate(runs)}
+    largest = max((abs(offset.difference) for offset in offsets), default=0.0) or 1.0
+    for i, (offset, difference) in enumerate(zip(offsets, differences, strict=True), start=count):
+        one, two = column[offset.from_run], column[offset.to_run]
+        scale = offset.uncertainty or largest
+        residual[i] = (unknowns[two] - unknowns[one] - difference) / scale
+        rows[i, two], rows[i, one] = 1 / scale, -1 / scale
+    return residual, rows
+
+
+def starting_point(system: StackedSystem, measured: Array, differences: Array) -> Array:
+    """Masses that keep all known differences over the best of many base masses, with the stiffnesses that they mean."""
+    runs = system.characteristics
+    offset_mass = _relative_masses(system, differences)
+    squared = measured[:, 0] ** 2 / (1 - measured[:, 1] ** 2)
+    springs = np.array(_springs(system)) - len(runs)
+    best, least = np.empty(0), np.inf
+    for base in np.geomspace(1e-3, 1e3, 121) * float(np.max(np.abs(differences))):
+        mass = offset_mass + base
+        stiffness = [np.exp(np.mean(np.log(squared * mass)[springs == i])) for i in range(springs.max() + 1)]
+        trial = np.concatenate([mass, stiffness])
+        residual = scaled_rows(system, trial, measured, differences)[0][: len(runs)]
+        cost = float(residual @ residual)
+        if cost < least:
+            best, least = trial, cost
+    return best
+
+
+def _relative_masses(system: StackedSystem, differences: Array) -> Array:
+    """Mass of each run above the lightest of those that offsets join it to, kg."""
+    names = [run.name for run in system.characteristics]
+    mass = np.full(len(names), np.nan)
+    links = [
+        (names.index(o.from_run), names.index(o.to_run), float(d))
+        for o, d in zip(system.mass_offsets, differences, strict=True)
+    ]
+    for first in range(len(names)):
+        if not np.isnan(mass[first]):
+            continue
+        mass[first], group, todo = 0.0, [first], [first]
+        while todo:
+            here = todo.pop()
+            for one, two, difference in links:
+                for a, b, step in ((one, two, difference), (two, one, -difference)):
+                    if a == here and np.isnan(mass[b]):
+                        mass[b] = mass[a] + step
+                        group.append(b)
+                        todo.append(b)
+        mass[group] -= np.min(mass[group])
+    return mass
 
 
 Solver = OrdinaryLeastSquares | WeightedLeastSquares
@@ -124,21 +206,17 @@ def run_covariances(runs: Sequence[Characteristics]) -> Array:
 def check_positive(system: StackedSystem, unknowns: Array) -> None:
     """Raise IdentificationError where a mass or stiffness is not positive."""
     if np.any(unknowns <= 0):
-        raise _negative(system, unknowns)
+        worst = int(np.argmin(unknowns))
+        raise IdentificationError(
+            f"{system.column_labels[worst]} comes out at {unknowns[worst]:.3g}: "
+            "the peaks contradict the known mass differences",
+            "More mass must give a later peak with the same spring: check added_mass, spring labels and peak times.",
+        )
 
 
-def _negative(system: StackedSystem, unknowns: Array) -> IdentificationError:
-    worst = int(np.argmin(unknowns))
-    return IdentificationError(
-        f"{system.column_labels[worst]} comes out at {unknowns[worst]:.3g}: "
-        "the peaks contradict the known mass differences",
-        "More mass must give a later peak with the same spring: check added_mass, spring labels and peak times.",
-    )
-
-
-def _require_uncertainty(runs: Sequence[Characteristics], covariance: Array) -> None:
-    for run, block in zip(runs, covariance, strict=True):
-        if not block[0, 0] > 0:
+def _require_uncertainty(runs: Sequence[Characteristics], spread: Array) -> None:
+    for run, value in zip(runs, spread, strict=True):
+        if not value > 0:
             raise InputError(
                 f"the characteristics of {run.name!r} carry no uncertainty of the peak time or damped frequency",
                 "Give uncertainty=CharacteristicsUncertainty(peak_time=…, overshoot=…), or use OrdinaryLeastSquares().",
@@ -177,14 +255,6 @@ def _fill(system: StackedSystem, measured: Array, differences: Array) -> tuple[A
         matrix[row, i], matrix[row, column] = frequency_row(measured[i, 0], measured[i, 1])
     right[offset_row] = differences
     return matrix, right
-
-
-def _start(system: StackedSystem, measured: Array, differences: Array) -> Array:
-    """Solve with frequency rows divided by k-like numbers, mass differences near exact: the limit of exact weights."""
-    matrix, right = _fill(system, measured, differences)
-    run_row, offset_row = _row_numbers(system)
-    matrix[run_row] /= measured[:, :1] ** 2
-    return _constrained(matrix[run_row], right[run_row], matrix[offset_row], right[offset_row])
 
 
 def _constrained(matrix: Array, right: Array, exact: Array, value: Array) -> Array:

@@ -18,6 +18,7 @@ from stepid.steps import Step
 
 _MOVING = 0.05  # swing left at the end, as a fraction of the steady displacement, that is too much
 _RINGING = 0.02  # and that deserves a note
+_VAGUE = 0.25  # relative uncertainty of a peak time that is none
 
 
 def overshoot(peak: float, steady: float) -> float:
@@ -72,7 +73,8 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
         except NoOvershootError as error:
             raise NoOvershootError(f"{who}: {error.cause}", error.remedy) from None
         excess = overshoot(found.height, level)
-        if not max(5 * noise, 2 * grid) < excess * level < level:
+        vague = found.time_uncertainty > _VAGUE * found.time
+        if vague or not max(5 * noise, 2 * grid) < excess * level < level:
             raise _no_overshoot(who, excess, level, noise, grid)
         frequency, ratio = damped_frequency(found.time), damping_ratio(excess)
         tail = steady_state(
@@ -104,8 +106,10 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
             noise=noise,
         ).level
 
+    ring = _ringing(experiment, step, found.time, noise) / level
+    time_spread = math.hypot(found.time_uncertainty, found.time * ring / math.pi / math.sqrt(2))
     slope = (1 - ratio**2) ** 1.5 / (math.pi * excess)  # −dζ/dM_p
-    frequency_spread = frequency**2 / math.pi * found.time_uncertainty
+    frequency_spread = frequency**2 / math.pi * time_spread
     first = math.hypot(found.height_uncertainty, tail.uncertainty) / level * slope
     tail_spread = math.hypot(
         tail.uncertainty,
@@ -114,6 +118,7 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
         grid / math.sqrt(12),
     )
     excess_spread = math.hypot(found.height_uncertainty, (1 + excess) * tail_spread, excess * rest_spread) / level
+    excess_spread = math.hypot(excess_spread, excess * ring / math.sqrt(2))
     steady_spread = math.hypot(tail_spread, rest_spread)
     ratio_spread = slope * excess_spread
     cross = frequency**2 / math.pi * slope * found.covariance / level  # of ω_d and ζ
@@ -134,7 +139,7 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
         static_gain=static_gain(sign * level, step.size),
         settling_time=None if settled is None else settled[0],
         uncertainty=CharacteristicsUncertainty(
-            peak_time=found.time_uncertainty,
+            peak_time=time_spread,
             overshoot=excess_spread,
             steady_state=steady_spread,
             static_gain=steady_spread / abs(step.size),
@@ -170,6 +175,15 @@ def _rest(experiment: Experiment, step: Step, who: str, noise: float, grid: floa
         )
     wander = drift / math.sqrt(12) if drift > 9 * noise else 0.0
     return float(np.mean(before)), math.hypot(noise / math.sqrt(before.size), wander, grid / math.sqrt(12))
+
+
+def _ringing(experiment: Experiment, step: Step, half_period: float, noise: float) -> float:
+    """Swing left from the step before, m: it adds to the new one with any phase, up to ring/level radians."""
+    before = slice(step.rest, step.start + 1)
+    time = experiment.time[before]
+    if time.size < 8:
+        return 0.0
+    return max(last_swing(time, experiment.position[before], half_period) - 4 * noise, 0.0)
 
 
 def _require_peak(who: str, time: Array, swing: Array, tolerance: float) -> None:

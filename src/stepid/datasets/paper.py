@@ -68,8 +68,9 @@ def _characteristics(
     name: str, added_mass: float, peak_time: float, ratio: float, overshoot: float, gain: float
 ) -> Characteristics:
     natural = math.pi / peak_time / math.sqrt(1 - ratio**2)
-    # the maximum of a parabola, read at a sample within ±T/2 of it, is low by ½|ÿ|δ²: spread of δ² is T²/(6√5)
-    lost = 0.5 * natural**2 * overshoot * SAMPLE_TIME**2 / (6 * math.sqrt(5))
+    # the maximum of a parabola, read at a sample within ±T/2 of it, is low by ½|ÿ|δ², where ÿ = y_ss ω_n² M_p:
+    # root mean square T²/(8√5) of ω_n² M_p
+    lost = natural**2 * overshoot * SAMPLE_TIME**2 / (8 * math.sqrt(5))
     return Characteristics(
         name=name,
         damped_frequency=math.pi / peak_time,
