@@ -53,6 +53,8 @@ def test_identify_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert found.summary() in text
     assert stepid.verify(found, campaign).summary() in text
     assert "left out: case 2" in text
+    added = found.base_difference("cart, no damper", "cart")
+    assert f"base 'cart' minus base 'cart, no damper': {added}" in text
     assert "What mass does" in text
     names = {p.name for p in tmp_path.iterdir()}
     assert {"notes.txt", "report.txt", "parameters.json", "verification.png", "trends.png"} <= names

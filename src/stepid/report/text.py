@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from stepid.experiment import Campaign
 from stepid.parameters import IdentifiedParameters
 from stepid.report.section import Section
@@ -29,7 +31,16 @@ def identify_report(
     tuple of Section
     """
     return (
-        Section(title=f"Campaign {campaign.name!r}", body=parameters.summary()),
+        Section(title=f"Campaign {campaign.name!r}", body=_found(parameters)),
         Section(title="Verification responses", body=verified.summary()),
         Section(title="Trends", body=trends.summary()),
     )
+
+
+def _found(parameters: IdentifiedParameters) -> str:
+    # the paper's case 3: what the moving parts of a damper weigh shows between two bases
+    differences = [
+        f"base {heavy!r} minus base {light!r}: {parameters.base_difference(light, heavy)}"
+        for light, heavy in pairwise(sorted(parameters.base_mass, key=lambda base: parameters.base_mass[base]))
+    ]
+    return "\n\n".join([parameters.summary(), *differences])
