@@ -9,10 +9,13 @@ from __future__ import annotations
 import sys
 import zlib
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
-from linear_campaigns import draw_plant, make_campaign
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+from closed_form import draw_plant, make_campaign
 from stepid.characteristics import characterize
 from stepid.errors import IdentificationError
 from stepid.peak import InterpolatedPeak, Peak, SampledPeak
@@ -49,9 +52,7 @@ def z_scores(campaigns: int, *, noise: float, peak: Peak) -> dict[str, dict[str,
                 (found.pooled_damping["1/2 turn"] - plant.damping) / spread.pooled_damping["1/2 turn"]
             )
             for run in campaign.experiments:
-                lists["damping (each run)"].append(
-                    (found.damping[run.name] - plant.damping) / spread.damping[run.name]
-                )
+                lists["damping (each run)"].append((found.damping[run.name] - plant.damping) / spread.damping[run.name])
     return {name: {q: np.array(v) for q, v in lists.items() if v} for name, lists in scores.items()}
 
 
@@ -67,7 +68,9 @@ def rows(campaigns: int) -> Iterator[tuple[str, str, str, str, float, float]]:
 
 if __name__ == "__main__":
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 400
-    print(f"{count} campaigns each; 95 % intervals; sampling error of a figure {100 * (0.95 * 0.05 / count) ** 0.5:.1f} %")
+    print(
+        f"{count} campaigns each; 95 % intervals; sampling error of a figure {100 * (0.95 * 0.05 / count) ** 0.5:.1f} %"
+    )
     print(f"{'peak':<17}{'noise':<8}{'solver':<10}{'quantity':<20}{'covered':>9}{'median z':>10}")
     for peak, noise, solver, quantity, inside, bias in rows(count):
         print(f"{peak:<17}{noise:<8}{solver:<10}{quantity:<20}{inside:8.1f}%{bias:10.2f}")

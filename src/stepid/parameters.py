@@ -241,7 +241,7 @@ class IdentifiedParameters(Model):
         if self.misfit is not None and self.misfit > _LARGE_MISFIT:
             parts.append(
                 f"The runs contradict each other {self.misfit:.1f} times more than their uncertainties allow: "
-                "the plant is not linear, or a label or added mass is wrong. The uncertainties above hold for a linear one."
+                "the plant is not linear, or a label or added mass is wrong. The uncertainties hold for a linear one."
             )
         return "\n\n".join(parts)
 

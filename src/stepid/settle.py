@@ -81,7 +81,7 @@ def last_swing(time: Array, position: Array, half_period: float) -> float:
 
 
 def settling_time_measured(
-    time: Array, swing: Array, *, level: float, half_period: float, band: float = 0.02
+    time: Array, swing: Array, *, level: float, half_period: float, noise: float, spread: float, band: float = 0.02
 ) -> tuple[float, float] | None:
     """Time from the step after which a record stays within a band around its steady state.
 
@@ -93,24 +93,39 @@ def settling_time_measured(
         m, steady displacement.
     half_period : float
         s; the record must stay within the band at least that long for the answer to count.
+    noise, spread : float
+        m, standard deviation of a reading and standard uncertainty of `level`.
     band : float
         Fraction of the steady displacement.
 
     Returns
     -------
     tuple of float or None
-        s: the time, between samples, and its slope there in seconds per meter. None where the record ends too early.
+        s: the time, between samples, and its standard uncertainty: a quarter of the time between leaving a band wider
+        and one narrower by two standard deviations, so that an extremum that grazes the band counts. None where the
+        record ends too early or noise fills the band.
     """
-    error = swing - level
-    outside = np.flatnonzero(np.abs(error) > band * abs(level))
+    error = np.abs(swing - level)
+    window = 2 * round(0.15 * half_period / float(time[1] - time[0])) + 1
+    if noise > 0 and 5 <= window < time.size:  # a cubic over ±0.15 half periods bends the response by less than 1e-3
+        from scipy.signal import savgol_coeffs, savgol_filter
+
+        error = np.abs(savgol_filter(swing - level, window, 3))
+        noise *= float(np.linalg.norm(savgol_coeffs(window, 3)))
+    margin, width = 2 * math.hypot(noise, spread), band * abs(level)
+    if margin >= width:
+        return None
+    late, usual, early = (_last_exit(time, error, limit) for limit in (width - margin, width, width + margin))
+    if late is None or usual is None or time[-1] - late < half_period:
+        return None
+    return usual, (late - (early or 0.0)) / 4
+
+
+def _last_exit(time: Array, error: Array, limit: float) -> float | None:
+    """Time after which `error` stays below a limit, by linear interpolation; None where it never does."""
+    outside = np.flatnonzero(error > limit)
     if not outside.size or outside[-1] + 1 >= time.size:
         return None
     i = int(outside[-1])
-    if time[-1] - time[i] < half_period:
-        return None
-    here, there = abs(float(error[i])), abs(float(error[i + 1]))
-    if error[i] * error[i + 1] < 0:  # crosses the whole band within one sample
-        there = -there
-    fraction = (here - band * abs(level)) / (here - there)
-    period = float(time[i + 1] - time[i])
-    return float(time[i]) + fraction * period, period / (here - there)
+    fraction = float((error[i] - limit) / (error[i] - error[i + 1]))
+    return float(time[i]) + fraction * float(time[i + 1] - time[i])

@@ -122,7 +122,7 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
     steady_spread = math.hypot(tail_spread, rest_spread)
     ratio_spread = slope * excess_spread
     cross = frequency**2 / math.pi * slope * found.covariance / level  # of ω_d and ζ
-    settled = settling_time_measured(time, swing, level=level, half_period=found.time)
+    settled = settling_time_measured(time, swing, level=level, half_period=found.time, noise=noise, spread=tail_spread)
     notes = (
         ()
         if left <= _RINGING * level
@@ -143,7 +143,7 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
             overshoot=excess_spread,
             steady_state=steady_spread,
             static_gain=steady_spread / abs(step.size),
-            settling_time=None if settled is None else settled[1] * math.hypot(noise, 1.02 * tail_spread),
+            settling_time=None if settled is None else settled[1],
         ),
         correlation=float(np.clip(cross / (frequency_spread * ratio_spread), -1, 1)) if cross else 0.0,
         spring=experiment.spring,

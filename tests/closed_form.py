@@ -26,6 +26,11 @@ class Plant:
     damping: float
     gain: float = 7.8
 
+    def peak(self, added: float) -> tuple[float, float]:
+        """True peak time, s, and overshoot."""
+        decay, frequency = self.rates(added)
+        return float(np.pi / frequency), float(np.exp(-decay * np.pi / frequency))
+
     def rates(self, added: float) -> tuple[float, float]:
         """Decay rate and damped frequency, 1/s, with so much mass added."""
         mass = self.base_mass + added
@@ -47,7 +52,34 @@ class Plant:
         return position
 
 
-def draw_plant(rng: np.random.Generator, *, lowest: float = 0.1, highest: float = 0.6, least_peak: float = 11.0) -> Plant:
+def make_run(
+    plant: Plant,
+    added: float,
+    *,
+    name: str = "case 5",
+    steps: Sequence[tuple[int, float]] = ((12, 0.5),),
+    count: int = 500,
+    noise: float = 0.0,
+    rng: np.random.Generator | None = None,
+    counts_per_meter: float | None = None,
+    rest: float = 0.0,
+    **labels: object,
+) -> Experiment:
+    """Make one record: steps are (sample, change of input in V)."""
+    time = SAMPLE_TIME * np.arange(count)
+    position = rest + plant.response(time, added, [(time[at], size) for at, size in steps])
+    if noise:
+        position = position + noise * (rng or np.random.default_rng(0)).standard_normal(count)
+    if counts_per_meter is not None:
+        position = np.round(position * counts_per_meter) / counts_per_meter
+    drive = sum((np.where(np.arange(count) >= at, size, 0.0) for at, size in steps), np.zeros(count))
+    fields = {"added_mass": added, "spring": "medium", "damper": "1/2 turn", **labels}
+    return Experiment(name=name, time=time, position=position, input=drive, counts_per_meter=counts_per_meter, **fields)
+
+
+def draw_plant(
+    rng: np.random.Generator, *, lowest: float = 0.1, highest: float = 0.6, least_peak: float = 11.0
+) -> Plant:
     """Draw a plant whose damping ratio lies within bounds in every run and whose earliest peak is late enough."""
     while True:
         plant = Plant(
@@ -58,7 +90,12 @@ def draw_plant(rng: np.random.Generator, *, lowest: float = 0.1, highest: float 
         with np.errstate(invalid="ignore"):
             ratios = [plant.damping_ratio(w) for w in WEIGHTS]
             first_peak = np.pi / plant.rates(0.0)[1] / SAMPLE_TIME
-        if np.all(np.isfinite(ratios)) and lowest <= min(ratios) and max(ratios) <= highest and first_peak >= least_peak:
+        if (
+            np.all(np.isfinite(ratios))
+            and lowest <= min(ratios)
+            and max(ratios) <= highest
+            and first_peak >= least_peak
+        ):
             return plant
 
 
