@@ -102,6 +102,18 @@ def test_step_and_step_back() -> None:
     np.testing.assert_allclose(run.simulated, position, rtol=0, atol=1e-11)
 
 
+def test_a_dead_stretch_before_the_first_answered_step_is_left_out() -> None:
+    m, c, k, n = 1.5, 6.0, 300.0, 1300
+    index = np.arange(n)
+    u = np.where((index >= 5) & (index < 200), 0.5, 0.0) + np.where(index >= 500, 0.5, 0.0)
+    position = 0.002 + GAIN * 0.5 * swing(T * (index - 500), m, c, k)  # the amplifier was off until sample 500
+    record = experiment(position, u)
+    run = stepid.verify(parameters(m, c, k), campaign(record))["case 4"]
+    assert run.time[0] == record.time[480]
+    np.testing.assert_allclose(run.simulated, position[480:], rtol=0, atol=1e-11)
+    assert run.peak_time == record.time[np.argmax(position)]
+
+
 def test_measures_of_a_known_difference() -> None:
     m, c, k = 1.5, 6.0, 300.0
     clean = one_step(m, c, k)

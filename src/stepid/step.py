@@ -52,7 +52,8 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
     rest, rest_spread = _rest(experiment, step, who, noise, grid)
     swing = position - rest
     rough = float(np.mean(swing[swing.size // 2 :]))
-    if np.abs(swing).max() <= max(6 * noise, 3 * grid) or rough == 0:
+    rounding = 1e-12 * float(np.abs(position).max())
+    if np.abs(swing).max() <= max(6 * noise, 3 * grid, rounding) or rough == 0:
         raise NoStepError(
             f"{who}: the position does not answer the step of {step.size:g} V",
             "Check that the amplifier was on, and that the right encoder column was read.",

@@ -7,22 +7,26 @@ import math
 import numpy as np
 
 from stepid._base import Array
-from stepid.characteristics import characterize
+from stepid.characteristics import characterize, characterize_each
 from stepid.errors import IdentificationError
 from stepid.experiment import Campaign, Experiment
 from stepid.parameters import IdentifiedParameters
-from stepid.settle import settling_time_measured
-from stepid.steps import find_steps
+from stepid.response import Characteristics
+from stepid.second_order import settling_time
+from stepid.steps import Step, find_steps
 from stepid.transfer import free_responses, held_response
 from stepid.verification import Verification, VerificationRun
+
+_REST = 20  # samples before a later step that show where the plant rests
 
 
 def verify(parameters: IdentifiedParameters, campaign: Campaign) -> Verification:
     """Simulate each identified run on its measured input with python-control, and compare.
 
-    The plant rests before its first step. The rest position is the mean of the samples up to the one at which the
-    input steps, where it has not moved yet; it is not fitted, so that an error of the static gain shows. The first
-    peak is the measured one. Settling counts into a band of 2 % around static gain times step, for the first step.
+    The plant rests before a step: the first one, or the first that characteristics can be read from, and the record
+    is compared from there on. The rest position is the mean of the samples up to the one at which the input steps,
+    where the plant has not moved yet; it is not fitted, so that an error of the static gain shows. The first peak is
+    the measured one. Settling counts into a band of 2 % around what each comes to rest at, for the first step.
 
     A run that was released by hand has no input to simulate. It is compared from the first turning point that its
     characteristics were read from, with rest position, displacement and velocity there fitted by least squares.
@@ -77,25 +81,39 @@ def _verify_run(parameters: IdentifiedParameters, experiment: Experiment) -> Ver
 
 
 def _verify_step(parameters: IdentifiedParameters, experiment: Experiment) -> VerificationRun:
-    name, first = experiment.name, find_steps(experiment)[0]
+    name = experiment.name
+    first, read = _first_readable(experiment)
+    # what came before a later step is no part of the comparison, the plant rests in the samples just before it
+    begin = 0 if first.number == 1 else max(first.rest, first.start - _REST)
+    since_begin = slice(begin, None)
     moved = held_response(
         parameters,
         name,
-        input=experiment.input,
+        input=experiment.input[since_begin],
         sample_time=experiment.sample_time,
-        input_before=experiment.input_before,
+        input_before=experiment.input_before if first.number == 1 else float(experiment.input[first.start - 1]),
     )
-    rest = float(experiment.position[first.rest : first.start + 1].mean())
-    level = parameters.static_gain[name] * first.size
-    part = slice(first.start, first.stop + 1)
-    since = experiment.time[part] - experiment.time[first.start]
-    outward = math.copysign(1.0, level)
-    swings = [outward * (experiment.position[part] - rest), outward * (moved[part] - moved[first.start])]
-    top = int(np.argmax(swings[0]))
-    peak = first.start + top if _overshoots(parameters, name) and 0 < top < since.size - 1 else None
-    half = _half_period(parameters, name)
-    settled = [settling_time_measured(since, swing, level=abs(level), half_period=half) for swing in swings]
-    return _compared(experiment, slice(None), rest + moved, peak=peak, settled=[s and s[0] for s in settled])
+    rest = float(experiment.position[max(first.rest, begin) : first.start + 1].mean())
+    outward = math.copysign(1.0, parameters.static_gain[name] * first.size)
+    swing = outward * experiment.position[first.start : first.stop + 1]
+    top, ratio = int(np.argmax(swing)), _damping_ratio(parameters, name)
+    return _compared(
+        experiment,
+        since_begin,
+        rest + moved,
+        peak=first.start - begin + top if ratio < 1 and 0 < top < swing.size - 1 else None,
+        settles=None if read is None else read.settling_time,
+        model_settles=settling_time(_natural_frequency(parameters, name), ratio) if 0 < ratio < 1 else None,
+    )
+
+
+def _first_readable(experiment: Experiment) -> tuple[Step, Characteristics | None]:
+    """Return the step that the run's characteristics come from, with them; the first step where none can be read."""
+    steps = find_steps(experiment)
+    for step, read in zip(steps, characterize_each(experiment), strict=True):
+        if isinstance(read, Characteristics):
+            return step, read
+    return steps[0], None
 
 
 def _verify_release(parameters: IdentifiedParameters, experiment: Experiment) -> VerificationRun:
@@ -104,24 +122,30 @@ def _verify_release(parameters: IdentifiedParameters, experiment: Experiment) ->
     measured = experiment.position[part]
     free = free_responses(parameters, experiment.name, samples=measured.size, sample_time=experiment.sample_time)
     # one column a unknown: rest, displacement and velocity at the start; velocity scaled to a like size
-    scale = np.array([1.0, 1.0, math.pi / _half_period(parameters, experiment.name)])
+    scale = np.array([1.0, 1.0, _natural_frequency(parameters, experiment.name)])
     basis = np.column_stack([np.ones(measured.size), free]) * scale
     solution, *_ = np.linalg.lstsq(basis, measured, rcond=None)
-    return _compared(experiment, part, basis @ solution, peak=None, settled=[None, None])
+    return _compared(experiment, part, basis @ solution, peak=None, settles=None, model_settles=None)
 
 
-def _half_period(parameters: IdentifiedParameters, run: str) -> float:
-    """π/ω_n of the identified model, s: near half a period also where there is no ω_d."""
-    return math.pi * math.sqrt(parameters.masses[run] / parameters.run_stiffness(run))
+def _natural_frequency(parameters: IdentifiedParameters, run: str) -> float:
+    """ω_n = √(k/m) of the identified model, rad/s (Eq. 5)."""
+    return math.sqrt(parameters.run_stiffness(run) / parameters.masses[run])
 
 
-def _overshoots(parameters: IdentifiedParameters, run: str) -> bool:
-    """True below critical damping, c < 2√(km)."""
-    return parameters.damping[run] < 2 * math.sqrt(parameters.run_stiffness(run) * parameters.masses[run])
+def _damping_ratio(parameters: IdentifiedParameters, run: str) -> float:
+    """ζ = c/(2√(km)) of the identified model."""
+    return parameters.damping[run] / (2 * math.sqrt(parameters.run_stiffness(run) * parameters.masses[run]))
 
 
 def _compared(
-    experiment: Experiment, part: slice, simulated: Array, *, peak: int | None, settled: list[float | None]
+    experiment: Experiment,
+    part: slice,
+    simulated: Array,
+    *,
+    peak: int | None,
+    settles: float | None,
+    model_settles: float | None,
 ) -> VerificationRun:
     time, measured = experiment.time[part], experiment.position[part]
     error = measured - simulated
@@ -135,8 +159,8 @@ def _compared(
         rms_before_peak=None if peak is None else _rms(error[: peak + 1]),
         rms_after_peak=None if peak is None else _rms(error[peak + 1 :]),
         peak_time=None if peak is None else float(time[peak]),
-        settling_time_measured=settled[0],
-        settling_time_simulated=settled[1],
+        settling_time_measured=settles,
+        settling_time_simulated=model_settles,
     )
 
 
