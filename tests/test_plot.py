@@ -51,6 +51,13 @@ def test_response_draws_dots_and_line() -> None:
     assert "97.5 %" in axes.get_title(loc="left")
 
 
+def test_long_names_are_broken() -> None:
+    _, axes = plt.subplots()
+    plot.response(run("a run whose name would not fit above a picture"), axes=axes)
+    lines = axes.get_title(loc="left").splitlines()
+    assert lines == ["a run whose name would not fit", "above a picture", "fit 97.5 %"]
+
+
 def test_residual_is_measured_minus_model_with_the_peak_marked() -> None:
     _, axes = plt.subplots()
     one = run()

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import textwrap
+
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
@@ -41,7 +44,7 @@ def response(run: VerificationRun, *, axes: Axes) -> Axes:
         axes.plot(run.time, 1e3 * run.simulated, "-", color=MODEL, label="model")
         _mark_peak(run, axes)
         axes.set_ylabel("position [mm]")
-        axes.set_title(f"{run.name}: fit {run.fit_percent:.1f} %")
+        axes.set_title(_title(run))
         axes.legend(loc="best")
     return axes
 
@@ -69,6 +72,11 @@ def residual(run: VerificationRun, *, axes: Axes) -> Axes:
         axes.set_ylabel(f"residual [{unit}]")
         axes.set_xlabel("time [s]")
     return axes
+
+
+def _title(run: VerificationRun) -> str:
+    fit = f"fit {run.fit_percent:.1f} %"
+    return f"{run.name}: {fit}" if len(run.name) < 20 else f"{textwrap.fill(run.name, 30)}\n{fit}"
 
 
 def _mark_peak(run: VerificationRun, axes: Axes) -> None:
@@ -112,8 +120,8 @@ def verification_grid(verified: Verification, *, columns: int = 3) -> npt.NDArra
     array of matplotlib.axes.Axes, shape (runs, 2)
         Response and residual by run.
     """
-    columns = min(columns, len(verified.runs))
-    bands = -(-len(verified.runs) // columns)
+    bands = math.ceil(len(verified.runs) / columns)
+    columns = math.ceil(len(verified.runs) / bands)
     figure = new_figure(width=PAGE, height=2.6 * bands + 0.3)
     outer = figure.add_gridspec(bands, columns)
     drawn = np.empty((len(verified.runs), 2), dtype=object)
