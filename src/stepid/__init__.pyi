@@ -1,3 +1,4 @@
+from . import characteristics as characteristics
 from . import datasets as datasets
 from . import errors as errors
 from . import plot as plot

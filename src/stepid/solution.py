@@ -11,7 +11,7 @@ from stepid._base import Array
 from stepid.experiment import WEIGHT, WEIGHT_UNCERTAINTY
 from stepid.parameters import IdentifiedParameters, ParameterUncertainty, StackedSystem
 from stepid.response import Characteristics
-from stepid.solvers import Solver, WeightedLeastSquares, check_positive, run_covariances, scaled_rows
+from stepid.solvers import Solver, WeightedLeastSquares, require_sense, run_covariances, scaled_rows
 from stepid.stacked import require_determined
 
 
@@ -59,7 +59,8 @@ def solve(system: StackedSystem, *, solver: Solver | None = None) -> IdentifiedP
     stepid.errors.UndeterminedError
         If the known mass differences do not fix every unknown; the message names the run to add.
     stepid.errors.IdentificationError
-        If a mass or stiffness comes out negative: peaks and mass differences contradict each other.
+        If a mass or stiffness comes out negative, or every run with more mass swings faster: the peaks contradict the
+        known mass differences.
     stepid.errors.InputError
         If the weighted solve meets a run without uncertainties.
     """
@@ -69,7 +70,7 @@ def solve(system: StackedSystem, *, solver: Solver | None = None) -> IdentifiedP
     measured = np.array([[run.damped_frequency, run.damping_ratio] for run in runs])
     differences = np.array([offset.difference for offset in system.mass_offsets])
     unknowns = method.unknowns(system, measured, differences)
-    check_positive(system, unknowns)
+    require_sense(system, unknowns)
     outputs = _Outputs(runs, _pooling_weights(runs))
     values = outputs(unknowns, measured)
     inputs = _input_covariance(system)

@@ -203,8 +203,19 @@ def run_covariances(runs: Sequence[Characteristics]) -> Array:
     return out
 
 
-def check_positive(system: StackedSystem, unknowns: Array) -> None:
-    """Raise IdentificationError where a mass or stiffness is not positive."""
+def require_sense(system: StackedSystem, unknowns: Array) -> None:
+    """Raise IdentificationError where a mass or stiffness is not positive, or more mass quickens every run."""
+    by_name = {run.name: run for run in system.characteristics}
+    signs = []
+    for offset in system.mass_offsets:
+        one, two = by_name[offset.from_run], by_name[offset.to_run]
+        if one.spring == two.spring and offset.difference:
+            signs.append((two.natural_frequency**-2 - one.natural_frequency**-2) * offset.difference)
+    if signs and max(signs) <= 0:
+        raise IdentificationError(
+            "every run with more mass has the higher natural frequency: the peaks contradict the known mass differences",
+            "More mass must slow the same spring down: check added_mass, spring labels and peak times.",
+        )
     if np.any(unknowns <= 0):
         worst = int(np.argmin(unknowns))
         raise IdentificationError(
