@@ -24,9 +24,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from hidden import Run, reference  # noqa: E402
-
 import stepid  # noqa: E402
+from hidden import Run, reference  # noqa: E402
 
 COUNTS, PERIOD = 226600.0, 0.0088542
 EFFECTS: dict[str, dict[str, float]] = {

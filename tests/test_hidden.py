@@ -93,6 +93,16 @@ def test_the_two_routes_agree_on_pairs(pair: tuple[str, str]) -> None:
     assert np.max(np.abs(one - two)) < 0.01 * COUNT
 
 
+def test_a_slip_shorter_than_a_solver_step_is_seen() -> None:
+    shaken = {
+        "coulomb_friction": {"level": 0.32809940510882724},
+        "periodic_disturbance": {"amplitude": 1.7008446305643627, "frequency": 10.346500784731035},
+    }
+    for phase in np.linspace(0, 6, 5):
+        one, two = both(paper_run(effects=shaken, mass=5.77, stiffness=652.5, phase=float(phase)))
+        assert np.max(np.abs(one - two)) < 0.01 * COUNT
+
+
 def test_company_does_not_change_a_run() -> None:
     short = np.repeat([0.0, 0.5, 0.0], [3, 60, 60])
     chosen = [n for n in EXAMPLES if n != "stribeck_friction"]

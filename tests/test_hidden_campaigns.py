@@ -48,7 +48,7 @@ def test_a_request_gives_the_same_campaign_alone_and_in_company() -> None:
     assert truth["parameters"] == together[1][1]["parameters"]
 
 
-@pytest.mark.parametrize("name", CHEAP)
+@pytest.mark.parametrize("name", CHEAP[::2])
 def test_visibility_comes_out_as_asked(name: str) -> None:
     _, truth = make_campaign(7, (name,), r0=8.0)
     assert truth["r0"] == pytest.approx(8.0, rel=0.12)

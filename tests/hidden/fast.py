@@ -156,7 +156,7 @@ def _bucket(runs: Sequence[Run], steps: int) -> list[np.ndarray]:
                 still = rows.signed & (rows.sign == 0)
                 if still.any():
                     rows.choose_sign(still)
-            count = max(2, steps // 2) if split else steps
+            count = steps
             for _ in range(count):
                 _advance(rows, length / count)
     return [

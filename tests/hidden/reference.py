@@ -170,8 +170,11 @@ class _Scalar:
             names, events = [], []
             for name, guard in self.guards():
 
-                def event(t: float, y: State, guard: Callable[[float, State], float] = guard) -> float:
-                    return guard(t, y)
+                def event(
+                    t: float, y: State, guard: Callable[[float, State], float] = guard, begin: float = self.now
+                ) -> float:
+                    # a guard is zero where its mode began: solve_ivp would take that for the next change
+                    return guard(t, y) if t > begin + 1e-11 else 1.0
 
                 event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
                 names.append(name)
@@ -185,7 +188,7 @@ class _Scalar:
                 atol=[1e-13, 1e-12, 1e-13, 1e-12, 1e-13, 1e-15, 1e-11],
                 events=events or None,
                 dense_output=True,
-                max_step=0.02,
+                max_step=0.005 if events else 0.02,  # no mode comes and goes inside a step
             )
             stop = float(out.t[-1])
             upto = int(np.searchsorted(wanted, stop, side="right"))
