@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -134,6 +135,18 @@ def test_missing_extra_is_said_plainly(missing: str) -> None:
     assert done.returncode == 2
     assert "pip install 'stepid[cli]'" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_a_console_without_greek_letters_is_no_error() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "stepid", "paper"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "Table 2, rebuilt beside printed" in done.stdout
 
 
 def test_colors_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 
 
@@ -16,6 +17,9 @@ def main() -> None:
             f"stepid: the command line needs the package {error.name!r}. Install it with: pip install 'stepid[cli]'\n"
         )
         raise SystemExit(2) from None
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a console without ω shows ? in its place
     raise SystemExit(run(sys.argv[1:]))
 
 
