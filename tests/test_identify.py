@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 import stepid
 from closed_form import SAMPLE_TIME, Plant, draw_plant, make_campaign, make_run
 from stepid.errors import UndeterminedError
+from stepid.identification import characterize_campaign
+from stepid.pooling import pool_steps
 
 STIFFNESS = {"light": 175.0, "medium": 216.0, "stiff": 450.0}
 DAMPING = {"none": 1.5, "1/2 turn": 14.0, "4 full turns": 36.0}
@@ -122,18 +124,35 @@ def test_steps_and_releases_may_mix() -> None:
     assert set(found.static_gain) == {"step"}
 
 
-def test_first_readable_step_is_used_and_said() -> None:
+def test_steps_that_cannot_be_read_are_left_out_and_said() -> None:
     plant = Plant(0.95, 216.0, 8.0)
     good = make_run(plant, 0.0, name="good", count=700)
-    other = make_run(plant, 1.0, name="dead at first", steps=[(300, 0.0), (600, -0.5)], count=1300)
-    drive = np.where(np.arange(1300) < 300, 0.0, np.where(np.arange(1300) < 600, 0.5, 0.0))  # the amplifier was off
+    other = make_run(plant, 1.0, name="dead at first", steps=[(600, -0.5), (1000, 0.5)], count=1500)
+    drive = np.where(np.arange(1500) < 300, 0.0, np.where(np.arange(1500) < 600, 0.5, 0.0))  # the amplifier was off
+    drive[1000:] = 0.5
     other = other.model_copy(update={"input": drive})
     campaign = stepid.Campaign(name="amplifier", experiments=(good, other))
-    used, excluded = stepid.identification.characterize_campaign(campaign)
+    used, excluded = characterize_campaign(campaign)
     assert not excluded
-    assert "from step 2" in used["dead at first"].notes[-1]
+    assert "a step is left out" in used["dead at first"].notes[-1]
     assert "does not answer" in used["dead at first"].notes[-1]
     assert stepid.identify(campaign).stiffness["medium"] == pytest.approx(216.0, rel=1e-3)
+
+
+def test_steps_of_one_run_are_pooled() -> None:
+    plant = Plant(0.95, 216.0, 14.0)
+    steps = [(10, 0.5), (310, -0.5), (610, 0.5), (910, -0.5)]
+    run = make_run(plant, 0.5, name="square", steps=steps, count=1210, noise=5e-5, rng=np.random.default_rng(1))
+    each = stepid.characterize_all(run)
+    pooled = characterize_campaign(stepid.Campaign(name="one", experiments=(run,)))[0]["square"]
+    assert pooled.name == "square"
+    assert min(c.peak_time for c in each) < pooled.peak_time < max(c.peak_time for c in each)
+    assert pooled.uncertainty.peak_time < 0.8 * min(c.uncertainty.peak_time for c in each)
+    assert abs(pooled.peak_time - plant.peak(0.5)[0]) < 3 * pooled.uncertainty.peak_time
+    # steps that differ by more than they can: the scatter counts
+    apart = pool_steps([each[0], each[1].model_copy(update={"peak_time": 1.1 * each[0].peak_time})], name="square")
+    assert apart.uncertainty.peak_time > 0.02 * each[0].peak_time
+    assert "scatter" in apart.notes[-1]
 
 
 def test_runs_that_nothing_fixes_are_left_out_by_name() -> None:

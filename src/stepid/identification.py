@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from stepid.characteristics import characterize_each
-from stepid.errors import IdentificationError, NoStepError, UndeterminedError
+from stepid.errors import IdentificationError, UndeterminedError
 from stepid.experiment import Campaign, Experiment, MassOffset
 from stepid.parameters import IdentifiedParameters
 from stepid.peak import Peak
+from stepid.pooling import pool_steps
 from stepid.response import Characteristics
 from stepid.solution import solve
 from stepid.solvers import Solver
@@ -42,7 +43,7 @@ def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | N
 
     Notes
     -----
-    Each run counts with its first step that can be read. Runs of one base are joined by their known mass
+    Each run counts with all its steps that can be read, pooled. Runs of one base are joined by their known mass
     differences; equal added masses are exact constraints.
     """
     used, excluded = characterize_campaign(campaign, peak=peak)
@@ -89,36 +90,34 @@ def characterize_campaign(
     excluded: dict[str, str] = {}
     for experiment in campaign.experiments:
         try:
-            used[experiment.name] = _first_readable(experiment, peak)
+            used[experiment.name] = _readable(experiment, peak)
         except IdentificationError as error:
             excluded[experiment.name] = error.cause
     return used, excluded
 
 
-def _first_readable(experiment: Experiment, peak: Peak | None) -> Characteristics:
+def _readable(experiment: Experiment, peak: Peak | None) -> Characteristics:
+    """Pool the steps of a run that can be read, and note those that cannot."""
     results = characterize_each(experiment, peak=peak)
+    good = [result for result in results if isinstance(result, Characteristics)]
     errors = [result for result in results if isinstance(result, IdentificationError)]
-    if len(errors) == len(results):
+    if not good:
         raise errors[0]
-    for number, result in enumerate(results):
-        if isinstance(result, IdentificationError):
-            continue
-        vague = result.uncertainty.natural_frequency / result.natural_frequency
-        if result.overshoot is not None and result.overshoot < _LEAST_OVERSHOOT:
-            raise IdentificationError(
-                f"run {experiment.name!r}: too little overshoot ({100 * result.overshoot:.2g} %), "
-                "its peak is too flat to tell the frequency"
-            )
-        if vague > _VAGUE:
-            raise IdentificationError(
-                f"run {experiment.name!r}: noise leaves the natural frequency uncertain by {100 * vague:.0f} %"
-            )
-        if number == 0:
-            return result
-        skipped = "; ".join(error.cause for error in results[:number] if isinstance(error, IdentificationError))
-        fields = result.model_dump() | {"uncertainty": result.uncertainty, "name": experiment.name}
-        return Characteristics(**fields | {"notes": (*result.notes, f"from step {number + 1}, because {skipped}")})
-    raise NoStepError(f"run {experiment.name!r}: no step in it")
+    found = pool_steps(good, name=experiment.name)
+    if found.overshoot is not None and found.overshoot < _LEAST_OVERSHOOT:
+        raise IdentificationError(
+            f"run {experiment.name!r}: too little overshoot ({100 * found.overshoot:.2g} %), "
+            "its peak is too flat to tell the frequency"
+        )
+    vague = found.uncertainty.natural_frequency / found.natural_frequency
+    if vague > _VAGUE:
+        raise IdentificationError(
+            f"run {experiment.name!r}: noise leaves the natural frequency uncertain by {100 * vague:.0f} %"
+        )
+    if not errors:
+        return found
+    notes = (*found.notes, *(f"a step is left out: {error.cause}" for error in errors))
+    return Characteristics(**found.model_dump() | {"uncertainty": found.uncertainty, "notes": notes})
 
 
 def _join(campaign: Campaign, kept: list[Experiment]) -> tuple[MassOffset, ...]:

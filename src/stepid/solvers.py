@@ -18,7 +18,9 @@ class OrdinaryLeastSquares(Model):
     """The paper's solve of Eq. 10: plain least squares in the units at hand.
 
     Force rows [N/m] and mass rows [kg] count alike as they stand, so the answer depends on the unit of time and on
-    which mass differences are taken; it is here to reproduce Table 2. Differences known exactly (uncertainty 0)
+    which mass differences are taken; it is here to reproduce Table 2. Because the readings stand in the matrix and the
+    right-hand side of the force rows is zero, disagreement between runs shrinks masses and stiffness together: with
+    many runs, stiff springs or dry friction towards nothing. Differences known exactly (uncertainty 0)
     are constraints.
     """
 
@@ -213,7 +215,8 @@ def require_sense(system: StackedSystem, unknowns: Array) -> None:
             signs.append((two.natural_frequency**-2 - one.natural_frequency**-2) * offset.difference)
     if signs and max(signs) <= 0:
         raise IdentificationError(
-            "every run with more mass has the higher natural frequency: the peaks contradict the known mass differences",
+            "every run with more mass has the higher natural frequency: "
+            "the peaks contradict the known mass differences",
             "More mass must slow the same spring down: check added_mass, spring labels and peak times.",
         )
     if np.any(unknowns <= 0):
