@@ -54,6 +54,14 @@ def test_release_that_starts_in_motion() -> None:
     assert stepid.characterize(later).damping_ratio == pytest.approx(0.05, rel=2e-3)
 
 
+def test_a_hand_that_wanders_while_it_holds_does_not_count() -> None:
+    run = swing(noise=20e-6, hold=150)
+    wander = np.where(np.arange(run.time.size) < 150, 1.5e-3 * np.sin(np.arange(run.time.size) / 30), 0.0)
+    found = stepid.characterize(run.model_copy(update={"position": run.position + wander}))
+    assert abs(found.damped_frequency - 20.0) < 3 * found.uncertainty.damped_frequency < 0.06
+    assert found.start > 150 * SAMPLE_TIME
+
+
 def test_uncertainty_covers_noise() -> None:
     found = stepid.characterize(swing(noise=50e-6))
     assert abs(found.damped_frequency - 20.0) < 3 * found.uncertainty.damped_frequency < 0.06

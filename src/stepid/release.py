@@ -56,7 +56,9 @@ def find_extrema(time: Array, position: Array, *, rest: float, noise: float, pea
     rows = []
     for top, lobe in zip(tops, lobes, strict=True):
         reach = round(0.25 * half / period) + 1
-        if top < lobe[0] + 1 or not reach <= top < time.size - reach:
+        if lobe[0] == 0:
+            continue  # the hand may hold the plant there
+        if not reach <= top < time.size - reach:
             continue
         sign = float(side[top])
         if isinstance(peak, SampledPeak):
