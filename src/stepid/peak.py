@@ -78,7 +78,7 @@ def sampled_peak_spread(period: float, noise: float, curvature: float) -> tuple[
 
     Notes
     -----
-    The weight of the second term is a fit to simulated maxima, within 4 % in the standard deviation for κ up to 10.
+    The weight of the second term is a fit to simulated maxima, within 6 % in the standard deviation for κ up to 10.
     """
     if curvature <= 0:
         return float("inf"), float("inf")
