@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -31,6 +32,13 @@ def test_import_contracts_hold() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert re.search(r"Contracts: [1-9]\d* kept, 0 broken", done.stdout)
+
+
+def test_the_page_about_the_house_shows_these_layers() -> None:
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]["contracts"]
+    (layers,) = [contract["layers"] for contract in contracts if contract["type"] == "layers"]
+    shown = "\n".join(" · ".join(name.strip(" ()") for name in layer.split(":")) for layer in layers)
+    assert f"```text\n{shown}\n```" in (ROOT / "docs" / "architecture.md").read_text("utf-8")
 
 
 def test_importing_stepid_loads_nothing_heavy() -> None:
