@@ -103,6 +103,10 @@ class Effect:
         """Start guesses for the parameters (run parameters excluded), each a tuple in the order of `parameters`."""
         raise NotImplementedError
 
+    def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
+        """Start guesses from the optimum of a simpler effect that this one `contains`."""
+        return ()
+
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         """Forces on the measured motion that would be this effect, for starts by linear least squares (optional)."""
         return ()

@@ -74,6 +74,9 @@ class StribeckFriction(_DryFriction):
     advice = "thin the lubricant, dither the drive; keep it in the model"
     contains = ("coulomb_friction",)
 
+    def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(0.8 * inner[0], times * inner[0], part * scales.velocity) for times in (1.3, 2.2) for part in (0.02, 0.1)]
+
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [
             (share * scales.force, 2.0 * share * scales.force, part * scales.velocity)
@@ -117,6 +120,9 @@ class AsymmetricFriction(_DryFriction):
     affine: ClassVar[bool] = True
     contains = ("coulomb_friction",)
 
+    def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(up * inner[0], (2 - up) * inner[0]) for up in (0.9, 1.1)]
+
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [
             (forward * share * scales.force, (1 - forward) * share * scales.force)
@@ -147,10 +153,14 @@ class PreslidingHysteresis(Effect):
     advice = "let the cart make one full swing before the record; keep it in the model"
     reverses: ClassVar[bool] = True
     n_memory: ClassVar[int] = 1
+    contains = ("coulomb_friction",)
+
+    def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(inner[0], part * scales.displacement) for part in (0.002, 0.01, 0.04)]
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [
-            (share * scales.force, part * scales.displacement) for share in (0.01, 0.05) for part in (0.003, 0.02, 0.1)
+            (share * scales.force, part * scales.displacement) for share in (0.03,) for part in (0.003, 0.02, 0.1)
         ]
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:

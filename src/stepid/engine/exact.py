@@ -80,7 +80,7 @@ class FullStep:
         regimes = 2**law.n_sides
         bits = np.repeat(np.arange(regimes), plants.shape[1])
         sides = np.array([np.where(bits >> i & 1, 1.0, -1.0) for i in range(law.n_sides)]).reshape(-1, bits.size)
-        self.phi, self._gamma = step_matrices(law, np.tile(plants, regimes), sides)
+        self.phi, self.gamma = step_matrices(law, np.tile(plants, regimes), sides)
         self._plants = plants.shape[1]
 
     def __call__(self, group: Index, table: Array, z: Array, sign: Array, sides: Array) -> Array:
@@ -88,7 +88,7 @@ class FullStep:
         for i in range(self._law.n_sides):
             group = group + np.where(sides[i] > 0, self._plants << i, 0)
         b = offset(self._law, table, sign, sides)
-        out: Array = _apply(self.phi[group], z) + _apply(self._gamma[group], b)
+        out: Array = _apply(self.phi[group], z) + _apply(self.gamma[group], b)
         return out
 
 

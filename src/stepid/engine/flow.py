@@ -9,6 +9,7 @@ from stepid.engine.exact import FullStep, Index
 from stepid.engine.law import LENGTH, Law
 
 STILL = 1e-7  # m/s, slower than this is at rest where dry friction acts
+_ROOT = 3e-12  # m or m/s, of the switching functions at an event
 _EVENTS = 10  # reversals, contacts, stops and releases within one sample, at most
 _MOST_PIECES = 64
 _A = (
@@ -117,29 +118,33 @@ def _locate(
     start: Array,
     end: Array,
     high: Array,
+    z_end: Array,
 ) -> tuple[Array, Array]:
-    """Find where margin `which` of each lane changes sign within [0, high]; Illinois on the true flow."""
+    """Find where margin `which` of each lane changes sign within [0, high], `z_end` the state there."""
+    left = high
     lanes = np.arange(z.shape[1])
     low = np.zeros_like(high)
     f_low, f_high = np.maximum(start, 0.0), end.copy()
-    z_high = np.array(z)
-    tolerance = 1e-11 * high.max(initial=0.0)
-    kept = np.zeros(z.shape[1], dtype=int)  # which end stayed, for Illinois
-    for _ in range(12):
-        slope = np.where(f_low > 0, f_low / np.where(f_low > 0, f_low - f_high, 1.0), 0.5)
-        at = low + np.clip(slope, 1e-3, 1 - 1e-9) * (high - low)
-        z_at = _stretch(law, table, z, elapsed, at, sign, sides, moving)
+    z_low, z_high = z, z_end.copy()
+    for _ in range(14):
+        # Anderson-Bjorck: a false-position step, with the end that stays made lighter
+        share = np.where(f_low > 0, f_low / np.where(f_low > 0, f_low - f_high, 1.0), 0.5)
+        at = low + np.clip(share, 1e-3, 1 - 1e-6) * (high - low)
+        z_at = _stretch(law, table, z_low, elapsed + low, at - low, sign, sides, moving)
         f = _margins(law, table, z_at, elapsed + at, sign, sides, moving)[which, lanes]
-        below = f < 0
-        again_high, again_low = below & (kept == 1), ~below & (kept == -1)
-        f_low = np.where(below, np.where(again_high, 0.5 * f_low, f_low), f)
-        f_high = np.where(below, f, np.where(again_low, 0.5 * f_high, f_high))
-        low, high = np.where(below, low, at), np.where(below, at, high)
-        z_high = np.where(below, z_at, z_high)
-        kept = np.where(below, 1, -1)
-        if np.all((high - low < tolerance) | (np.abs(f) < 1e-12)):
+        past = f < 0
+        lighter_low = np.where(f_high < 0, 1 - f / f_high, 0.5)
+        lighter_high = np.where(f_low > 0, 1 - f / np.where(f_low > 0, f_low, 1.0), 0.5)
+        f_low = np.where(past, f_low * np.where(lighter_low > 0, lighter_low, 0.5), f)
+        f_high = np.where(past, f, f_high * np.where(lighter_high > 0, lighter_high, 0.5))
+        low, high = np.where(past, low, at), np.where(past, at, high)
+        z_low, z_high = np.where(past, z_low, z_at), np.where(past, z_at, z_high)
+        if np.all((np.abs(f) < _ROOT) | (high - low < 1e-10 * left)):
             break
-    return high, _stretch(law, table, z, elapsed, high, sign, sides, moving)
+    # the state just past the event, whichever side the last try fell on
+    close = ~past
+    high, z_high = np.where(close, at, high), np.where(close, z_at, z_high)
+    return high, z_high
 
 
 def advance(law: Law, table: Array, z: Array, full: FullStep | None = None, group: Index | None = None) -> Array:
@@ -186,7 +191,7 @@ def advance(law: Law, table: Array, z: Array, full: FullStep | None = None, grou
         table, z, elapsed, left, index = table[:, hit], z[:, hit], elapsed[hit], left[hit], index[hit]
         sides, sign, moving, end = sides[:, hit], sign[hit], moving[hit], end[:, hit]
         start = _margins(law, table, z, elapsed, sign, sides, moving)
-        when, which, after = _first(law, table, z, elapsed, left, sign, sides, moving, start, end)
+        when, which, after = _first(law, table, z, elapsed, left, sign, sides, moving, start, end, after[:, hit])
         turned = which == law.n_sides
         after[1, turned] = 0.0
         sides = sides.copy()
@@ -210,6 +215,7 @@ def _first(
     moving: Array,
     start: Array,
     end: Array,
+    z_end: Array,
 ) -> tuple[Array, Array, Array]:
     """Locate the first event of each lane: when, which margin, and the state there."""
     lanes = np.arange(z.shape[1])
@@ -217,7 +223,7 @@ def _first(
     guess = np.where(gone, np.maximum(start, 0) / np.where(gone, np.maximum(start, 0) - end, 1.0), np.inf)
     which = np.argmin(guess, axis=0)
     when, after = _locate(
-        law, table, z, elapsed, sign, sides, moving, which, start[which, lanes], end[which, lanes], left
+        law, table, z, elapsed, sign, sides, moving, which, start[which, lanes], end[which, lanes], left, z_end
     )
     # a switch may have been passed and passed back before the reversal, or earlier than the guess said
     there = _margins(law, table, after, elapsed + when, sign, sides, moving)
@@ -238,6 +244,7 @@ def _first(
             start[:, early][row, pick],
             there[:, early][row, pick],
             when[early],
+            after[:, early],
         )
         which[early] = row
     return when, which, after

@@ -24,17 +24,17 @@ class Problem:
     active: npt.NDArray[np.bool_]  # (Q, R)
 
     def residual(self, solved: Solved) -> Array:
-        """Measured minus simulated, each run's mean removed, m."""
+        """Measured minus simulated, each run's rest position fitted, times the weights, m."""
         r = self.simulator.records
-        return r.centered(r.position - solved.reading)
+        return r.weighted(r.position - solved.reading)
 
     def jacobian(self, solved: Solved) -> Array:
         """Derivative of the simulated reading by the free parameters, shape (S, columns)."""
         assert solved.shared is not None
         assert solved.local is not None
         r = self.simulator.records
-        parts = [r.centered(solved.shared[self.free]).T]
-        local = r.centered(solved.local)
+        parts = [r.weighted(solved.shared[self.free]).T]
+        local = r.weighted(solved.local)
         where = np.argwhere(self.active)
         if where.size:
             block = np.zeros((r.size, len(where)))
@@ -59,8 +59,14 @@ class Optimum:
 
     @property
     def residual(self) -> Array:
-        """Measured minus simulated, m, shape (S,)."""
-        return self.problem.residual(self.solved)
+        """Measured minus simulated, unweighted, m, shape (S,)."""
+        r = self.problem.simulator.records
+        return r.centered(r.position - self.solved.reading)
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the unweighted residual, m."""
+        return float(np.sqrt(np.mean(self.residual**2)))
 
 
 def evaluate(problem: Problem, shared: Array, local: Array, start: Array | None) -> Solved | None:

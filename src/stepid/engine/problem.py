@@ -10,8 +10,8 @@ from stepid._base import Array
 from stepid.effects.base import Effect, Parameter, Scales
 from stepid.engine.least_squares import Optimum, Problem, minimize
 from stepid.engine.records import Records
-from stepid.engine.weak import WeakForm
 from stepid.engine.trajectory import Simulator
+from stepid.engine.weak import WeakForm
 
 _WIDTHS = (0.6, 1.0, 1.6, 0.35)  # of the strongest period, for the weak form
 _MASSES = (1.0, 0.4, 2.5)  # kg

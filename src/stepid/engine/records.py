@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,8 @@ class Records:
 
     `runs` holds the experiments; arrays over samples have shape (S,), arrays over runs (R,). `bounds` (R + 1,) gives
     where each run begins and ends. `moving` marks runs whose record starts in motion, so that their initial state is
-    a parameter.
+    a parameter. `begin` is the index within the experiment at which each run's samples begin. `weight` (S,) are the
+    square roots of the samples' weights.
     """
 
     runs: tuple[Experiment, ...]
@@ -39,6 +40,8 @@ class Records:
     base: Index
     spring: Index
     damper: Index
+    begin: Index
+    weight: Array
 
     @property
     def size(self) -> int:
@@ -55,14 +58,29 @@ class Records:
         return [slice(int(a), int(b)) for a, b in zip(self.bounds[:-1], self.bounds[1:], strict=True)]
 
     def centered(self, values: Array) -> Array:
-        """Subtract each run's mean over the last axis: what a free rest position leaves."""
-        sums = np.add.reduceat(values, self.first, axis=-1)
-        out: Array = values - (sums / np.diff(self.bounds))[..., self.run]
+        """Subtract each run's weighted mean over the last axis: what a free rest position leaves."""
+        square = self.weight**2
+        sums = np.add.reduceat(values * square, self.first, axis=-1) / np.add.reduceat(square, self.first)
+        out: Array = values - sums[..., self.run]
+        return out
+
+    def weighted(self, values: Array) -> Array:
+        """Centered values times the square roots of the weights: what least squares sees."""
+        out: Array = self.centered(values) * self.weight
         return out
 
     def subset(self, keep: Sequence[int]) -> Records:
         """Return the records of some runs only, labels unchanged."""
-        return _lay([self.runs[i] for i in keep], self.moving[list(keep)], (self.bases, self.springs, self.dampers))
+        index = list(keep)
+        weight = np.concatenate([self.weight[self.pieces()[i]] for i in index])
+        runs = [self.runs[i] for i in index]
+        return _lay(
+            runs, self.moving[index], (self.bases, self.springs, self.dampers), self.begin[index], weight
+        )
+
+    def reweighted(self, weight: Array) -> Records:
+        """Return the same records with other square-root weights, shape (S,)."""
+        return replace(self, weight=weight)
 
 
 def starts_in_motion(experiment: Experiment) -> bool:
@@ -72,29 +90,47 @@ def starts_in_motion(experiment: Experiment) -> bool:
     return bool(np.ptp(experiment.position) > 0)
 
 
+def release_index(experiment: Experiment) -> int:
+    """Index of the first sample at which a hand-held cart is surely free; 0 where the record starts in motion.
+
+    The hand's own push is over once the cart has moved a twentieth of its range from where it was held.
+    """
+    y = experiment.position
+    away = np.abs(y - y[0]) > 0.05 * np.ptp(y)
+    first = int(np.argmax(away))
+    still = np.abs(np.diff(y[: max(first, 2)])).max(initial=0.0) <= 0.02 * np.ptp(y)
+    return first if still and first > 3 else 0
+
+
 def lay_out(campaign: Campaign) -> Records:
-    """Lay a campaign's records end to end."""
+    """Lay a campaign's records end to end; what a hand held before a release is left out."""
     runs = list(campaign.experiments)
-    labels = tuple(
-        tuple(dict.fromkeys(getattr(e, field) for e in runs)) for field in ("base", "spring", "damper")
-    )
-    return _lay(runs, np.array([starts_in_motion(e) for e in runs]), (labels[0], labels[1], labels[2]))
+    labels = tuple(tuple(dict.fromkeys(getattr(e, field) for e in runs)) for field in ("base", "spring", "damper"))
+    moving = np.array([starts_in_motion(e) for e in runs])
+    begin = np.array([release_index(e) if m else 0 for e, m in zip(runs, moving, strict=True)], dtype=np.intp)
+    return _lay(runs, moving, (labels[0], labels[1], labels[2]), begin, None)
 
 
 def _lay(
     runs: list[Experiment],
     moving: npt.NDArray[np.bool_],
     labels: tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]],
+    begin: Index,
+    weight: Array | None,
 ) -> Records:
-    sizes = [e.time.size for e in runs]
+    sizes = [e.time.size - int(b) for e, b in zip(runs, begin, strict=True)]
     bases, springs, dampers = labels
+
+    def joined(field: str) -> Array:
+        return np.concatenate([getattr(e, field)[b:] for e, b in zip(runs, begin, strict=True)])
+
     return Records(
         runs=tuple(runs),
         bounds=np.concatenate([[0], np.cumsum(sizes)]).astype(np.intp),
         run=np.repeat(np.arange(len(runs)), sizes),
-        time=np.concatenate([e.time - e.time[0] for e in runs]),
-        position=np.concatenate([e.position for e in runs]),
-        volts=np.concatenate([e.input for e in runs]),
+        time=np.concatenate([e.time[b:] - e.time[0] for e, b in zip(runs, begin, strict=True)]),
+        position=joined("position"),
+        volts=joined("input"),
         sample_time=np.array([e.sample_time for e in runs]),
         added_mass=np.array([e.added_mass for e in runs]),
         before=np.array([e.input_before for e in runs]),
@@ -105,4 +141,6 @@ def _lay(
         base=np.array([bases.index(e.base) for e in runs], dtype=np.intp),
         spring=np.array([springs.index(e.spring) for e in runs], dtype=np.intp),
         damper=np.array([dampers.index(e.damper) for e in runs], dtype=np.intp),
+        begin=begin,
+        weight=np.ones(sum(sizes)) if weight is None else weight,
     )

@@ -29,6 +29,9 @@ class Ground:
         self.scales: Scales = scales(records, linear, floor)
         period = strongest_period(records)
         self.motion: Motion = measured_motion(records, linear.shared, floor, period)
+        if linear.rms < 4 * floor:  # the fit is better known than the noisy velocity
+            x, v = linear.solved.states[:2]
+            self.motion = self.motion._replace(x=x, v=v, sign=np.where(v < 0, -1.0, 1.0))
         self.tangent = np.linalg.qr(linear.problem.jacobian(linear.solved))[0]
         self.weak = WeakForm(records, 0.6 * period, fixed_mass=fixes_mass(records))
 
@@ -102,12 +105,12 @@ class Contender:
         if not np.isfinite(reading).all() or np.abs(reading).max() > 1e2:
             return np.inf
         records = self.ground.records
-        r = records.centered(records.position - reading)
+        r = records.weighted(records.position - reading)
         r = r - self.ground.tangent @ (self.ground.tangent.T @ r)
         return float(r @ r)
 
-    def run(self, *, laps: int, fine: bool = False) -> None:
-        """Go on from the best fit so far."""
+    def run(self, *, laps: int, fine: bool = False, tolerance: float = 0.0) -> None:
+        """Go on from the best fit so far, until a step promises less than `tolerance` [m²]."""
         if self.best is None or (self.best.converged and (not fine or self.best.problem is self.fine)):
             return
         problem = self.fine if fine else self.best.problem
@@ -116,7 +119,7 @@ class Contender:
             self.best.shared,
             self.best.local,
             start=self.best.solved.states,
-            tolerance=self.ground.tolerance,
+            tolerance=max(self.ground.tolerance, tolerance),
             iterations=laps,
         )
         if found is not None and (fine or found.cost <= self.best.cost):

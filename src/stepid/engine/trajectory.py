@@ -70,7 +70,7 @@ class Simulator:
 
     # ---- lane tables ------------------------------------------------------------------------------------------
 
-    def _run_table(self, point: Point) -> Array:
+    def run_table(self, point: Point) -> Array:
         """Lane table of every copy and run, shape (n_rows, C, R); times, volts and lengths are filled in later."""
         r = self.records
         copies, runs = point.shared.shape[0], len(r.runs)
@@ -137,7 +137,7 @@ class Simulator:
     def initial(self, point: Point) -> Array:
         """States at each run's first sample, shape (d, C, R)."""
         r, law = self.records, self.law
-        table = self._run_table(point)
+        table = self.run_table(point)
         flat = table.reshape(law.n_rows, -1)
         moving = np.broadcast_to(r.moving, point.local[:, 0].shape).ravel()
         x = np.zeros(flat.shape[1])
@@ -173,7 +173,7 @@ class Simulator:
 
     def _stages(self, point: Point) -> list[_Stage]:
         """Lane tables and exact steps of each part of a sample."""
-        table = self._run_table(point)
+        table = self.run_table(point)
         copies, runs = table.shape[1:]
         group = (np.arange(copies)[:, None] * runs + self.records.run).ravel()
         stages = []
@@ -214,7 +214,8 @@ class Simulator:
 
     # ---- all samples at once --------------------------------------------------------------------------------------
 
-    def _band(self, slope: Array) -> Array:
+    def band(self, slope: Array) -> Array:
+        """Banded matrix of the chained steps for slopes (d, d, S), as LAPACK's dtbtrs takes it."""
         d, size = self.law.n_states, self.records.size
         band = np.zeros((2 * d, size * d))
         band[0] = 1.0
@@ -225,7 +226,7 @@ class Simulator:
                 view[d + i - j, :, j] = -slope[i, j] * linked
         return band
 
-    def _triangular(self, band: Array, rhs: Array) -> Array:
+    def triangular(self, band: Array, rhs: Array) -> Array:
         """Solve for stacked right-hand sides, shape (n, d, S) in and out."""
         n, d, size = rhs.shape
         b = np.asfortranarray(rhs.transpose(2, 1, 0).reshape(size * d, n))
@@ -282,16 +283,20 @@ class Simulator:
         weight = np.array([1.0, 0.01] + [1.0] * (self.law.n_states - 2))[:, None]
         stages = self._stages(point)
         psi, slope = self._linearize(stages, z, np.arange(self.records.size))
-        for _ in range(_ITERATIONS):
+        worst = np.inf
+        for iteration in range(_ITERATIONS):
             miss = self._chain(psi, initial) - z
             if not (np.isfinite(miss).all() and np.isfinite(slope).all()):
                 return None
-            band = self._band(slope)
-            change = self._triangular(band, miss[None])[0]
+            band = self.band(slope)
+            change = self.triangular(band, miss[None])[0]
             z = z + change
             largest = (np.abs(change) * weight).max(axis=0)
             if largest.max() < _TOLERANCE or self.law.linear:
                 break
+            if iteration >= 5 and largest.max() > 0.5 * worst:
+                return None  # it wanders; a shorter step will do better
+            worst = float(largest.max())
             if not np.abs(z[0]).max() < limit:
                 return None
             psi = psi + np.einsum("ijs,js->is", slope, change)
@@ -331,12 +336,16 @@ class Simulator:
 
     def _reading(self, point: Point) -> Array:
         total = np.zeros((point.shared.shape[0], self.records.size))
-        table = self._run_table(point)
+        table = self.run_table(point)
         for place in self.law.places:
             if type(place.effect).reading is not Effect.reading:
                 values = tuple(row[:, self.records.run] for row in table[place.values])
                 total = total + place.effect.reading(values, self.records.time)
         return total
+
+    def reading(self, shared: Array, local: Array) -> Array:
+        """What the effects add to the reading, m, shape (S,)."""
+        return self._reading(Point(shared[None], local[None]))[0]
 
     def steps(self, shared: Array) -> Array:
         """Finite-difference steps of the shared parameters."""
@@ -372,6 +381,6 @@ class Simulator:
         rhs[column, :, 1:] = moved[..., :-1]
         rhs[..., self.records.first] = (start[:, 1:] - start[:, :1]).transpose(1, 0, 2) / steps[:, None, None]
         shown = self._reading(many)
-        tangent = self._triangular(band, rhs)
+        tangent = self.triangular(band, rhs)
         seen = tangent[:, 0] + (shown[1:] - shown[:1]) / steps[:, None]
         return Solved(z, reading, seen[:p], seen[p:], tangent)

@@ -1,0 +1,185 @@
+"""Third question: which candidates explain it? Every effect is fitted; the best are polished on all data."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stepid.diagnose.noise import structure
+from stepid.effects.base import Effect
+from stepid.engine.least_squares import Optimum, minimize
+from stepid.engine.problem import build, strongest_period
+from stepid.engine.records import Records
+from stepid.engine.score import Scored, columns, score
+from stepid.engine.search import Contender, Ground, Start
+
+Progress = Callable[[str], None]
+_FIELD = 8  # effects that race after the first scoring
+_FINAL = 5  # contenders that are polished on all data
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A set of effects, fitted to all data.
+
+    `evidence` is its χ² plus the price of its parameters (BIC); smaller is better.
+    """
+
+    effects: tuple[Effect, ...]
+    optimum: Optimum
+    evidence: float
+    structure: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Canonical names."""
+        return tuple(e.name for e in self.effects)
+
+
+def evidence(optimum: Optimum, floor: float) -> float:
+    """χ² plus log(n) a shared parameter and log(n of the run) a parameter of a run (BIC)."""
+    problem = optimum.problem
+    records = problem.simulator.records
+    counts = np.add.reduceat(records.weight**2, records.first)
+    price = float(problem.free.sum()) * math.log(float(counts.sum()))
+    price += float(np.sum(problem.active * np.log(np.maximum(counts, 2.0))))
+    return optimum.cost / floor**2 + price
+
+
+def candidate(ground: Ground, effects: tuple[Effect, ...], optimum: Optimum) -> Candidate:
+    """Judge a fit."""
+    records = ground.records
+    period = strongest_period(records)
+    white = structure(records, optimum.problem.residual(optimum.solved), ground.floor, period)
+    return Candidate(effects, optimum, evidence(optimum, ground.floor), white)
+
+
+def polish(ground: Ground, contender: Contender) -> Candidate | None:
+    """Converge a contender on fine steps, with the starting displacements free and at zero; keep the better."""
+    for _ in range(3):
+        contender.run(laps=25, fine=True)
+        if contender.best is None or contender.best.converged:
+            break
+    best = contender.best
+    if best is None:
+        return None
+    found = candidate(ground, contender.effects, best)
+    if any(e.rests_anywhere for e in contender.effects):
+        problem = best.problem
+        active = problem.active.copy()
+        active[0] = ground.records.moving
+        local = np.where(active, best.local, 0.0)
+        held = minimize(
+            replace(problem, active=active),
+            best.shared,
+            local,
+            start=best.solved.states,
+            tolerance=ground.tolerance,
+            iterations=12,
+        )
+        if held is not None:
+            other = candidate(ground, contender.effects, held)
+            if other.evidence < found.evidence:
+                found = other
+    return found
+
+
+def _first_starts(ground: Ground, effect: Effect, scored: list[Scored]) -> list[Start]:
+    """Starts of one effect: its best scores, the weak form's best, its own guesses where it is hard to score."""
+    own = [s for s in scored if s.effect is effect][:2]
+    starts = [Start(ground.linear.shared, (s.values,)) for s in own]
+    starts += ground.weak_starts(effect, 2)
+    if effect.dry or effect.reverses or len(starts) < 2:
+        starts += [Start(ground.linear.shared, (tuple(v),)) for v in effect.starts(ground.scales)]
+    return starts
+
+
+def singles(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
+    """Race every effect alone; the best first."""
+    scored = score(ground, ground.linear, columns(ground, catalogue))
+    ranked = list(dict.fromkeys(s.effect for s in scored))
+    field = ranked[:_FIELD]
+    field += [e for e in catalogue if (e.dry and not e.contains) and e not in field]
+    contenders = []
+    for effect in field:
+        progress(effect.name)
+        contender = Contender(ground, (effect,))
+        contender.begin(_first_starts(ground, effect, scored), like=ground.linear)
+        contenders.append(contender)
+    advance(contenders)
+    contenders.sort(key=lambda c: c.cost)
+    names = {c.effects[0].name: c for c in contenders}
+    for effect in catalogue:  # what contains a good candidate starts from it
+        inner = [names[n] for n in effect.contains if n in names]
+        if (inner and any(c in contenders[:3] for c in inner)) or effect.name in names:
+            contender = names.get(effect.name) or Contender(ground, (effect,))
+            starts = [s for c in inner for s in _grown(ground, effect, c)]
+            if effect.name not in names:
+                starts += _first_starts(ground, effect, scored)
+                contenders.append(contender)
+            if starts and (effect.name not in names or any(c in contenders[:3] for c in inner)):
+                progress(effect.name)
+                contender.begin(starts, like=ground.linear)
+    advance(contenders)
+    contenders.sort(key=lambda c: c.cost)
+    return contenders
+
+
+def _grown(ground: Ground, effect: Effect, inner: Contender) -> list[Start]:
+    """Starts of an effect that contains a simpler one, at the simpler one's optimum."""
+    if inner.best is None:
+        return []
+    n = inner.coarse.simulator.n_linear
+    linear, values = inner.best.shared[:n], inner.best.shared[n:]
+    return [Start(linear, (grown,)) for grown in effect.grow(tuple(float(v) for v in values), ground.scales)]
+
+
+def advance(contenders: list[Contender], laps: tuple[int, ...] = (5, 10, 20)) -> None:
+    """Let the promising ones run on: the fewer, the further."""
+    for keep, lap in zip((6, 4, 3), laps, strict=True):
+        contenders.sort(key=lambda c: c.cost)
+        best = contenders[0].cost if contenders else np.inf
+        for place, contender in enumerate(contenders):
+            if place < keep or contender.cost < 1.5 * best:
+                contender.run(laps=lap, tolerance=0.003 * (contender.cost - best))
+
+
+def carry(ground: Ground, contender: Contender, linear: Optimum) -> Contender:
+    """Carry a contender from a part of the runs to all of them."""
+    best = contender.best
+    moved = Contender(ground, contender.effects)
+    if best is None or best.problem.simulator.records is ground.records:
+        moved.best = best
+        return moved
+    n = best.problem.simulator.n_linear
+    seen = best.problem.free[:n]
+    shared = np.concatenate([np.where(seen, best.shared[:n], linear.shared[:n]), best.shared[n:]])
+    moved.begin([Start(shared[:n], (tuple(shared[n:]),))], like=linear, laps=6)
+    return moved
+
+
+def final(ground: Ground, contenders: list[Contender]) -> list[Candidate]:
+    """Polish the best contenders on all data; best evidence first."""
+    contenders = sorted(contenders, key=lambda c: c.cost)
+    near = contenders[0].cost + 80 * ground.floor**2 if contenders else 0.0
+    found = []
+    for place, contender in enumerate(contenders):
+        if place < _FINAL or contender.cost < near:
+            done = polish(ground, contender)
+            if done is not None:
+                found.append(done)
+    found.sort(key=lambda c: c.evidence)
+    return found
+
+
+def linear_candidate(ground: Ground) -> Candidate:
+    """The plain plant as a candidate."""
+    return candidate(ground, (), ground.linear)
+
+
+def rebuild(records: Records, like: Optimum, effects: tuple[Effect, ...]) -> Optimum | None:
+    """Fit effects again from a known optimum, for example on other weights."""
+    return minimize(build(records, effects), like.shared, like.local, start=like.solved.states)

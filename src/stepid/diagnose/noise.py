@@ -1,0 +1,127 @@
+"""First question: what is the noise floor?"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from stepid._base import Array
+from stepid.engine.records import Records
+from stepid.experiment import Experiment
+
+_ORDER = 8  # of the differences: a swing sampled 12 times a period leaves 1e-5 of itself
+_CLIP = 3.5  # kinks and jumps beyond so many standard deviations do not count
+
+
+def _moving_differences(run: Experiment, begin: int) -> Array:
+    """High-order differences where the reading moves and the input does not jump, in units of white noise."""
+    y = run.position[begin:]
+    if y.size < _ORDER + 8:
+        return np.empty(0)
+    windows = np.lib.stride_tricks.sliding_window_view(y, _ORDER + 1)
+    still = 2.5 * (run.resolution or 0.0)
+    use = np.ptp(windows, axis=1) > still
+    jumps = np.flatnonzero(np.diff(np.concatenate([[run.input_before], run.input])))
+    for jump in jumps - begin if jumps.size < 0.05 * y.size else []:
+        use[max(0, jump - _ORDER - 1) : max(0, jump + 3)] = False
+    out: Array = np.diff(y, _ORDER)[use] / math.sqrt(math.comb(2 * _ORDER, _ORDER))
+    return out
+
+
+def sensor_noise(records: Records) -> float:
+    """Standard deviation of the readings' noise, m.
+
+    Spread of eighth differences where the cart moves, outliers clipped, not below the resolution's share
+    (resolution/√12). A robust spread of differences sees white noise and cancels the motion.
+    """
+    values = [_moving_differences(run, int(b)) for run, b in zip(records.runs, records.begin, strict=True)]
+    steps = [run.resolution for run in records.runs if run.resolution is not None]
+    least = max(steps) / math.sqrt(12) if steps else 0.0
+    d = np.concatenate(values)
+    if d.size < 20:
+        return max(least, 1e-12)
+    spread = 1.4826 * float(np.median(np.abs(d)))
+    if spread <= 0:
+        spread = float(np.std(d))
+    for _ in range(4):
+        kept = d[np.abs(d) <= _CLIP * spread]
+        spread = float(np.sqrt(np.mean(kept**2))) * 1.0023 if kept.size else spread
+    return max(spread, least, 1e-12)
+
+
+def repeats(records: Records) -> list[tuple[int, ...]]:
+    """Groups of runs recorded under the same conditions with the same input, by index."""
+    groups: dict[object, list[int]] = {}
+    for i, run in enumerate(records.runs):
+        if records.moving[i]:
+            continue
+        key = (run.spring, run.damper, run.base, run.added_mass, run.input_before, run.time.size, run.input.tobytes())
+        groups.setdefault(key, []).append(i)
+    return [tuple(group) for group in groups.values() if len(group) > 1]
+
+
+def repeatability(records: Records) -> float | None:
+    """Run-to-run spread of repeated runs, m: what no model of one plant can explain; None without repeats."""
+    groups = repeats(records)
+    if not groups:
+        return None
+    total, count = 0.0, 0
+    pieces = records.pieces()
+    for group in groups:
+        stack = np.array([records.position[pieces[i]] for i in group])
+        stack = stack - stack.mean(axis=1, keepdims=True)
+        total += float(np.sum((stack - stack.mean(axis=0)) ** 2)) / (len(group) - 1) * len(group)
+        count += stack.size
+    return math.sqrt(total / count)
+
+
+def noise_floor(records: Records) -> float:
+    """RMS that a perfect model would leave, m: the sensor's noise, or the spread of repeated runs where larger."""
+    spread = repeatability(records)
+    return max(sensor_noise(records), spread or 0.0)
+
+
+def weights(records: Records, floor: float) -> Array:
+    """Square-root weights that count a stretch of one constant reading once, shape (S,).
+
+    Where the noise is less than the resolution, a cart at rest reads the same count over and over: those readings
+    share one rounding error and are one observation, not hundreds.
+    """
+    out = np.ones(records.size)
+    for run, piece in zip(records.runs, records.pieces(), strict=True):
+        if run.resolution is None or floor > 0.6 * run.resolution:
+            continue
+        y = records.position[piece]
+        edges = np.flatnonzero(np.diff(y) != 0) + 1
+        bounds = np.concatenate([[0], edges, [y.size]])
+        lengths = np.diff(bounds)
+        share = np.where(lengths > 4, np.sqrt(2.0 / np.maximum(lengths, 1)), 1.0)
+        out[piece] = np.repeat(share, lengths)
+    return out
+
+
+def structure(records: Records, residual: Array, floor: float, period: float) -> float:
+    """How far a residual is from white noise of size `floor`, in standard deviations.
+
+    The residual is averaged over windows of a tenth of the period; white noise averages out, misfit does not.
+
+    Parameters
+    ----------
+    records : Records
+    residual : array, shape (S,)
+        Weighted, m.
+    floor : float
+        m.
+    period : float
+        s, of the strongest oscillation.
+    """
+    total, freedom = 0.0, 0
+    for r, piece in enumerate(records.pieces()):
+        m = max(2, round(0.1 * period / float(records.sample_time[r])))
+        y = residual[piece]
+        blocks = y.size // m
+        means = y[: blocks * m].reshape(blocks, m).mean(axis=1)
+        total += float(np.sum(means**2)) * m / floor**2
+        freedom += blocks
+    return (total - freedom) / math.sqrt(2.0 * max(freedom, 1))

@@ -1,0 +1,143 @@
+"""What a diagnosis says: the result models of the second half of the workflow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal
+
+from stepid._base import Finite, Label, Model, NonNegative, Vector
+from stepid.estimate import Estimate
+from stepid.model import PlantModel
+
+Verdict = Literal["adequate", "named", "ambiguous", "unexplained"]
+
+
+class Gap(Model):
+    """RMS of measured minus simulated, m, over all samples of the runs concerned.
+
+    Parameters
+    ----------
+    before : float
+        Joint fit of the linear plant.
+    after : float
+        With the effects of the diagnosis added (equal to `before` where none was).
+    noise : float
+        Noise floor: what a perfect model would leave.
+    held_out_before, held_out_after : float or None
+        On runs that the fit did not see; None where no run qualifies.
+    """
+
+    before: NonNegative
+    after: NonNegative
+    noise: NonNegative
+    held_out_before: NonNegative | None = None
+    held_out_after: NonNegative | None = None
+
+
+class RunGap(Model):
+    """One run: measured and simulated records and their gap.
+
+    `phases` maps "before", "rise", "overshoot", "ring-down" and "rest" to the RMS [m] of the linear model's residual
+    in that phase of the run's responses.
+    """
+
+    name: Label
+    time: Vector
+    measured: Vector
+    linear: Vector
+    model: Vector
+    before: NonNegative
+    after: NonNegative
+    held_out_before: NonNegative | None = None
+    held_out_after: NonNegative | None = None
+    phases: Mapping[str, NonNegative] = {}
+
+
+class Where(Model):
+    """Where the linear model and the measurement disagree.
+
+    Parameters
+    ----------
+    phases : mapping
+        Phase of the response to RMS [m] over all runs.
+    velocity_levels, velocity_force : arrays, shape (b,)
+        Residual force [N] averaged in bins of velocity [m/s]: a step at zero is Coulomb friction.
+    position_levels, position_force : arrays, shape (b,)
+        The same against position from rest [m]: a cubic is a cubic.
+    runs : mapping
+        Run to RMS [m].
+    trends : mapping
+        Correlation (−1 … 1) of the runs' RMS with "mass", "size" and "direction" of the step, where they vary.
+    sentences : tuple of str
+        The same in words.
+    """
+
+    phases: Mapping[str, NonNegative]
+    velocity_levels: Vector
+    velocity_force: Vector
+    position_levels: Vector
+    position_force: Vector
+    runs: Mapping[str, NonNegative]
+    trends: Mapping[str, Finite]
+    sentences: tuple[str, ...]
+
+
+class Ranked(Model):
+    """One candidate set of effects in the ranking.
+
+    `evidence` is the difference of χ² plus the price of the parameters (BIC) from the best candidate, so 0 is best;
+    `rms` [m] is what it leaves.
+    """
+
+    effects: tuple[str, ...]
+    rms: NonNegative
+    evidence: Finite
+    parameters: Mapping[str, Finite] = {}
+
+
+class Diagnosis(Model):
+    """Whether a linear model is adequate, and if not, what is missing.
+
+    Parameters
+    ----------
+    campaign : str
+        Name of the campaign.
+    verdict : str
+        ``"adequate"``, ``"named"``, ``"ambiguous"`` or ``"unexplained"``.
+    effects : tuple of str
+        Canonical names of the effects added, () when adequate.
+    alternatives : tuple of tuple of str
+        Sets of effects that the data cannot tell from `effects`.
+    gap : Gap
+    parameters : mapping
+        Name to Estimate of the final model.
+    linear_parameters : mapping
+        The same of the linear joint fit.
+    where : Where
+    next_experiment : str or None
+        What to measure next when the data cannot tell.
+    reasons : tuple of str
+        Why the verdict is what it is, in words.
+    notes : tuple of str
+        What else was noticed: stretches left out, undetermined parameters, suspected mistakes in the manifest.
+    ranking : tuple of Ranked
+        Candidates, best first; the linear model is the entry without effects.
+    runs : tuple of RunGap
+    model, linear_model : PlantModel
+    """
+
+    campaign: Label
+    verdict: Verdict
+    effects: tuple[str, ...]
+    alternatives: tuple[tuple[str, ...], ...] = ()
+    gap: Gap
+    parameters: Mapping[str, Estimate]
+    linear_parameters: Mapping[str, Estimate]
+    where: Where
+    next_experiment: str | None = None
+    reasons: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    ranking: tuple[Ranked, ...] = ()
+    runs: tuple[RunGap, ...] = ()
+    model: PlantModel
+    linear_model: PlantModel

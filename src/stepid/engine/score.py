@@ -1,0 +1,128 @@
+"""How much each effect could explain of a residual, by one linearized step on the measured motion: for starts only."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stepid._base import Array
+from stepid.effects.base import Effect, Motion
+from stepid.engine.exact import FullStep
+from stepid.engine.law import LENGTH
+from stepid.engine.least_squares import Optimum
+from stepid.engine.problem import build, start_local
+from stepid.engine.search import Ground
+from stepid.engine.trajectory import Point
+
+
+class Scored(NamedTuple):
+    """A start of one effect, and the part of a residual's cost that it could remove, m²."""
+
+    effect: Effect
+    values: tuple[float, ...]
+    gain: float
+
+
+class _Column(NamedTuple):
+    effect: Effect
+    responses: Array  # (S, k)
+    values: object  # coefficients -> parameter values or None
+
+
+def force_responses(ground: Ground, forces: list[Array]) -> Array:
+    """Reading's response of the linear plant to added forces, shapes (S,) each to (S, n)."""
+    linear = ground.linear
+    sim = linear.problem.simulator
+    records = ground.records
+    point = Point(linear.shared[None], linear.local[None])
+    table = sim.run_table(point)
+    table[LENGTH] = records.sample_time
+    full = FullStep(sim.law, table.reshape(sim.law.n_rows, -1))
+    phi, gamma = full.phi[records.run], full.gamma[records.run]
+    mass = (linear.shared[: len(records.bases)][records.base] + records.added_mass)[records.run]
+    rhs = np.zeros((len(forces), 2, records.size))
+    linked = np.ones(records.size)
+    linked[records.first] = 0.0
+    for i, force in enumerate(forces):
+        between = 0.5 * (force[:-1] + force[1:]) / mass[:-1]
+        rhs[i, 0, 1:] = gamma[:-1, 0, 1] * between
+        rhs[i, 1, 1:] = gamma[:-1, 1, 1] * between
+        rhs[i] *= linked
+    out: Array = sim.triangular(sim.band(np.moveaxis(phi, 0, 2)), rhs)[:, 0].T
+    return out
+
+
+def columns(ground: Ground, effects: tuple[Effect, ...]) -> list[_Column]:
+    """Responses of the linear plant to every effect at each of its starts."""
+    found: list[_Column] = []
+    motion: Motion = ground.motion
+    forces: list[Array] = []
+    pending: list[tuple[Effect, int, object]] = []
+    for effect in effects:
+        regressors = effect.regressors(ground.scales, motion)
+        for regressor in regressors:
+            pending.append((effect, len(regressor.forces), regressor.values))
+            forces.extend(regressor.forces)
+        if not regressors:
+            for values in effect.starts(ground.scales):
+                response = _difference(ground, effect, tuple(values))
+                if response is not None:
+                    found.append(_Column(effect, response, _constant(tuple(values))))
+    if forces:
+        responses = force_responses(ground, forces)
+        at = 0
+        for effect, width, values in pending:
+            found.append(_Column(effect, responses[:, at : at + width], values))
+            at += width
+    return found
+
+
+def _constant(values: tuple[float, ...]) -> object:
+    return lambda _: values
+
+
+def _difference(ground: Ground, effect: Effect, values: tuple[float, ...]) -> Array | None:
+    problem = build(ground.records, (effect,), fineness=0.3)
+    sim = problem.simulator
+    local = start_local(problem, ground.linear)
+    shared = np.concatenate([ground.linear.shared, values])
+    states = np.zeros((sim.law.n_states, ground.records.size))
+    states[:2] = ground.linear.solved.states
+    solved = sim.solve(shared, local, start=states)
+    if solved is None or solved.shared is None or solved.local is None:
+        return None
+    parts = [(solved.reading - ground.linear.solved.reading)[:, None]]
+    if effect.run_parameters:  # a phase a run: both quadratures are free
+        parts.append(solved.shared[sim.n_linear :].T)
+        parts.extend([solved.local[2:].T])
+        split = np.zeros((ground.records.size, 2 * len(ground.records.runs)))
+        for r, piece in enumerate(ground.records.pieces()):
+            split[piece, 2 * r] = parts[0][piece, 0]
+            split[piece, 2 * r + 1] = solved.local[2, piece]
+        return split
+    return np.concatenate([parts[0], solved.shared[sim.n_linear :].T], axis=1)
+
+
+def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
+    """Score every start against a fit's residual, best first."""
+    records = ground.records
+    problem = base.problem
+    residual = problem.residual(base.solved)
+    tangent = np.linalg.qr(problem.jacobian(base.solved))[0]
+    out = []
+    for column in table:
+        r = records.weighted(column.responses.T).T
+        r = r - tangent @ (tangent.T @ r)
+        scale = np.linalg.norm(r, axis=0)
+        if not np.isfinite(scale).all() or scale.max() <= 0:
+            continue
+        scale[scale < 1e-12 * scale.max()] = np.inf
+        coefficients, *_ = np.linalg.lstsq(r / scale, residual, rcond=1e-9)
+        left = residual - (r / scale) @ coefficients
+        values = column.values(coefficients / scale)  # type: ignore[operator]
+        if values is None:
+            continue
+        out.append(Scored(column.effect, values, float(residual @ residual - left @ left)))
+    out.sort(key=lambda s: -s.gain)
+    return out
