@@ -169,11 +169,11 @@ def draw_effect(rng: np.random.Generator, name: str, p: Setup, strength: float =
     if name == "presliding_hysteresis":
         return {"level": friction, "distance": _log(rng, 5e-5, 8e-4)}
     if name == "quadratic_damping":
-        return {"coefficient": strength * c * rng.uniform(0.2, 1.0) / (p.reach * rate)}
+        return {"coefficient": min(6.0, strength * rng.uniform(0.2, 1.0)) * c / (p.reach * rate)}
     if name == "position_dependent_damping":
         return {"slope": sign * min(0.45, strength * rng.uniform(0.1, 0.35)) / p.reach}
     if name == "cubic_stiffness":
-        size = strength * rng.uniform(0.05, 0.4)
+        size = min(1.2, strength * rng.uniform(0.05, 0.4))
         size = size if rng.random() < 0.75 else -min(size / 4, 0.11)
         return {"coefficient": size * k / p.reach**2}
     if name == "quadratic_stiffness":
@@ -183,7 +183,7 @@ def draw_effect(rng: np.random.Generator, name: str, p: Setup, strength: float =
     if name == "end_stop":
         return _stop(rng, p, strength)
     if name == "viscoelastic_spring":
-        branch = strength * k * rng.uniform(0.05, 0.3)
+        branch = min(1.0, strength * rng.uniform(0.05, 0.3)) * k
         return {"stiffness": branch, "damping": branch * _log(rng, 0.03, 0.4)}
     if name == "flexible_coupling":
         mass = min(0.6, strength * rng.uniform(0.1, 0.35)) * p.base_mass
@@ -200,16 +200,16 @@ def draw_effect(rng: np.random.Generator, name: str, p: Setup, strength: float =
     if name == "periodic_disturbance":
         top = min(8.0, 0.25 * 2 * np.pi / p.sample_time / rate)
         return {
-            "amplitude": strength * push * rng.uniform(0.01, 0.07),
+            "amplitude": min(0.25, strength * rng.uniform(0.01, 0.07)) * push,
             "frequency": rate / 2 / np.pi * _log(rng, 1.4, top),
         }
     if name == "cogging":
         return {
-            "amplitude": strength * push * rng.uniform(0.02, 0.1),
+            "amplitude": min(0.3, strength * rng.uniform(0.02, 0.1)) * push,
             "pitch": p.reach * rng.uniform(0.15, 0.45),
             "phase": float(rng.uniform(0, 2 * np.pi)),
         }
     if name == "sensor_drift":
         span = p.sample_time * float(np.mean([s.inputs.size for s in p.slots]))
-        return {"rate": sign * strength * p.reach * rng.uniform(0.02, 0.15) / span}
+        return {"rate": sign * min(0.5, strength * rng.uniform(0.02, 0.15)) * p.reach / span}
     raise KeyError(name)

@@ -28,7 +28,8 @@ def micro_steps(run: Run, fineness: float = FINENESS) -> int:
         stiff *= float(np.max(run.stiffness_scale))
     pull = k * swing / m
     speed = swing * np.sqrt(k / m)
-    rates = [run.damping / m, 2 * np.pi * run.get("periodic_disturbance", "frequency")]
+    drag = run.damping + 2 * run.get("quadratic_damping", "coefficient") * speed
+    rates = [drag / m, 2 * np.pi * run.get("periodic_disturbance", "frequency")]
     if "flexible_coupling" in run.effects:
         m2 = run.get("flexible_coupling", "mass")
         rates.append(np.sqrt(run.get("flexible_coupling", "stiffness") / m2 * (1 + m2 / m)))
