@@ -222,9 +222,8 @@ def _decide(draft: _Draft, last: bool) -> None:
         fits = 1.02 * draft.rounding <= sigma <= heaviest
         off = draft.noise_wish / sigma
     if fits or last:
-        draft.done, draft.sigma = True, float(np.clip(sigma, draft.rounding, heaviest))
-        if draft.counting:
-            draft.sigma = draft.rounding
+        draft.done = True
+        draft.sigma = draft.rounding if draft.counting else float(np.clip(sigma, draft.rounding, heaviest))
         return
     for name in draft.strength:
         draft.strength[name] *= float(np.clip(off, 1 / 300, 8))
@@ -244,16 +243,14 @@ def _finish(draft: _Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
     found = linear_fit(experiments, base_mass={"cart": s.base_mass}, stiffness=s.stiffness, damping=s.damping)
     hidden = request.effects if not request.outside else (*request.effects, request.outside)
     name = f"{'+'.join(hidden) or 'none'} {request.seed}"
-    runs = draft.runs()
-    used = {e.spring for e in experiments}, {e.damper for e in experiments}
     truth = {
         "seed": request.seed,
         "kind": s.kind,
         "effects": request.effects,
         "outside": request.outside,
         "base_mass": s.base_mass,
-        "stiffness": {k: v for k, v in s.stiffness.items() if k in used[0]},
-        "damping": {k: v for k, v in s.damping.items() if k in used[1]},
+        "stiffness": {k: v for k, v in s.stiffness.items() if any(e.spring == k for e in experiments)},
+        "damping": {k: v for k, v in s.damping.items() if any(e.damper == k for e in experiments)},
         "force_gain": s.gain,
         "parameters": {f"{e}.{p}": v for e, values in draft.effects().items() for p, v in values.items()},
         "noise_rms": draft.sigma,
@@ -262,8 +259,8 @@ def _finish(draft: _Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
         "r0": found.rms / draft.sigma,
         "variants": tuple(v for v in draft.variants if v != "anywhere in the band"),
         "rests": rests,
-        "starts": [float(r.start) for r in runs],
-        "phases": [r.phase for r in runs],
+        "starts": [float(r.start) for r in draft.runs()],
+        "phases": [r.phase for r in draft.runs()],
     }
     return stepid.Campaign(name=name, experiments=tuple(experiments)), truth
 
