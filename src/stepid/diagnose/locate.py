@@ -15,6 +15,7 @@ from stepid.engine.least_squares import Optimum
 from stepid.engine.problem import strongest_period
 from stepid.engine.records import Records
 from stepid.engine.weak import measured_motion
+from stepid.floor import noise_floor
 
 _BINS = 24  # of velocity and of position
 _LEAST = 6  # samples that make a bin
@@ -60,10 +61,12 @@ def locate(records: Records, linear: Optimum, floor: float) -> Where:
     )
 
 
-def phases_of(records: Records, linear: Optimum, floor: float) -> tuple[dict[str, float], ...]:
-    """RMS [m] of the linear fit's residual by phase of the response, one mapping a run in the records' order."""
+def phases_of(records: Records, linear: Optimum) -> dict[str, dict[str, float]]:
+    """RMS [m] of the linear fit's residual by run name and phase of the response."""
+    floor = noise_floor(records)
     motion = measured_motion(records, linear.shared, floor, strongest_period(records))
-    return phase_rms(records, linear.residual, phase_of_samples(records, linear, motion, floor))
+    found = phase_rms(records, linear.residual, phase_of_samples(records, linear, motion, floor))
+    return {run.name: phases for run, phases in zip(records.runs, found, strict=True)}
 
 
 def _rms(square: Array) -> float:
