@@ -1,10 +1,14 @@
 from . import characteristics as characteristics
 from . import datasets as datasets
+from . import effects as effects
 from . import errors as errors
 from . import plot as plot
 from .characteristics import characterize as characterize
 from .characteristics import characterize_all as characterize_all
 from .characteristics import characterize_each as characterize_each
+from .diagnose import diagnose as diagnose
+from .diagnose import diagnose_many as diagnose_many
+from .diagnose.result import Diagnosis as Diagnosis
 from .ecp import read_ecp as read_ecp
 from .estimate import Estimate as Estimate
 from .experiment import Campaign as Campaign
@@ -12,7 +16,12 @@ from .experiment import Experiment as Experiment
 from .experiment import MassOffset as MassOffset
 from .files import read_campaign as read_campaign
 from .files import write_campaign as write_campaign
+from .fit import Fit as Fit
+from .fit import fit as fit
 from .identification import identify as identify
+from .model import EffectModel as EffectModel
+from .model import PlantModel as PlantModel
+from .model import RunState as RunState
 from .paper import rebuild_paper as rebuild_paper
 from .parameters import IdentifiedParameters as IdentifiedParameters
 from .parameters import StackedSystem as StackedSystem
@@ -21,6 +30,7 @@ from .peak import InterpolatedPeak as InterpolatedPeak
 from .peak import SampledPeak as SampledPeak
 from .response import Characteristics as Characteristics
 from .response import CharacteristicsUncertainty as CharacteristicsUncertainty
+from .simulate import simulate as simulate
 from .solution import solve as solve
 from .solvers import OrdinaryLeastSquares as OrdinaryLeastSquares
 from .solvers import WeightedLeastSquares as WeightedLeastSquares

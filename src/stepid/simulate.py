@@ -102,9 +102,7 @@ def solve_model(
     return records, solved
 
 
-def simulate(
-    model: PlantModel, campaign: Campaign, *, catalogue: tuple[Effect, ...] = CATALOGUE
-) -> dict[str, Array]:
+def simulate(model: PlantModel, campaign: Campaign, *, catalogue: tuple[Effect, ...] = CATALOGUE) -> dict[str, Array]:
     """Simulate a plant model on a campaign's measured inputs, each held from its sample to the next.
 
     Parameters

@@ -8,17 +8,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stepid.diagnose.noise import structure
 from stepid.effects.base import Effect
 from stepid.engine.least_squares import Optimum, minimize
-from stepid.engine.problem import build, strongest_period
-from stepid.engine.records import Records
-from stepid.engine.score import Scored, columns, score
-from stepid.engine.search import Contender, Ground, Start
+from stepid.engine.score import columns, score
+from stepid.engine.search import Contender, Ground, Start, race_starts
+from stepid.floor import structure
 
 Progress = Callable[[str], None]
 _FIELD = 8  # effects that race after the first scoring
-_FINAL = 5  # contenders that are polished on all data
 
 
 @dataclass(frozen=True)
@@ -52,8 +49,7 @@ def evidence(optimum: Optimum, floor: float) -> float:
 def candidate(ground: Ground, effects: tuple[Effect, ...], optimum: Optimum) -> Candidate:
     """Judge a fit."""
     records = ground.records
-    period = strongest_period(records)
-    white = structure(records, optimum.problem.residual(optimum.solved), ground.floor, period)
+    white = structure(records, optimum.problem.residual(optimum.solved), ground.floor, ground.period)
     return Candidate(effects, optimum, evidence(optimum, ground.floor), white)
 
 
@@ -87,45 +83,31 @@ def polish(ground: Ground, contender: Contender) -> Candidate | None:
     return found
 
 
-def _first_starts(ground: Ground, effect: Effect, scored: list[Scored]) -> list[Start]:
-    """Starts of one effect: its best scores, the weak form's best, its own guesses where it is hard to score."""
-    own = [s for s in scored if s.effect is effect][:2]
-    starts = [Start(ground.linear.shared, (s.values,)) for s in own]
-    starts += ground.weak_starts(effect, 2)
-    if effect.dry or effect.reverses or len(starts) < 2:
-        starts += [Start(ground.linear.shared, (tuple(v),)) for v in effect.starts(ground.scales)]
-    return starts
-
-
 def singles(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
     """Race every effect alone; the best first."""
     scored = score(ground, ground.linear, columns(ground, catalogue))
-    ranked = list(dict.fromkeys(s.effect for s in scored))
+    ranked = list(dict.fromkeys(s.effect for s in scored if not s.effect.contains))
     field = ranked[:_FIELD]
-    field += [e for e in catalogue if (e.dry and not e.contains) and e not in field]
-    contenders = []
-    for effect in field:
-        progress(effect.name)
-        contender = Contender(ground, (effect,))
-        contender.begin(_first_starts(ground, effect, scored), like=ground.linear)
-        contenders.append(contender)
+    field += [e for e in catalogue if e.dry and not e.contains and e not in field]
+    contenders = [_enter(ground, e, race_starts(ground, e, scored), progress) for e in field]
     advance(contenders)
-    contenders.sort(key=lambda c: c.cost)
-    names = {c.effects[0].name: c for c in contenders}
+    by_name = {c.effects[0].name: c for c in contenders}
+    excess = ground.linear.cost - contenders[0].cost
     for effect in catalogue:  # what contains a good candidate starts from it
-        inner = [names[n] for n in effect.contains if n in names]
-        if (inner and any(c in contenders[:3] for c in inner)) or effect.name in names:
-            contender = names.get(effect.name) or Contender(ground, (effect,))
-            starts = [s for c in inner for s in _grown(ground, effect, c)]
-            if effect.name not in names:
-                starts += _first_starts(ground, effect, scored)
-                contenders.append(contender)
-            if starts and (effect.name not in names or any(c in contenders[:3] for c in inner)):
-                progress(effect.name)
-                contender.begin(starts, like=ground.linear)
+        inner = [by_name[n] for n in effect.contains if n in by_name]
+        good = [c for c in inner if c in contenders[:3] or ground.linear.cost - c.cost > 0.5 * excess]
+        if good:
+            starts = [s for c in good for s in _grown(ground, effect, c)]
+            contenders.append(_enter(ground, effect, starts, progress))
     advance(contenders)
-    contenders.sort(key=lambda c: c.cost)
     return contenders
+
+
+def _enter(ground: Ground, effect: Effect, starts: list[Start], progress: Progress) -> Contender:
+    progress(effect.name)
+    contender = Contender(ground, (effect,))
+    contender.begin(starts, like=ground.linear)
+    return contender
 
 
 def _grown(ground: Ground, effect: Effect, inner: Contender) -> list[Start]:
@@ -144,30 +126,18 @@ def advance(contenders: list[Contender], laps: tuple[int, ...] = (5, 10, 20)) ->
         best = contenders[0].cost if contenders else np.inf
         for place, contender in enumerate(contenders):
             if place < keep or contender.cost < 1.5 * best:
-                contender.run(laps=lap, tolerance=0.003 * (contender.cost - best))
-
-
-def carry(ground: Ground, contender: Contender, linear: Optimum) -> Contender:
-    """Carry a contender from a part of the runs to all of them."""
-    best = contender.best
-    moved = Contender(ground, contender.effects)
-    if best is None or best.problem.simulator.records is ground.records:
-        moved.best = best
-        return moved
-    n = best.problem.simulator.n_linear
-    seen = best.problem.free[:n]
-    shared = np.concatenate([np.where(seen, best.shared[:n], linear.shared[:n]), best.shared[n:]])
-    moved.begin([Start(shared[:n], (tuple(shared[n:]),))], like=linear, laps=6)
-    return moved
+                contender.run(laps=lap, tolerance=0.01 * (contender.cost - best))
+    contenders.sort(key=lambda c: c.cost)
 
 
 def final(ground: Ground, contenders: list[Contender]) -> list[Candidate]:
     """Polish the best contenders on all data; best evidence first."""
     contenders = sorted(contenders, key=lambda c: c.cost)
-    near = contenders[0].cost + 80 * ground.floor**2 if contenders else 0.0
+    best = contenders[0].cost if contenders else 0.0
+    near = best + max(60 * ground.floor**2, 0.02 * best)
     found = []
     for place, contender in enumerate(contenders):
-        if place < _FINAL or contender.cost < near:
+        if place < 2 or contender.cost < near:
             done = polish(ground, contender)
             if done is not None:
                 found.append(done)
@@ -178,8 +148,3 @@ def final(ground: Ground, contenders: list[Contender]) -> list[Candidate]:
 def linear_candidate(ground: Ground) -> Candidate:
     """The plain plant as a candidate."""
     return candidate(ground, (), ground.linear)
-
-
-def rebuild(records: Records, like: Optimum, effects: tuple[Effect, ...]) -> Optimum | None:
-    """Fit effects again from a known optimum, for example on other weights."""
-    return minimize(build(records, effects), like.shared, like.local, start=like.solved.states)

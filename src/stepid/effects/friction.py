@@ -75,7 +75,9 @@ class StribeckFriction(_DryFriction):
     contains = ("coulomb_friction",)
 
     def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
-        return [(0.8 * inner[0], times * inner[0], part * scales.velocity) for times in (1.3, 2.2) for part in (0.02, 0.1)]
+        return [
+            (0.8 * inner[0], times * inner[0], part * scales.velocity) for times in (1.3, 2.2) for part in (0.02, 0.1)
+        ]
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [
@@ -159,9 +161,7 @@ class PreslidingHysteresis(Effect):
         return [(inner[0], part * scales.displacement) for part in (0.002, 0.01, 0.04)]
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
-        return [
-            (share * scales.force, part * scales.displacement) for share in (0.03,) for part in (0.003, 0.02, 0.1)
-        ]
+        return [(share * scales.force, part * scales.displacement) for share in (0.03,) for part in (0.003, 0.02, 0.1)]
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         sign = _direction(scales, m)

@@ -93,7 +93,10 @@ class EndStop(Effect):
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         ends = [end for end in (scales.high, scales.low) if abs(end) > 0.1 * scales.displacement]
         return [
-            (times * scales.stiffness, part * end) for end in ends for part in (0.97, 0.9, 0.78) for times in (2.0, 10.0)
+            (times * scales.stiffness, part * end)
+            for end in ends
+            for part in (0.97, 0.9, 0.78)
+            for times in (2.0, 10.0)
         ]
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:

@@ -57,16 +57,19 @@ def _stretch(
 ) -> Array:
     """Advance every lane by its own `length` with as many substeps as it needs."""
     needed = law.pieces(table, z, sign, elapsed, sides, length)
-    level = np.ceil(np.log2(np.clip(np.nan_to_num(needed, nan=1.0), 1.0, _MOST_PIECES))).astype(int)
-    first = level[0]
-    if np.all(level == first):
-        return _smooth(law, table, z, elapsed, length, sign, sides, moving, 2**first)
+    needed = np.ceil(np.clip(np.nan_to_num(needed, nan=1.0), 1.0, max(4.0, _MOST_PIECES * law.fineness)))
+    most = needed.max(initial=1.0)
+    if most == needed.min(initial=most):
+        return _smooth(law, table, z, elapsed, length, sign, sides, moving, int(most))
     out = np.empty_like(z)
-    for value in np.unique(level):
-        at = np.flatnonzero(level == value)
-        out[:, at] = _smooth(
-            law, table[:, at], z[:, at], elapsed[at], length[at], sign[at], sides[:, at], moving[at], 2 ** int(value)
-        )
+    group = np.where(needed <= 1, 0, np.where(needed <= 4, 1, 2))  # few groups: each costs a round of calls
+    for value in range(3):
+        at = np.flatnonzero(group == value)
+        if at.size:
+            n = int(needed[at].max())
+            out[:, at] = _smooth(
+                law, table[:, at], z[:, at], elapsed[at], length[at], sign[at], sides[:, at], moving[at], n
+            )
     return out
 
 
@@ -88,9 +91,7 @@ def _direction(law: Law, table: Array, z: Array, elapsed: Array, sides: Array) -
     return sign, moving
 
 
-def _margins(
-    law: Law, table: Array, z: Array, elapsed: Array, sign: Array, sides: Array, moving: Array
-) -> Array:
+def _margins(law: Law, table: Array, z: Array, elapsed: Array, sign: Array, sides: Array, moving: Array) -> Array:
     """Functions that are positive while the regime lasts: one a switch, then velocity or holding force."""
     rows = np.empty((law.n_sides + 1, z.shape[1]))
     if law.n_sides:

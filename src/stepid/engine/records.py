@@ -74,9 +74,12 @@ class Records:
         index = list(keep)
         weight = np.concatenate([self.weight[self.pieces()[i]] for i in index])
         runs = [self.runs[i] for i in index]
-        return _lay(
-            runs, self.moving[index], (self.bases, self.springs, self.dampers), self.begin[index], weight
-        )
+        return _lay(runs, self.moving[index], (self.bases, self.springs, self.dampers), self.begin[index], weight)
+
+    def like(self, runs: Sequence[Experiment]) -> Records:
+        """Lay out other runs under the same labels."""
+        none = np.zeros(len(runs))
+        return _lay(list(runs), none > 0, (self.bases, self.springs, self.dampers), none.astype(np.intp), None)
 
     def reweighted(self, weight: Array) -> Records:
         """Return the same records with other square-root weights, shape (S,)."""
@@ -144,3 +147,10 @@ def _lay(
         begin=begin,
         weight=np.ones(sum(sizes)) if weight is None else weight,
     )
+
+
+def own_base(records: Records, run: int) -> Records:
+    """Give one run a base mass of its own, the last of the labels."""
+    base = records.base.copy()
+    base[run] = len(records.bases)
+    return replace(records, base=base, bases=(*records.bases, f"that of {records.runs[run].name}"))

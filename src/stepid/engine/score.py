@@ -12,16 +12,8 @@ from stepid.engine.exact import FullStep
 from stepid.engine.law import LENGTH
 from stepid.engine.least_squares import Optimum
 from stepid.engine.problem import build, start_local
-from stepid.engine.search import Ground
+from stepid.engine.search import Ground, Scored
 from stepid.engine.trajectory import Point
-
-
-class Scored(NamedTuple):
-    """A start of one effect, and the part of a residual's cost that it could remove, m²."""
-
-    effect: Effect
-    values: tuple[float, ...]
-    gain: float
 
 
 class _Column(NamedTuple):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,14 @@ from stepid.engine.least_squares import Optimum, minimize
 from stepid.engine.problem import build, fixes_mass, scales, start_local, strongest_period
 from stepid.engine.records import Records
 from stepid.engine.weak import WeakForm, measured_motion
+
+
+class Scored(NamedTuple):
+    """A start of one effect, and the part of a residual's cost that it could remove, m²."""
+
+    effect: Effect
+    values: tuple[float, ...]
+    gain: float
 
 
 class Start(NamedTuple):
@@ -27,7 +36,7 @@ class Ground:
     def __init__(self, records: Records, linear: Optimum, floor: float) -> None:
         self.records, self.linear, self.floor = records, linear, floor
         self.scales: Scales = scales(records, linear, floor)
-        period = strongest_period(records)
+        self.period = period = strongest_period(records)
         self.motion: Motion = measured_motion(records, linear.shared, floor, period)
         if linear.rms < 4 * floor:  # the fit is better known than the noisy velocity
             x, v = linear.solved.states[:2]
@@ -59,7 +68,7 @@ class Contender:
 
     def __init__(self, ground: Ground, effects: tuple[Effect, ...]) -> None:
         self.ground, self.effects = ground, effects
-        self.coarse = build(ground.records, effects, fineness=0.3)
+        self.coarse = build(ground.records, effects, fineness=0.25)
         self.fine = build(ground.records, effects)
         self.best: Optimum | None = None
 
@@ -126,7 +135,11 @@ class Contender:
             self.best = found
 
 
-def starts_of(ground: Ground, effect: Effect) -> list[Start]:
-    """Starts of one effect on top of the linear plant: from the weak form, then the effect's own guesses."""
-    own = [Start(ground.linear.shared, (tuple(values),)) for values in effect.starts(ground.scales)]
-    return [*ground.weak_starts(effect, 3), *own]
+def race_starts(ground: Ground, effect: Effect, scored: Sequence[Scored]) -> list[Start]:
+    """Starts of one effect: its best scores, the weak form's best, its own guesses where it is hard to score."""
+    own = [s for s in scored if s.effect is effect][:2]
+    starts = [Start(ground.linear.shared, (s.values,)) for s in own]
+    starts += ground.weak_starts(effect, 2)
+    if effect.dry or effect.reverses or len(starts) < 2:
+        starts += [Start(ground.linear.shared, (tuple(v),)) for v in effect.starts(ground.scales)]
+    return starts

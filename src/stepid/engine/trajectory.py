@@ -253,7 +253,9 @@ class Simulator:
             z[1, piece] = np.gradient(y, r.time[piece])
         return z
 
-    def solve(self, shared: Array, local: Array, *, start: Array | None = None, sensitive: bool = True) -> Solved | None:
+    def solve(
+        self, shared: Array, local: Array, *, start: Array | None = None, sensitive: bool = True
+    ) -> Solved | None:
         """Solve all records for parameter values.
 
         Parameters

@@ -1,4 +1,4 @@
-"""First question: what is the noise floor?"""
+"""What is the noise floor of a campaign, and how white is a residual?"""
 
 from __future__ import annotations
 

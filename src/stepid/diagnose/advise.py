@@ -1,0 +1,100 @@
+"""Fifth question: if the data cannot tell, what to measure next?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from stepid._base import Array
+from stepid.engine.least_squares import Optimum
+from stepid.engine.records import Records, lay_out
+from stepid.engine.trajectory import Simulator
+from stepid.experiment import Campaign, Experiment
+
+_SAMPLES = 400
+
+
+def _proposals(campaign: Campaign) -> list[tuple[str, Experiment]]:
+    """Runs one could add to a campaign, each in words and as an experiment without measured positions."""
+    first = max(campaign.experiments, key=lambda e: float(np.abs(e.input).max()))
+    level = float(first.input[np.argmax(np.abs(first.input))])
+    heaviest = max(e.added_mass for e in campaign.experiments)
+    h, n = first.sample_time, _SAMPLES
+    time = h * np.arange(n)
+    half = n // 2
+
+    def run(name: str, levels: tuple[float, float], mass: float | None = None, step: float = h) -> Experiment:
+        volts = np.where(np.arange(n) < half, levels[0], levels[1])
+        volts[:4] = 0.0
+        return Experiment(
+            name=name,
+            time=time * (step / h),
+            position=np.zeros(n),
+            input=volts,
+            added_mass=first.added_mass if mass is None else mass,
+            spring=first.spring,
+            damper=first.damper,
+            base=first.base,
+        )
+
+    if level == 0:
+        return []
+    return [
+        (f"a step of {-level:g} V, the other way, and back", run("other way", (-level, 0.0))),
+        (f"a step of {level:g} V with the step back to 0 V in the record", run("back", (level, 0.0))),
+        (f"a step of {level / 2:g} V, half the size, and back", run("half", (level / 2, 0.0))),
+        (f"a step of {1.6 * level:.3g} V, a larger one, if the travel allows", run("larger", (1.6 * level, 0.0))),
+        (f"a step of {level:g} V with {heaviest + 1.0:g} kg added", run("heavier", (level, 0.0), heaviest + 1.0)),
+        (f"a step of {level:g} V sampled every {h / 4 * 1e3:.3g} ms", run("faster", (level, level), None, h / 4)),
+    ]
+
+
+def _readings(records: Records, optimum: Optimum) -> Array | None:
+    sim = Simulator(records, optimum.problem.simulator.law.effects)
+    local = np.zeros((sim.n_local, len(records.runs)))
+    states = sim.march(optimum.shared[None], local[None])[0]
+    if not np.isfinite(states).all():
+        return None
+    return states[0] + sim.reading(optimum.shared, local)
+
+
+def next_experiment(
+    campaign: Campaign, chosen: Optimum, rivals: list[Optimum], *, floor: float, tell: Callable[[Optimum], str]
+) -> str | None:
+    """Name the run on which the rival models differ most, both simulated with the parameters they were fitted with.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    chosen, rivals : Optimum
+        Fits that the data cannot tell apart.
+    floor : float
+        m, noise.
+    tell : callable
+        Names an optimum in words.
+    """
+    best: tuple[float, str] = (0.0, "")
+    known = lay_out(campaign)
+    for words, experiment in _proposals(campaign):
+        records = known.like([experiment])
+        base = _readings(records, chosen)
+        if base is None:
+            continue
+        gaps = []
+        for rival in rivals:
+            other = _readings(records, rival)
+            if other is not None:
+                gaps.append(float(np.sqrt(np.mean(records.centered(base - other) ** 2))))
+        if gaps and min(gaps) > best[0]:
+            best = (min(gaps), words)
+    names = ", ".join(tell(r) for r in rivals)
+    if best[0] < 0.5 * floor:
+        return (
+            f"To tell {tell(chosen)} from {names}: none of the usual extra runs would (they differ by less than half "
+            "the noise); lower the noise or sample faster."
+        )
+    return (
+        f"To tell {tell(chosen)} from {names}: record {best[1]}; there the models differ by {best[0] * 1e6:.3g} µm RMS, "
+        f"{best[0] / floor:.2g} times the noise."
+    )

@@ -1,0 +1,207 @@
+"""The whole diagnosis of a campaign: five questions in order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor
+from functools import partial
+
+import numpy as np
+
+from stepid._base import Array
+from stepid.diagnose.advise import next_experiment
+from stepid.diagnose.compete import Candidate
+from stepid.diagnose.held_out import held_out_residuals
+from stepid.diagnose.locate import locate, phases_of
+from stepid.diagnose.notes import notes_on, wrong_mass
+from stepid.diagnose.result import Diagnosis, Gap, Ranked, RunGap
+from stepid.diagnose.verdict import Judgment, judge
+from stepid.effects import CATALOGUE, Effect
+from stepid.engine.least_squares import Optimum
+from stepid.engine.search import Ground
+from stepid.errors import UndeterminedError
+from stepid.estimates import estimates, parameter_names
+from stepid.experiment import Campaign
+from stepid.fit import ground_of
+from stepid.simulate import unpack
+
+Progress = Callable[[str], None]
+
+
+def _silent(_: str) -> None:
+    return None
+
+
+def diagnose(
+    campaign: Campaign, *, catalogue: tuple[Effect, ...] = CATALOGUE, progress: Progress | None = None
+) -> Diagnosis:
+    """Say whether a linear model is adequate for a campaign and, if not, which effect it is missing.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Two runs or more.
+    catalogue : tuple of Effect
+        Candidates; add your own to `stepid.effects.CATALOGUE`.
+    progress : callable, optional
+        Called with a few words before each stage.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    stepid.errors.UndeterminedError
+        If the campaign has one run only.
+    stepid.errors.InputError
+        If nothing moves in a run.
+    stepid.errors.ConvergenceError
+        If not even a linear plant can be fitted.
+    """
+    tell = progress or _silent
+    if len(campaign.experiments) < 2:
+        raise UndeterminedError(
+            f"campaign {campaign.name!r} has one run: a model that fits it cannot be checked on another",
+            "Add a run with another added mass, or repeat this one.",
+        )
+    tell("linear fit")
+    _, ground = ground_of(campaign)
+    judgment = judge(ground, catalogue, tell)
+    mass = None
+    if judgment.verdict != "adequate":
+        tell("added masses")
+        mass = wrong_mass(ground)
+    tell("runs held out")
+    return _report(campaign, ground, judgment, mass)
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _pooled(residuals: dict[int, Array]) -> float | None:
+    return _rms(np.concatenate(list(residuals.values()))) if residuals else None
+
+
+def _report(campaign: Campaign, ground: Ground, judgment: Judgment, mass: str | None) -> Diagnosis:
+    records, floor = ground.records, ground.floor
+    linear = ground.linear
+    final = judgment.chosen.optimum if judgment.verdict in ("named", "ambiguous") else linear
+    chosen = judgment.chosen if final is not linear else None
+    effects = chosen.effects if chosen else ()
+    seen_before = held_out_residuals(linear, tolerance=ground.tolerance)
+    seen_after = held_out_residuals(final, tolerance=ground.tolerance) if chosen else seen_before
+    both = seen_before.keys() & seen_after.keys()
+    seen_before = {i: seen_before[i] for i in sorted(both)}
+    seen_after = {i: seen_after[i] for i in sorted(both)}
+    advice = None
+    if judgment.alternatives:
+        words = {
+            id(c.optimum): " and ".join(c.names).replace("_", " ") for c in (judgment.chosen, *judgment.alternatives)
+        }
+        advice = next_experiment(
+            campaign,
+            judgment.chosen.optimum,
+            [c.optimum for c in judgment.alternatives],
+            floor=floor,
+            tell=lambda o: words[id(o)],
+        )
+    elif judgment.verdict == "unexplained":
+        advice = (
+            "Repeat one run without changing anything: what differs between the repeats is no property of the plant. "
+            "Then a free release and a step the other way."
+        )
+    verdict, reasons = judgment.verdict, judgment.reasons
+    if mass is not None and verdict != "adequate":
+        reasons = (*reasons, mass)
+    return Diagnosis(
+        campaign=campaign.name,
+        verdict=verdict,
+        effects=tuple(e.name for e in effects),
+        alternatives=tuple(c.names for c in judgment.alternatives),
+        gap=Gap(
+            before=linear.rms,
+            after=final.rms,
+            noise=floor,
+            held_out_before=_pooled(seen_before),
+            held_out_after=_pooled(seen_after),
+        ),
+        parameters=estimates(final, effects, floor)[0],
+        linear_parameters=estimates(linear, (), floor)[0],
+        where=locate(records, linear, floor),
+        next_experiment=advice,
+        reasons=reasons,
+        notes=notes_on(campaign, ground, final, effects),
+        ranking=_ranking(judgment),
+        runs=_runs(ground, final, seen_before, seen_after),
+        model=unpack(final, effects),
+        linear_model=unpack(linear, ()),
+    )
+
+
+def _ranking(judgment: Judgment) -> tuple[Ranked, ...]:
+    if not judgment.ranking:
+        return ()
+    best = judgment.ranking[0].evidence
+    return tuple(
+        Ranked(effects=c.names, rms=c.optimum.rms, evidence=c.evidence - best, parameters=_own(c))
+        for c in judgment.ranking
+    )
+
+
+def _own(found: Candidate) -> dict[str, float]:
+    names = [name for name, _ in parameter_names(found.optimum, found.effects)]
+    return {n: float(v) for n, v in zip(names, found.optimum.shared, strict=True) if "." in n}
+
+
+def _runs(
+    ground: Ground, final: Optimum, seen_before: dict[int, Array], seen_after: dict[int, Array]
+) -> tuple[RunGap, ...]:
+    records, linear = ground.records, ground.linear
+    before, after = linear.residual, final.residual
+    phases = phases_of(records, linear, ground.floor)
+    out = []
+    for i, (run, piece) in enumerate(zip(records.runs, records.pieces(), strict=True)):
+        y = records.position[piece]
+        out.append(
+            RunGap(
+                name=run.name,
+                time=records.time[piece],
+                measured=y,
+                linear=y - before[piece],
+                model=y - after[piece],
+                before=_rms(before[piece]),
+                after=_rms(after[piece]),
+                held_out_before=_rms(seen_before[i]) if i in seen_before else None,
+                held_out_after=_rms(seen_after[i]) if i in seen_after else None,
+                phases=phases[i],
+            )
+        )
+    return tuple(out)
+
+
+def diagnose_many(
+    campaigns: Iterable[Campaign], *, catalogue: tuple[Effect, ...] = CATALOGUE, executor: Executor | None = None
+) -> list[Diagnosis]:
+    """Diagnose many campaigns, side by side where an executor is given.
+
+    Parameters
+    ----------
+    campaigns : iterable of Campaign
+    catalogue : tuple of Effect
+    executor : concurrent.futures.Executor, optional
+        A process pool uses all cores.
+
+    Returns
+    -------
+    list of Diagnosis
+        In the order of the campaigns.
+
+    Raises
+    ------
+    stepid.errors.StepidError
+        The first error of any campaign, see `diagnose`.
+    """
+    one = partial(diagnose, catalogue=catalogue)
+    return list(executor.map(one, campaigns) if executor is not None else map(one, campaigns))

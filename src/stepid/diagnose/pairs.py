@@ -1,0 +1,88 @@
+"""Two effects, then three: what is added to the best so far, and what goes with what."""
+
+from __future__ import annotations
+
+from stepid.diagnose.compete import Candidate, Progress, advance, polish
+from stepid.effects.base import Effect
+from stepid.engine.score import columns, score
+from stepid.engine.search import Contender, Ground, Start
+
+_BASES = 4  # fits on which a further effect is tried
+_TRIED = 12  # combinations that are raced
+
+
+def _related(one: Effect, other: Effect) -> bool:
+    return one.name == other.name or one.name in other.contains or other.name in one.contains
+
+
+def _values(contender: Contender) -> Start:
+    """Where a contender stands, as a start."""
+    assert contender.best is not None
+    sim = contender.best.problem.simulator
+    shared, at, values = contender.best.shared, sim.n_linear, []
+    for effect in contender.effects:
+        values.append(tuple(float(v) for v in shared[at : at + len(effect.parameters)]))
+        at += len(effect.parameters)
+    return Start(shared[: sim.n_linear], tuple(values))
+
+
+def extend(
+    ground: Ground, bases: list[Contender], catalogue: tuple[Effect, ...], progress: Progress, *, tried: int = _TRIED
+) -> list[Contender]:
+    """Race every base with one effect more, the most promising by their scores; best first."""
+    table = columns(ground, catalogue)
+    offers: dict[frozenset[str], tuple[float, Contender, list[tuple[Effect, tuple[float, ...]]]]] = {}
+    for base in bases:
+        if base.best is None:
+            continue
+        for scored in score(ground, base.best, table):
+            if any(_related(scored.effect, e) for e in base.effects):
+                continue
+            key = frozenset([scored.effect.name, *(e.name for e in base.effects)])
+            left = base.best.cost - scored.gain
+            known = offers.get(key)
+            if known is None or left < known[0]:
+                offers[key] = (left, base, [(scored.effect, scored.values)])
+            elif known[1] is base and len(known[2]) < 2:
+                known[2].append((scored.effect, scored.values))
+    contenders = []
+    for _, base, additions in sorted(offers.values(), key=lambda o: o[0])[:tried]:
+        effect = additions[0][0]
+        here = _values(base)
+        progress(" + ".join([*(e.name for e in base.effects), effect.name]))
+        contender = Contender(ground, (*base.effects, effect))
+        assert base.best is not None
+        contender.begin([Start(here.linear, (*here.values, v)) for _, v in additions], like=base.best)
+        contenders.append(contender)
+    advance(contenders)
+    return contenders
+
+
+def pairs(ground: Ground, alone: list[Contender], catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
+    """Race pairs of effects: on the best single ones, then on whatever the best pairs brought in."""
+    found = extend(ground, alone[:_BASES], catalogue, progress)
+    by_name = {c.effects[0].name: c for c in alone}
+    fresh = [
+        by_name[e.name]
+        for c in found[:3]
+        for e in c.effects
+        if e.name in by_name and by_name[e.name] not in alone[:_BASES]
+    ]
+    fresh = list(dict.fromkeys(fresh))[:2]
+    if fresh:
+        found += extend(ground, fresh, catalogue, progress, tried=6)
+        found.sort(key=lambda c: c.cost)
+    return found
+
+
+def finish(ground: Ground, contenders: list[Contender], count: int = 4) -> list[Candidate]:
+    """Polish the best combinations; best evidence first."""
+    done = []
+    limit = contenders[0].cost * 1.05 + 60 * ground.floor**2 if contenders else 0.0
+    for contender in contenders[:count]:
+        if contender.cost <= limit:
+            result = polish(ground, contender)
+            if result is not None:
+                done.append(result)
+    done.sort(key=lambda c: c.evidence)
+    return done

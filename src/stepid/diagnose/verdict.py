@@ -1,0 +1,150 @@
+"""Fourth question: is one of them it? Evidence, nested and twin effects, the floor."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from stepid.diagnose.compete import Candidate, Progress, final, linear_candidate, singles
+from stepid.diagnose.pairs import extend, finish, pairs
+from stepid.diagnose.result import Verdict
+from stepid.effects.base import Effect
+from stepid.engine.search import Contender, Ground
+from stepid.estimates import estimates
+
+_WHITE = 6.0  # standard deviations of structure that noise may show
+_GATE = 5.0  # below this the linear residual is white and nothing is searched
+_TIE = 10.0  # a difference of evidence that does not decide
+_STRONG = 20.0  # evidence that a further effect must bring
+_HINT = 5.0  # χ² that a more general effect must gain to count as a rival
+_FAINT = 1.05  # below this ratio to the floor only an undisputed name is given
+_MOST = 0.12  # share of the misfit's power that a partial explanation may leave
+
+
+@dataclass(frozen=True)
+class Judgment:
+    """The verdict with what led to it."""
+
+    verdict: Verdict
+    chosen: Candidate
+    alternatives: tuple[Candidate, ...]
+    ranking: tuple[Candidate, ...]
+    reasons: tuple[str, ...]
+
+
+def at_floor(ground: Ground, found: Candidate) -> bool:
+    """Tell whether a fit leaves nothing but noise."""
+    n = float((ground.records.weight**2).sum())
+    slack = 1.05 + 3.0 / math.sqrt(2.0 * n)
+    return found.structure < _WHITE and found.optimum.rms <= slack * ground.floor
+
+
+def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> Judgment:
+    """Search the catalogue for what the linear plant is missing."""
+    linear = linear_candidate(ground)
+    floor, rms = ground.floor, linear.optimum.rms
+    times = (
+        f"The linear model leaves {rms * 1e6:.3g} µm, {rms / floor:.3g} times the noise floor of {floor * 1e6:.3g} µm"
+    )
+    if linear.structure < _GATE and rms < 1.1 * floor:
+        return Judgment("adequate", linear, (), (linear,), (f"{times}, and its residual is as white as noise.",))
+    alone = singles(ground, catalogue, progress)
+    ranked = final(ground, alone)
+    reasons = [f"{times}."]
+    if not ranked:
+        return Judgment("unexplained", linear, (), (linear,), (*reasons, "No effect of the catalogue could be fitted."))
+    best = ranked[0]
+    if not at_floor(ground, best):
+        ranked = _combine(ground, alone, ranked, catalogue, progress)
+        best = ranked[0]
+    everything = tuple(sorted([*ranked, linear], key=lambda c: c.evidence))
+    gain = linear.evidence - best.evidence
+    if gain < _STRONG:
+        reasons.append(f"The best candidate, {_title(best)}, gains too little evidence ({gain:.0f}) to be believed.")
+        verdict: Verdict = "adequate" if at_floor(ground, linear) else "unexplained"
+        return Judgment(verdict, linear, (), everything, tuple(reasons))
+    rivals = _rivals(ground, ranked)
+    if not at_floor(ground, best) and not _mostly(ground, linear, best, ranked):
+        reasons.append(
+            f"Even the best, {_title(best)}, leaves {best.optimum.rms / floor:.3g} times the floor: "
+            "what is missing is not in the catalogue, or is more than it can combine."
+        )
+        return Judgment("unexplained", linear, (), everything, tuple(reasons))
+    reasons.append(f"With {_title(best)} it leaves {best.optimum.rms / floor:.3g} times the floor.")
+    foreign = [c for c in rivals if not _contains(c, best)]
+    if foreign and rms < _FAINT * floor:
+        reasons.append("The gap is too faint to tell its causes apart.")
+        return Judgment("adequate", linear, (), everything, tuple(reasons))
+    if foreign:
+        best, *rest = sorted([best, *rivals], key=lambda c: (int(c.optimum.problem.free.sum()), c.evidence))
+        rivals = rest
+        reasons.append("The data cannot tell it from " + ", ".join(_title(c) for c in rivals) + ".")
+        return Judgment("ambiguous", best, tuple(rivals), everything, tuple(reasons))
+    others = [c for c in ranked if c is not best and c not in rivals and not _contains(c, best)]
+    if others:
+        reasons.append(
+            f"The next best, {_title(others[0])}, is {others[0].evidence - best.evidence:.0f} worse in evidence."
+        )
+    if rivals:
+        reasons.append("What would tell it from " + ", ".join(_title(c) for c in rivals) + " is undetermined.")
+    return Judgment("named", best, tuple(rivals), everything, tuple(reasons))
+
+
+def _combine(
+    ground: Ground, alone: list[Contender], ranked: list[Candidate], catalogue: tuple[Effect, ...], progress: Progress
+) -> list[Candidate]:
+    """Try two effects, then three, while the floor is not reached."""
+    twos = pairs(ground, alone, catalogue, progress)
+    done = finish(ground, twos)
+    ranked = _accept(ranked, done)
+    if done and not at_floor(ground, ranked[0]) and len(ranked[0].effects) == 2:
+        threes = extend(ground, twos[:2], catalogue, progress, tried=5)
+        ranked = _accept(ranked, finish(ground, threes, 2))
+    return ranked
+
+
+def _accept(ranked: list[Candidate], more: list[Candidate]) -> list[Candidate]:
+    """Add combinations to a ranking; a further effect leads only where its evidence is strong."""
+    if not more or more[0].evidence > ranked[0].evidence - _STRONG:
+        return sorted([*ranked, *(c for c in more if c.evidence > ranked[0].evidence)], key=lambda c: c.evidence)
+    return sorted([*ranked, *more], key=lambda c: c.evidence)
+
+
+def _mostly(ground: Ground, linear: Candidate, best: Candidate, ranked: list[Candidate]) -> bool:
+    """Tell whether a fit explains nearly all of the misfit and nothing rivals it, though more is missing."""
+    floor = ground.floor**2
+    before, after = linear.optimum.rms**2 - floor, best.optimum.rms**2 - floor
+    return after < _MOST * before
+
+
+def _contains(bigger: Candidate, smaller: Candidate) -> bool:
+    """Tell whether every effect of `smaller` is in `bigger` or contained in one of its effects."""
+    return all(any(e.name == b.name or e.name in b.contains for b in bigger.effects) for e in smaller.effects)
+
+
+def _rivals(ground: Ground, ranked: list[Candidate]) -> list[Candidate]:
+    """Candidates that the data do not tell from the best."""
+    best = ranked[0]
+    out = []
+    for other in ranked[1:]:
+        if len(other.effects) > len(best.effects):
+            continue
+        if _contains(other, best):
+            # more general: a rival only where its freedom buys some fit, or where nothing fixes it
+            bought = (best.optimum.cost - other.optimum.cost) / ground.floor**2
+            if other.evidence - best.evidence < 2 * _TIE and (bought > _HINT or _is_open(ground, other)):
+                out.append(other)
+        elif other.evidence - best.evidence < _TIE:
+            out.append(other)
+    return out
+
+
+def _is_open(ground: Ground, found: Candidate) -> bool:
+    """Tell whether the data leave the effects' own parameters open, so that the simpler effect stands for all of it."""
+    values, _ = estimates(found.optimum, found.effects, ground.floor)
+    own = [e for name, e in values.items() if "." in name]
+    return all(e.uncertainty is None or e.uncertainty > 0.3 * abs(e.value) for e in own)
+
+
+def _title(found: Candidate) -> str:
+    return " and ".join(name.replace("_", " ") for name in found.names) or "nothing"

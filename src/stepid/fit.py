@@ -1,0 +1,173 @@
+"""Joint fit of a plant with given effects to all records of a campaign at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from stepid._base import Matrix, Model, NonNegative
+from stepid.effects import CATALOGUE, Effect, resolve
+from stepid.engine.least_squares import Optimum
+from stepid.engine.problem import fit_linear
+from stepid.engine.records import Records, lay_out
+from stepid.engine.score import columns, score
+from stepid.engine.search import Contender, Ground, Start, race_starts
+from stepid.errors import ConvergenceError, InputError
+from stepid.estimate import Estimate
+from stepid.estimates import estimates
+from stepid.experiment import Campaign
+from stepid.floor import noise_floor, weights
+from stepid.model import PlantModel
+from stepid.simulate import unpack
+
+
+class Fit(Model):
+    """A joint fit.
+
+    Parameters
+    ----------
+    parameters : mapping
+        Name to Estimate: ``"base_mass"``, ``"stiffness[medium]"``, ``"force_gain"``, ``"coulomb_friction.level"``, …
+    model : PlantModel
+        Ready for `stepid.simulate`.
+    rms : float
+        m, of measured minus simulated over all samples.
+    noise : float
+        m, noise floor.
+    run_rms : mapping
+        Run name to RMS [m].
+    correlation : array, shape (n, n)
+        Of the free shared parameters, in the order of `parameters`.
+    converged : bool
+    """
+
+    parameters: Mapping[str, Estimate]
+    model: PlantModel
+    rms: NonNegative
+    noise: NonNegative
+    run_rms: Mapping[str, NonNegative]
+    correlation: Matrix
+    converged: bool
+
+
+def check(campaign: Campaign) -> None:
+    """Refuse a campaign that no joint fit can use.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If nothing moves in any run, or a run never moves.
+    """
+    still = [e.name for e in campaign.experiments if np.ptp(e.position) <= 3 * (e.resolution or 0.0)]
+    if still:
+        raise InputError(
+            f"campaign {campaign.name!r}: nothing moves in run {still[0]!r}"
+            + (f" (nor in {len(still) - 1} more)" if len(still) > 1 else ""),
+            "Check that the drive was on and the encoder is the right one; leave the run out of the campaign.",
+        )
+
+
+def ground_of(campaign: Campaign) -> tuple[Records, Ground]:
+    """Lay out, weigh and fit the linear plant.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If nothing moves.
+    stepid.errors.ConvergenceError
+        If no linear plant can be fitted at all.
+    """
+    check(campaign)
+    records = lay_out(campaign)
+    floor = noise_floor(records)
+    records = records.reweighted(weights(records, floor))
+    linear = fit_linear(records, tolerance=0.02 * floor**2)
+    if linear is None:
+        raise ConvergenceError(
+            f"campaign {campaign.name!r}: no stable mass-spring-damper can be fitted to its records",
+            "Look at the records: sign of counts_per_meter, the input column, the added masses and labels.",
+        )
+    return records, Ground(records, linear, floor)
+
+
+def fit(campaign: Campaign, *, effects: Iterable[str | Effect] = (), catalogue: tuple[Effect, ...] = CATALOGUE) -> Fit:
+    """Fit a linear plant with given effects to all runs together.
+
+    Shared by the runs: one base mass a base label, one stiffness a spring label, one damping a damper label, one force
+    gain, the effects' parameters. Fitted for each run: its rest position, its displacement at the start where dry
+    friction or play allows one, its initial state where the record starts in motion, its disturbance phase.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    effects : iterable of str or Effect
+        Canonical names or effects; none is the linear plant.
+    catalogue : tuple of Effect
+        Where names are looked up.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If an effect is not known, or nothing moves.
+    stepid.errors.ConvergenceError
+        If no start leads to a stable plant.
+    """
+    wanted = resolve(effects, catalogue=catalogue)
+    _, ground = ground_of(campaign)
+    optimum = fit_effects(ground, wanted)
+    if optimum is None:
+        raise ConvergenceError(
+            f"campaign {campaign.name!r}: no start of {', '.join(e.name for e in wanted)} leads to a stable plant; the "
+            f"linear fit leaves {ground.linear.rms * 1e6:.3g} µm",
+            "Try fewer effects, or look at the records for what the model cannot say.",
+        )
+    return report(optimum, wanted, ground.floor)
+
+
+def fit_effects(ground: Ground, effects: tuple[Effect, ...]) -> Optimum | None:
+    """Fit effects one after another, each from its best starts on top of those before, then all together."""
+    if not effects:
+        return ground.linear
+    contender = Contender(ground, effects[:1])
+    contender.begin(
+        race_starts(ground, effects[0], score(ground, ground.linear, columns(ground, effects[:1]))), like=ground.linear
+    )
+    contender.run(laps=40)
+    for count in range(2, len(effects) + 1):
+        if contender.best is None:
+            return None
+        sim = contender.best.problem.simulator
+        scored = score(ground, contender.best, columns(ground, (effects[count - 1],)))
+        guesses = [s.values for s in scored[:3]]
+        guesses += [tuple(v) for v in effects[count - 1].starts(ground.scales)]
+        linear, values = contender.best.shared[: sim.n_linear], contender.best.shared[sim.n_linear :]
+        grown = Contender(ground, effects[:count])
+        grown.begin([Start(linear, (tuple(values), v)) for v in guesses], like=contender.best)
+        grown.run(laps=40)
+        contender = grown
+    contender.run(laps=40, fine=True)
+    return contender.best
+
+
+def report(optimum: Optimum, effects: tuple[Effect, ...], floor: float) -> Fit:
+    """Make a fit's result."""
+    records = optimum.problem.simulator.records
+    values, correlation = estimates(optimum, effects, floor)
+    residual = optimum.residual
+    return Fit(
+        parameters=values,
+        model=unpack(optimum, effects),
+        rms=optimum.rms,
+        noise=floor,
+        run_rms={
+            run.name: float(np.sqrt(np.mean(residual[piece] ** 2)))
+            for run, piece in zip(records.runs, records.pieces(), strict=True)
+        },
+        correlation=correlation,
+        converged=optimum.converged,
+    )
