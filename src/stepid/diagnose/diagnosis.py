@@ -160,7 +160,7 @@ def _runs(
 ) -> tuple[RunGap, ...]:
     records, linear = ground.records, ground.linear
     before, after = linear.residual, final.residual
-    phases = phases_of(records, linear, ground.floor)
+    phases = phases_of(records, linear)
     out = []
     for i, (run, piece) in enumerate(zip(records.runs, records.pieces(), strict=True)):
         y = records.position[piece]
@@ -175,7 +175,7 @@ def _runs(
                 after=_rms(after[piece]),
                 held_out_before=_rms(seen_before[i]) if i in seen_before else None,
                 held_out_after=_rms(seen_after[i]) if i in seen_after else None,
-                phases=phases[i],
+                phases=phases[run.name],
             )
         )
     return tuple(out)

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import Literal
 
 from stepid._base import Finite, Label, Model, NonNegative, Vector
+from stepid.diagnose.summary import as_html, as_text, one_line
+from stepid.diagnose.wording import length
 from stepid.estimate import Estimate
 from stepid.model import PlantModel
 
@@ -37,8 +39,8 @@ class Gap(Model):
 class RunGap(Model):
     """One run: measured and simulated records and their gap.
 
-    `phases` maps "before", "rise", "overshoot", "ring-down" and "rest" to the RMS [m] of the linear model's residual
-    in that phase of the run's responses.
+    `phases` maps "before", "driven", "rise", "overshoot", "ring-down" and "rest" to the RMS [m] of the linear model's
+    residual in that phase of the run's responses; "driven" is where the input changes all the time.
     """
 
     name: Label
@@ -52,6 +54,9 @@ class RunGap(Model):
     held_out_after: NonNegative | None = None
     phases: Mapping[str, NonNegative] = {}
 
+    def __repr__(self) -> str:
+        return f"RunGap({self.name!r}, RMS {length(self.before)} → {length(self.after)})"
+
 
 class Where(Model):
     """Where the linear model and the measurement disagree.
@@ -61,7 +66,8 @@ class Where(Model):
     phases : mapping
         Phase of the response to RMS [m] over all runs.
     velocity_levels, velocity_force : arrays, shape (b,)
-        Residual force [N] averaged in bins of velocity [m/s]: a step at zero is Coulomb friction.
+        Force [N] that would produce the residual, averaged in bins of velocity [m/s]: a step at zero is Coulomb
+        friction. Where its shape is clear, what the linear parameters took in its place has been given back.
     position_levels, position_force : arrays, shape (b,)
         The same against position from rest [m]: a cubic is a cubic.
     runs : mapping
@@ -80,6 +86,15 @@ class Where(Model):
     runs: Mapping[str, NonNegative]
     trends: Mapping[str, Finite]
     sentences: tuple[str, ...]
+
+    def summary(self) -> str:
+        """Return the sentences, one a line."""
+        return "\n".join(self.sentences)
+
+    def __repr__(self) -> str:
+        return f"Where({'; '.join(self.sentences)})"
+
+    __str__ = summary
 
 
 class Ranked(Model):
@@ -141,3 +156,15 @@ class Diagnosis(Model):
     runs: tuple[RunGap, ...] = ()
     model: PlantModel
     linear_model: PlantModel
+
+    def summary(self) -> str:
+        """Return the answers to the five questions: noise floor, where, which, is it, what next; with tables."""
+        return as_text(self)
+
+    def __repr__(self) -> str:
+        return one_line(self)
+
+    __str__ = summary
+
+    def _repr_html_(self) -> str:
+        return as_html(self)

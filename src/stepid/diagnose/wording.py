@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from stepid.diagnose.force import CLEAR, Shape
 
@@ -15,15 +15,22 @@ def length(meters: float) -> str:
     """Write a length with three digits in µm or mm: ``"637 µm"``, ``"1.20 mm"``."""
     micro = 1e6 * meters
     if abs(micro) >= 999.5:
-        return f"{_digits(1e3 * meters)} mm"
-    return f"{_digits(micro)} µm"
+        return f"{digits(1e3 * meters)} mm"
+    return f"{digits(micro)} µm"
 
 
-def _digits(value: float) -> str:
-    """Three significant digits without an exponent."""
+def digits(value: float) -> str:
+    """Write three significant digits without an exponent; two decimals at most."""
     size = abs(value)
     places = 0 if size >= 99.95 else 1 if size >= 9.995 else 2
     return f"{value:.{places}f}"
+
+
+def effect_names(names: Iterable[str]) -> str:
+    """Write canonical names as people speak: ``"Coulomb friction and input delay"``."""
+    return " and ".join(
+        name.replace("_", " ").replace("coulomb", "Coulomb").replace("stribeck", "Stribeck") for name in names
+    )
 
 
 def sentences(
