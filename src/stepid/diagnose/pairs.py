@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from stepid._base import Array
 from stepid.diagnose.compete import Candidate, Progress, advance, polish
 from stepid.effects.base import Effect
 from stepid.engine.score import columns, score
-from stepid.engine.search import Contender, Ground, Start
+from stepid.engine.search import Contender, Ground, Scored, Start
 
 _BASES = 4  # fits on which a further effect is tried
 _TRIED = 12  # combinations that are raced
@@ -15,11 +16,12 @@ def _related(one: Effect, other: Effect) -> bool:
     return one.name == other.name or one.name in other.contains or other.name in one.contains
 
 
-def _values(contender: Contender) -> Start:
-    """Where a contender stands, as a start."""
+def _values(contender: Contender, shared: Array | None) -> Start:
+    """Where a contender stands (or where `shared` says), as a start."""
     assert contender.best is not None
     sim = contender.best.problem.simulator
-    shared, at, values = contender.best.shared, sim.n_linear, []
+    shared = contender.best.shared if shared is None else shared
+    at, values = sim.n_linear, []
     for effect in contender.effects:
         values.append(tuple(float(v) for v in shared[at : at + len(effect.parameters)]))
         at += len(effect.parameters)
@@ -30,8 +32,8 @@ def extend(
     ground: Ground, bases: list[Contender], catalogue: tuple[Effect, ...], progress: Progress, *, tried: int = _TRIED
 ) -> list[Contender]:
     """Race every base with one effect more, the most promising by their scores; best first."""
-    table = columns(ground, catalogue)
-    offers: dict[frozenset[str], tuple[float, Contender, list[tuple[Effect, tuple[float, ...]]]]] = {}
+    table = columns(ground, tuple(e for e in catalogue if not e.contains))
+    offers: dict[frozenset[str], tuple[float, Contender, list[Scored]]] = {}
     for base in bases:
         if base.best is None:
             continue
@@ -42,17 +44,21 @@ def extend(
             left = base.best.cost - scored.gain
             known = offers.get(key)
             if known is None or left < known[0]:
-                offers[key] = (left, base, [(scored.effect, scored.values)])
+                offers[key] = (left, base, [scored])
             elif known[1] is base and len(known[2]) < 2:
-                known[2].append((scored.effect, scored.values))
+                known[2].append(scored)
     contenders = []
     for _, base, additions in sorted(offers.values(), key=lambda o: o[0])[:tried]:
-        effect = additions[0][0]
-        here = _values(base)
+        effect = additions[0].effect
+        here = _values(base, None)
         progress(" + ".join([*(e.name for e in base.effects), effect.name]))
         contender = Contender(ground, (*base.effects, effect))
         assert base.best is not None
-        contender.begin([Start(here.linear, (*here.values, v)) for _, v in additions], like=base.best)
+        starts = [_values(base, s.shared) for s in additions] + [here] * len(additions)
+        values = [s.values for s in additions] * 2
+        contender.begin(
+            [Start(at.linear, (*at.values, v)) for at, v in zip(starts, values, strict=True)], like=base.best
+        )
         contenders.append(contender)
     advance(contenders)
     return contenders
@@ -68,10 +74,35 @@ def pairs(ground: Ground, alone: list[Contender], catalogue: tuple[Effect, ...],
         for e in c.effects
         if e.name in by_name and by_name[e.name] not in alone[:_BASES]
     ]
-    fresh = list(dict.fromkeys(fresh))[:2]
+    fresh = list(dict.fromkeys(fresh))[:1]
     if fresh:
         found += extend(ground, fresh, catalogue, progress, tried=6)
         found.sort(key=lambda c: c.cost)
+    return found
+
+
+def generalize(
+    ground: Ground, contender: Contender, catalogue: tuple[Effect, ...], progress: Progress
+) -> list[Contender]:
+    """Replace each effect of a combination by those that contain it, started from where it stands."""
+    found: list[Contender] = []
+    if contender.best is None:
+        return found
+    here = _values(contender, None)
+    for place, inner in enumerate(contender.effects):
+        for effect in catalogue:
+            if inner.name not in effect.contains:
+                continue
+            effects = (*contender.effects[:place], effect, *contender.effects[place + 1 :])
+            progress(" + ".join(e.name for e in effects))
+            starts = [
+                Start(here.linear, (*here.values[:place], grown, *here.values[place + 1 :]))
+                for grown in effect.grow(here.values[place], ground.scales)
+            ]
+            grown_up = Contender(ground, effects)
+            grown_up.begin(starts, like=contender.best)
+            found.append(grown_up)
+    advance(found)
     return found
 
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from stepid.diagnose.compete import Candidate, Progress, final, linear_candidate, singles
-from stepid.diagnose.pairs import extend, finish, pairs
+from stepid.diagnose.pairs import extend, finish, generalize, pairs
 from stepid.diagnose.result import Verdict
 from stepid.effects.base import Effect
 from stepid.engine.search import Contender, Ground
@@ -97,6 +97,9 @@ def _combine(
     twos = pairs(ground, alone, catalogue, progress)
     done = finish(ground, twos)
     ranked = _accept(ranked, done)
+    if done and not at_floor(ground, ranked[0]):
+        wider = generalize(ground, twos[0], catalogue, progress)
+        ranked = _accept(ranked, finish(ground, wider, 2))
     if done and not at_floor(ground, ranked[0]) and len(ranked[0].effects) == 2:
         threes = extend(ground, twos[:2], catalogue, progress, tried=5)
         ranked = _accept(ranked, finish(ground, threes, 2))

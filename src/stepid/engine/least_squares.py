@@ -102,7 +102,7 @@ def minimize(
     tolerance : float
         m², predicted decrease of the cost at which to stop.
     iterations : int
-        At most so many accepted or rejected steps.
+        At most so many accepted steps, and three times as many tries.
     stop_below : float
         m², a cost that is good enough.
 
@@ -119,9 +119,11 @@ def minimize(
         return None
     residual = problem.residual(solved)
     cost = float(residual @ residual)
-    damping, growth, converged, done = 1e-4, 2.0, False, 0
+    damping, growth, converged, accepted = 1e-4, 4.0, False, 0
     factored = None
-    for done in range(1, iterations + 1):
+    for _ in range(3 * iterations):
+        if accepted >= iterations:
+            break
         if factored is None:
             jacobian = problem.jacobian(solved)
             scale = np.linalg.norm(jacobian, axis=0)
@@ -149,18 +151,19 @@ def minimize(
         if new is not None and fresh is not None and fresh_cost < cost:
             gain = (cost - fresh_cost) / predicted
             damping *= max(1 / 10, 1 - (2 * min(gain, 1.0) - 1) ** 3)
-            damping, growth = max(damping, 1e-12), 2.0
+            damping, growth = max(damping, 1e-12), 4.0
+            accepted += 1
             small = cost - fresh_cost <= max(tolerance, 1e-9 * cost) and gain > 0.25
             shared, local, solved, residual, cost, factored = trial, trial_local, new, fresh, fresh_cost, None
             if small or cost <= stop_below:
                 converged = True
                 break
         else:
-            damping, growth = damping * growth if damping > 1e-6 else 1e-3, growth * 2
+            damping, growth = max(damping * growth, 1e-3), growth * 2
             if damping > _MOST_DAMPING:
                 converged = True
                 break
-    return Optimum(problem, shared, local, solved, cost, converged, done)
+    return Optimum(problem, shared, local, solved, cost, converged, accepted)
 
 
 def evaluate_near(

@@ -101,20 +101,28 @@ def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
     records = ground.records
     problem = base.problem
     residual = problem.residual(base.solved)
-    tangent = np.linalg.qr(problem.jacobian(base.solved))[0]
+    jacobian = problem.jacobian(base.solved)
+    size = np.linalg.norm(jacobian, axis=0)
+    size[size == 0] = np.inf
+    q, upper = np.linalg.qr(jacobian / size)
+    n_free = int(problem.free.sum())
     out = []
     for column in table:
-        r = records.weighted(column.responses.T).T
-        r = r - tangent @ (tangent.T @ r)
+        seen = records.weighted(column.responses.T).T
+        r = seen - q @ (q.T @ seen)
         scale = np.linalg.norm(r, axis=0)
         if not np.isfinite(scale).all() or scale.max() <= 0:
             continue
         scale[scale < 1e-12 * scale.max()] = np.inf
-        coefficients, *_ = np.linalg.lstsq(r / scale, residual, rcond=1e-9)
-        left = residual - (r / scale) @ coefficients
-        values = column.values(coefficients / scale)  # type: ignore[operator]
+        coefficients = np.linalg.lstsq(r / scale, residual, rcond=1e-9)[0] / scale
+        values = column.values(coefficients)
         if values is None:
             continue
-        out.append(Scored(column.effect, values, float(residual @ residual - left @ left)))
+        left = residual - r @ coefficients
+        change = np.linalg.lstsq(upper, q.T @ (residual - seen @ coefficients), rcond=1e-9)[0] / size
+        shared = base.shared.copy()
+        shared[problem.free] += change[:n_free]
+        shared = np.clip(shared, problem.lower, problem.upper)
+        out.append(Scored(column.effect, values, float(residual @ residual - left @ left), shared))
     out.sort(key=lambda s: -s.gain)
     return out

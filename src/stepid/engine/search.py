@@ -16,11 +16,12 @@ from stepid.engine.weak import WeakForm, measured_motion
 
 
 class Scored(NamedTuple):
-    """A start of one effect, and the part of a residual's cost that it could remove, m²."""
+    """A start of one effect on top of a fit: the part of the cost that it could remove [m²], and the fit's parameters then."""
 
     effect: Effect
     values: tuple[float, ...]
     gain: float
+    shared: Array
 
 
 class Start(NamedTuple):
@@ -138,7 +139,8 @@ class Contender:
 def race_starts(ground: Ground, effect: Effect, scored: Sequence[Scored]) -> list[Start]:
     """Starts of one effect: its best scores, the weak form's best, its own guesses where it is hard to score."""
     own = [s for s in scored if s.effect is effect][:2]
-    starts = [Start(ground.linear.shared, (s.values,)) for s in own]
+    starts = [Start(s.shared, (s.values,)) for s in own]
+    starts += [Start(ground.linear.shared, (s.values,)) for s in own[:1]]
     starts += ground.weak_starts(effect, 2)
     if effect.dry or effect.reverses or len(starts) < 2:
         starts += [Start(ground.linear.shared, (tuple(v),)) for v in effect.starts(ground.scales)]
