@@ -12,7 +12,7 @@ from stepid.effects import CATALOGUE
 from stepid.estimate import Estimate, format_value
 
 if TYPE_CHECKING:
-    from stepid.diagnose.result import Diagnosis
+    from stepid.diagnose.result import Diagnosis, Gap, RunGap
 
 _SHOWN = 8  # candidates in the ranking
 QUESTIONS = (
@@ -52,6 +52,7 @@ def gap_rows(d: Diagnosis) -> list[tuple[str, ...]]:
     def cell(value: float | None) -> str:
         return "–" if value is None else digits(1e6 * value)
 
+    gaps: list[tuple[str, Gap | RunGap]] = [("all runs", d.gap), *((run.name, run) for run in d.runs)]
     return [
         (
             name,
@@ -61,7 +62,7 @@ def gap_rows(d: Diagnosis) -> list[tuple[str, ...]]:
             cell(gap.held_out_before),
             cell(gap.held_out_after),
         )
-        for name, gap in (("all runs", d.gap), *((run.name, run) for run in d.runs))
+        for name, gap in gaps
     ]
 
 
