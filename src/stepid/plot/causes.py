@@ -1,0 +1,137 @@
+"""What the residual follows, where it is largest, and which candidates explain it."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from stepid._base import Array
+from stepid.diagnose.result import Diagnosis
+from stepid.diagnose.wording import effect_names
+from stepid.plot.gap import AFTER, BEFORE, NOISE
+from stepid.plot.style import SERIES, styled
+
+_SHOWN = 6  # candidates
+_WIDE = 34  # letters of a candidate's name
+
+
+def force_against_velocity(d: Diagnosis, *, axes: Axes) -> Axes:
+    """Draw the residual force of the linear model against velocity: Coulomb friction is a step at zero.
+
+    Parameters
+    ----------
+    d : Diagnosis
+    axes : matplotlib.axes.Axes
+        To draw into.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The same axes.
+    """
+    return _force(axes, d.where.velocity_levels, d.where.velocity_force, "velocity [m/s]", 1.0, parted=True)
+
+
+def force_against_position(d: Diagnosis, *, axes: Axes) -> Axes:
+    """Draw the residual force of the linear model against position from rest: a cubic spring is a cubic.
+
+    Parameters
+    ----------
+    d : Diagnosis
+    axes : matplotlib.axes.Axes
+        To draw into.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The same axes.
+    """
+    return _force(axes, d.where.position_levels, d.where.position_force, "position from rest [mm]", 1e3, parted=False)
+
+
+def _force(axes: Axes, levels: Array, force: Array, label: str, factor: float, *, parted: bool) -> Axes:
+    with styled():
+        axes.axhline(0.0, color=AFTER, linewidth=0.6)
+        axes.axvline(0.0, color=AFTER, linewidth=0.6)
+        # no line across zero velocity: what happens there is the point of the picture
+        parts = (levels < 0, levels >= 0) if parted else (np.ones(levels.size, dtype=bool),)
+        for part in parts:
+            axes.plot(factor * levels[part], force[part], "o-", color=SERIES[0], markersize=3, linewidth=0.9)
+        axes.set_xlabel(label)
+        axes.set_ylabel("residual force [N]")
+        axes.set_title(f"force against {label.split(' [')[0].removesuffix(' from rest')}")
+    return axes
+
+
+def phase_bars(d: Diagnosis, *, axes: Axes) -> Axes:
+    """Draw the linear model's residual by phase of the response.
+
+    Parameters
+    ----------
+    d : Diagnosis
+    axes : matplotlib.axes.Axes
+        To draw into.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The same axes.
+    """
+    names, values = list(d.where.phases), [1e6 * rms for rms in d.where.phases.values()]
+    with styled():
+        axes.bar(range(len(names)), values, 0.6, color=BEFORE, hatch="//", edgecolor="white", zorder=2)
+        axes.axhline(1e6 * d.gap.noise, color=NOISE, linestyle="--", label="noise", zorder=3)
+        axes.set_xticks(range(len(names)), names, rotation=30, ha="right", rotation_mode="anchor")
+        axes.grid(axis="x", visible=False)
+        axes.set_ylabel("RMS, linear [µm]")
+        axes.set_title("where: by phase")
+    return axes
+
+
+def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
+    """Draw what each of the best candidates leaves, best on top, with the linear model and the noise floor.
+
+    Parameters
+    ----------
+    d : Diagnosis
+    axes : matplotlib.axes.Axes
+        To draw into.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The same axes, with a logarithmic scale.
+    """
+    shown = [one for one in d.ranking if one.effects][:_SHOWN] + [one for one in d.ranking if not one.effects][:1]
+    tied = {d.effects, *d.alternatives} if d.effects else {()}
+    with styled():
+        for place, one in enumerate(shown):
+            color, hatch = (AFTER, "") if one.effects in tied else (BEFORE, "//")
+            axes.barh(place, 1e6 * one.rms, 0.65, color=color, hatch=hatch, edgecolor="white", zorder=2)
+            said = f" {1e6 * one.rms:.3g}"
+            if one.evidence >= 0.5:
+                said += f"  (−{_short(one.evidence)})"
+            axes.text(1e6 * one.rms, place, said, va="center", fontsize=7)
+        axes.axvline(1e6 * d.gap.noise, color=NOISE, linestyle="--", zorder=3)
+        axes.set_xscale("log")
+        values = [1e6 * v for v in (d.gap.noise, *(one.rms for one in shown)) if v > 0]
+        if values:
+            axes.set_xlim(0.5 * min(values), max(values) ** 1.5 / min(values) ** 0.5 * 1.6)
+        axes.set_yticks(range(len(shown)), [_candidate(one.effects) for one in shown])
+        axes.invert_yaxis()
+        axes.grid(axis="y", visible=False)
+        axes.set_xlabel("RMS left [µm] (in brackets: evidence lost to the best)")
+        axes.set_title("candidates")
+    return axes
+
+
+def _short(value: float) -> str:
+    """Write a large number briefly: ``"870"``, ``"3e5"``."""
+    return f"{value:.3g}" if value < 1e4 else f"{value:.0e}".replace("e+0", "e").replace("e+", "e")
+
+
+def _candidate(effects: tuple[str, ...]) -> str:
+    if not effects:
+        return "linear"
+    name = effect_names(effects)
+    return name if len(name) <= _WIDE else name.replace(" and ", "\nand ")

@@ -1,0 +1,79 @@
+"""A diagnosis on one page."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from stepid.diagnose.result import Diagnosis
+from stepid.diagnose.summary import answer
+from stepid.plot.causes import candidates, force_against_position, force_against_velocity, phase_bars
+from stepid.plot.gap import gap_bars, gap_residual, gap_response
+from stepid.plot.style import PAGE, new_figure, stacked_axes, styled
+
+_RUNS = 3  # side by side
+
+
+def diagnosis(d: Diagnosis, *, runs: Sequence[str] = ()) -> dict[str, Axes]:
+    """Draw a whole diagnosis on one page.
+
+    On top, runs as measured and as simulated before and after, with their residuals on one scale and the noise as a
+    band; below, the gap as bars, the residual force against velocity and position, where the gap is, the candidates.
+
+    Parameters
+    ----------
+    d : Diagnosis
+        From `stepid.diagnose`.
+    runs : sequence of str
+        Names of the runs to show, three look best; by default the runs with the largest, the middle and the least gap.
+
+    Returns
+    -------
+    dict of str to matplotlib.axes.Axes
+        ``"gap"``, ``"velocity"``, ``"position"``, ``"phases"``, ``"candidates"``, and for each run its name (response)
+        and its name with ``" residual"``.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If there is no such run.
+    """
+    names = tuple(runs) or _telling(d)
+    figure = new_figure(width=PAGE, height=8.2)
+    rows = figure.add_gridspec(3, 1, height_ratios=(3.2, 2.2, 2.0))
+    top = rows[0].subgridspec(1, max(len(names), 1))
+    drawn: dict[str, Axes] = {}
+    for column, name in enumerate(names):
+        upper, lower = stacked_axes(figure, top[column], ratio=1.8)
+        drawn[name] = gap_response(d, name, axes=upper)
+        drawn[f"{name} residual"] = gap_residual(d, name, axes=lower)
+        if column:
+            upper.set_ylabel("")
+            lower.set_ylabel("")
+            lower.tick_params(labelleft=False)
+    with styled():
+        middle, bottom = rows[1].subgridspec(1, 3), rows[2].subgridspec(1, 3)
+        drawn["gap"] = gap_bars(d, axes=figure.add_subplot(middle[0]))
+        drawn["velocity"] = force_against_velocity(d, axes=figure.add_subplot(middle[1]))
+        drawn["position"] = force_against_position(d, axes=figure.add_subplot(middle[2], sharey=drawn["velocity"]))
+        drawn["position"].set_ylabel("")
+        drawn["phases"] = phase_bars(d, axes=figure.add_subplot(bottom[0]))
+        drawn["candidates"] = candidates(d, axes=figure.add_subplot(bottom[1:]))
+        title = textwrap.fill(f"{d.campaign}: {answer(d)}", 100)
+        figure.suptitle(title, x=0.01, ha="left", fontsize=9)
+        if names:
+            pairs = [drawn[key].get_legend_handles_labels() for key in (names[0], f"{names[0]} residual")]
+            handles = [h for found, _ in pairs for h in found]
+            labels = [text for _, found in pairs for text in found]
+            figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    return drawn
+
+
+def _telling(d: Diagnosis) -> tuple[str, ...]:
+    """Names of runs with the least, the middle and the largest gap, in the campaign's order."""
+    order = sorted(range(len(d.runs)), key=lambda i: d.runs[i].before)
+    picked = {order[round(p * (len(order) - 1))] for p in np.linspace(0, 1, _RUNS)} if order else set()
+    return tuple(d.runs[i].name for i in sorted(picked))
