@@ -33,7 +33,7 @@ def build(records: Records, effects: tuple[Effect, ...], *, fineness: float = 1.
     sim = Simulator(records, effects, fineness)
     a, b, c = sim.n_labels
     parameters: list[Parameter] = [q for e in effects for q in e.parameters]
-    least_added = np.array([records.added_mass[records.base == i].min() for i in range(a)])
+    least_added = np.array([records.added_mass[records.base == i].min(initial=np.inf) for i in range(a)])
     lower = np.concatenate(
         [1e-3 - least_added, np.full(b, 1e-3), np.zeros(c), [-np.inf], [q.lower for q in parameters]]
     )
