@@ -11,9 +11,10 @@ import typer
 from rich.console import Console
 
 import stepid
-from stepid.errors import StepidError
+from stepid.errors import IdentificationError, StepidError
 from stepid.identification import characterize_campaign
-from stepid.report import Section, as_text, identify_report, paper_report
+from stepid.parameters import IdentifiedParameters
+from stepid.report import Section, as_text, diagnosis_report, identify_report, paper_report
 from stepid.report.folder import file_names, staged
 
 app = typer.Typer(
@@ -100,26 +101,35 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
         _show(sections, written)
 
 
+@app.command(epilog="Example:  [bold]stepid diagnose lab/campaign.toml --out results[/bold]")
 def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> None:
-    """Say whether a linear model is adequate, and if not, which effect is missing."""
-    library: Any = stepid
-    found = library.diagnose(stepid.read_campaign(campaign))
-    sections = [Section(title="Diagnosis", body=found.summary())]
+    """Say whether a linear model is adequate, and if not, which effect is missing; show the gap before and after."""
+    read = stepid.read_campaign(campaign)
+    with Console(stderr=True).status("reading") as status:
+        found = stepid.diagnose(read, progress=lambda stage: status.update(f"diagnosing: {stage.replace('_', ' ')}"))
+    by_hand: IdentifiedParameters | StepidError
+    try:
+        by_hand = stepid.identify(read)
+    except IdentificationError as error:
+        by_hand = error
+    sections = diagnosis_report(found, by_hand)
     values = found.model_dump(mode="json")
     written: list[Path] = []
     if out is not None:
+        from stepid import plot
+
         with staged(out) as folder:
             (folder / "diagnosis.txt").write_text(as_text(sections), encoding="utf-8")
             _write_json(folder / "diagnosis.json", values)
+            plot.save(plot.diagnosis(found)["gap"], folder / "diagnosis.png")
+            plot.save(plot.gap_runs(found)[0, 0], folder / "runs.png")
             written = sorted(out / path.name for path in folder.iterdir())
     if as_json:
+        records = {"time", "measured", "linear", "model"}  # the samples are in the file, not on the screen
+        values["runs"] = [{k: v for k, v in run.items() if k not in records} for run in values["runs"]]
         typer.echo(json.dumps(values, indent=2, ensure_ascii=False))
     else:
         _show(sections, written)
-
-
-if "diagnose" in dir(stepid):
-    app.command(epilog="Example:  [bold]stepid diagnose lab/campaign.toml --out results[/bold]")(diagnose)
 
 
 def _write_json(path: Path, values: Any) -> None:

@@ -1,0 +1,90 @@
+"""The hand method beside the joint fit: how far the missing effect pulled each number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from stepid._table import text_table
+from stepid.diagnose.result import Diagnosis
+from stepid.diagnose.wording import effect_names
+from stepid.estimate import Estimate, format_value
+from stepid.parameters import IdentifiedParameters
+
+
+def hand_method_table(diagnosis: Diagnosis, identified: IdentifiedParameters) -> str:
+    """Write what the stacked system found beside the joint fits, linear and with the missing effect.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        From `stepid.diagnose`.
+    identified : IdentifiedParameters
+        From `stepid.identify`, of the same campaign.
+
+    Returns
+    -------
+    str
+        A table: value ± standard uncertainty by three routes, and how far from the last the first two are, in per cent.
+        The force gain of the hand method is the mean of K·k of its runs, their scatter its uncertainty.
+    """
+    header: tuple[str, ...]
+    by_hand = _by_hand(identified, several=len(diagnosis.model.base_mass) > 1)
+    rows = []
+    for name, final in diagnosis.parameters.items():
+        hand, linear = by_hand.get(name), diagnosis.linear_parameters.get(name)
+        if hand is None and (linear is None or not diagnosis.effects):
+            continue
+        cells = [_cell(hand), _cell(linear)]
+        off = [_off(hand, final)]
+        if diagnosis.effects:
+            cells.append(_cell(final))
+            off.append(_off(linear, final))
+        rows.append((name, *cells, final.unit, *off))
+    header = ("parameter", "by hand (Eq. 10)", "joint fit, linear")
+    parts = []
+    if diagnosis.effects:
+        parts.append(
+            f"How far {effect_names(diagnosis.effects)} pulls each number where the model lacks it, beside the "
+            "joint fit that has it:"
+        )
+        header += ("with the effect", "unit", "by hand", "linear fit")
+    else:
+        header += ("unit", "by hand")
+    parts.append(text_table(header, rows))
+    if identified.excluded:
+        parts.append("\n".join(f"by hand, left out: {name}: {why}" for name, why in identified.excluded.items()))
+    return "\n\n".join(parts)
+
+
+def _by_hand(found: IdentifiedParameters, *, several: bool) -> dict[str, Estimate]:
+    """The hand method's numbers under the joint fit's names."""
+    u = found.uncertainty
+    out: dict[str, Estimate] = {}
+
+    def take(what: str, values: Mapping[str, float], spread: Mapping[str, float], unit: str) -> None:
+        for label, value in values.items():
+            name = what if what == "base_mass" and not several else f"{what}[{label}]"
+            out[name] = Estimate(value=value, uncertainty=spread.get(label), unit=unit)
+
+    take("base_mass", found.base_mass, u.base_mass, "kg")
+    take("stiffness", found.stiffness, u.stiffness, "N/m")
+    take("damping", found.pooled_damping, u.pooled_damping, "N·s/m")
+    gains = [gain * found.run_stiffness(name) for name, gain in found.static_gain.items() if name in found.masses]
+    if gains:
+        mean = math.fsum(gains) / len(gains)
+        scatter = math.sqrt(math.fsum((g - mean) ** 2 for g in gains) / max(len(gains) - 1, 1))
+        out["force_gain"] = Estimate(value=mean, uncertainty=scatter if len(gains) > 1 else None, unit="N/V")
+    return out
+
+
+def _cell(estimate: Estimate | None) -> str:
+    if estimate is None:
+        return "–"
+    return format_value(estimate.value, estimate.uncertainty)
+
+
+def _off(estimate: Estimate | None, final: Estimate) -> str:
+    if estimate is None or final.value == 0:
+        return "–"
+    return f"{100 * (estimate.value / final.value - 1):+.1f} %"

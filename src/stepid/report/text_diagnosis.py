@@ -1,0 +1,33 @@
+"""The text of `stepid diagnose`."""
+
+from __future__ import annotations
+
+from stepid.diagnose.result import Diagnosis
+from stepid.errors import StepidError
+from stepid.parameters import IdentifiedParameters
+from stepid.report.hand_method import hand_method_table
+from stepid.report.section import Section
+
+
+def diagnosis_report(diagnosis: Diagnosis, identified: IdentifiedParameters | StepidError) -> tuple[Section, ...]:
+    """Write a diagnosis, and the hand method beside it.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        From `stepid.diagnose`.
+    identified : IdentifiedParameters or StepidError
+        From `stepid.identify`, or why it refused.
+
+    Returns
+    -------
+    tuple of Section
+    """
+    if isinstance(identified, StepidError):
+        beside = f"The hand method cannot use this campaign: {identified.cause}."
+    else:
+        beside = hand_method_table(diagnosis, identified)
+    return (
+        Section(title="Diagnosis", body=diagnosis.summary()),
+        Section(title="The hand method beside it", body=beside),
+    )
