@@ -23,7 +23,8 @@ def fixes_mass(records: Records) -> float | None:
     The total mass of the first run is then 1 kg, and every parameter is per unit mass.
     """
     for base in range(len(records.bases)):
-        if np.ptp(records.added_mass[records.base == base]) > 0:
+        added = records.added_mass[records.base == base]
+        if added.size and np.ptp(added) > 0:
             return None
     return 1.0 - float(records.added_mass[0])
 
