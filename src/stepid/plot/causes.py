@@ -9,7 +9,7 @@ from stepid._base import Array
 from stepid.diagnose.result import Diagnosis
 from stepid.diagnose.wording import effect_names
 from stepid.plot.gap import AFTER, BEFORE, NOISE
-from stepid.plot.style import SERIES, styled
+from stepid.plot.style import SERIES, plain_logarithm, styled
 
 _SHOWN = 6  # candidates
 _WIDE = 34  # letters of a candidate's name
@@ -114,6 +114,9 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
             axes.text(1e6 * one.rms, place, said, va="center", fontsize=7)
         axes.axvline(1e6 * d.gap.noise, color=NOISE, linestyle="--", zorder=3)
         axes.set_xscale("log")
+        plain_logarithm(axes.xaxis)
+        if not shown:
+            axes.text(0.5, 0.5, "none was needed", transform=axes.transAxes, ha="center")
         values = [1e6 * v for v in (d.gap.noise, *(one.rms for one in shown)) if v > 0]
         if values:
             axes.set_xlim(0.5 * min(values), max(values) ** 1.5 / min(values) ** 0.5 * 1.6)

@@ -11,7 +11,18 @@ from matplotlib.axes import Axes
 from stepid.diagnose.result import Diagnosis, RunGap
 from stepid.diagnose.wording import length
 from stepid.errors import InputError
-from stepid.plot.style import MARK, MEASURED, MODEL, OTHER, PAGE, length_unit, new_figure, stacked_axes, styled
+from stepid.plot.style import (
+    MARK,
+    MEASURED,
+    MODEL,
+    OTHER,
+    PAGE,
+    length_unit,
+    new_figure,
+    plain_logarithm,
+    stacked_axes,
+    styled,
+)
 
 BEFORE, AFTER, NOISE = OTHER, MODEL, MARK
 
@@ -142,6 +153,7 @@ def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
                     fontsize=7,
                 )
         axes.set_yscale("log")
+        plain_logarithm(axes.yaxis)
         values = [1e6 * v for _, before, after in groups for v in (before, after, d.gap.noise) if v > 0]
         if values:
             axes.set_ylim(0.3 * min(values), 2.5 * max(values))

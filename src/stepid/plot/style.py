@@ -9,8 +9,10 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from stepid._base import Array
 
@@ -73,6 +75,13 @@ def length_unit(values: Array) -> tuple[float, str]:
     """Factor from meters and name of the unit in which the values read well."""
     largest = float(abs(values).max()) if values.size else 0.0
     return (1e3, "mm") if largest >= 1e-3 else (1e6, "µm")
+
+
+def plain_logarithm(axis: Axis) -> None:
+    """Mark a logarithmic axis at 1, 2 and 5 times the powers of ten, in plain numbers."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
 
 
 def save(axes: Axes, path: str | Path) -> Path:
