@@ -18,6 +18,7 @@ from stepid.engine.weak import measured_motion
 from stepid.floor import noise_floor
 
 _BINS = 24  # of velocity and of position
+_VARIES = 0.02  # relative spread of what differs between runs
 _LEAST = 6  # samples that make a bin
 
 
@@ -108,15 +109,14 @@ def run_trends(records: Records, linear: Optimum, rms: Array) -> dict[str, float
     size = np.array([np.abs(run.input - run.input_before).max() for run in records.runs])
     size = np.where(records.moving, np.abs(kinds), size)
     group = np.array([f"{s} {d} {m}" for s, d, m in zip(records.spring, records.damper, records.moving, strict=True)])
-    relative = np.zeros(rms.size)
     found = {}
     for name, values in (("mass", mass), ("size", size), ("direction", np.sign(kinds))):
-        inner = np.zeros(rms.size)
+        inner, relative, compared = np.zeros(rms.size), np.zeros(rms.size), np.zeros(rms.size, dtype=bool)
         for g in np.unique(group):
             mine = group == g
             relative[mine] = rms[mine] / max(float(rms[mine].mean()), 1e-300) - 1
             inner[mine] = values[mine] - values[mine].mean()
-        vary = np.abs(inner) > 0.02 * np.abs(values).max(initial=0.0)
-        if vary.sum() >= 3 and np.std(relative[vary]) > 0:
-            found[name] = float(np.corrcoef(inner[vary], relative[vary])[0, 1])
+            compared[mine] = np.ptp(values[mine]) > _VARIES * np.abs(values[mine]).max()
+        if compared.sum() >= 3 and np.std(relative[compared]) > 0:
+            found[name] = float(np.corrcoef(inner[compared], relative[compared])[0, 1])
     return found

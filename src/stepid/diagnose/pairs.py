@@ -9,7 +9,7 @@ from stepid.engine.score import columns, score
 from stepid.engine.search import Contender, Ground, Scored, Start
 
 _BASES = 4  # fits on which a further effect is tried
-_TRIED = 12  # combinations that are raced
+_TRIED = 5  # additions that are raced on each
 
 
 def _related(one: Effect, other: Effect) -> bool:
@@ -34,21 +34,27 @@ def extend(
     """Race every base with one effect more, the most promising by their scores; best first."""
     table = columns(ground, tuple(e for e in catalogue if not e.contains))
     offers: dict[frozenset[str], tuple[float, Contender, list[Scored]]] = {}
+    wanted: list[frozenset[str]] = []
     for base in bases:
         if base.best is None:
             continue
+        own: list[frozenset[str]] = []
         for scored in score(ground, base.best, table):
             if any(_related(scored.effect, e) for e in base.effects):
                 continue
             key = frozenset([scored.effect.name, *(e.name for e in base.effects)])
             left = base.best.cost - scored.gain
             known = offers.get(key)
-            if known is None or left < known[0]:
+            if known is None or (left < known[0] and known[1] is not base):
                 offers[key] = (left, base, [scored])
             elif known[1] is base and len(known[2]) < 2:
                 known[2].append(scored)
+            if key not in own:
+                own.append(key)
+        wanted += own[:tried]
     contenders = []
-    for _, base, additions in sorted(offers.values(), key=lambda o: o[0])[:tried]:
+    for key in dict.fromkeys(wanted):
+        _, base, additions = offers[key]
         effect = additions[0].effect
         here = _values(base, None)
         progress(" + ".join([*(e.name for e in base.effects), effect.name]))
@@ -57,7 +63,7 @@ def extend(
         starts = [_values(base, s.shared) for s in additions] + [here] * len(additions)
         values = [s.values for s in additions] * 2
         contender.begin(
-            [Start(at.linear, (*at.values, v)) for at, v in zip(starts, values, strict=True)], like=base.best
+            [Start(at.linear, (*at.values, v)) for at, v in zip(starts, values, strict=True)], like=base.best, keep=1
         )
         contenders.append(contender)
     advance(contenders)
@@ -65,7 +71,11 @@ def extend(
 
 
 def pairs(ground: Ground, alone: list[Contender], catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
-    """Race pairs of effects: on the best single ones, then on whatever the best pairs brought in."""
+    """Race pairs of effects: on the best single ones, then on whatever the best pairs brought in.
+
+    Effects that contain a simpler one wait until `generalize`.
+    """
+    alone = [c for c in alone if not c.effects[0].contains]
     found = extend(ground, alone[:_BASES], catalogue, progress)
     by_name = {c.effects[0].name: c for c in alone}
     fresh = [
@@ -76,7 +86,7 @@ def pairs(ground: Ground, alone: list[Contender], catalogue: tuple[Effect, ...],
     ]
     fresh = list(dict.fromkeys(fresh))[:1]
     if fresh:
-        found += extend(ground, fresh, catalogue, progress, tried=6)
+        found += extend(ground, fresh, catalogue, progress, tried=4)
         found.sort(key=lambda c: c.cost)
     return found
 

@@ -149,7 +149,7 @@ class PreslidingHysteresis(Effect):
     """
 
     name = "presliding_hysteresis"
-    parameters = (Parameter("level", "N"), Parameter("distance", "m", 1e-7))
+    parameters = (Parameter("level", "N"), Parameter("distance", "m", 5e-6))
     law = "−F z/d, z′ = v(1 − max(0, sign(v) z/d))"
     seen = "stiff at small moves, loops"
     advice = "let the cart make one full swing before the record; keep it in the model"
@@ -158,7 +158,7 @@ class PreslidingHysteresis(Effect):
     contains = ("coulomb_friction",)
 
     def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
-        return [(inner[0], part * scales.displacement) for part in (0.002, 0.01, 0.04)]
+        return [(inner[0], part * scales.displacement) for part in (0.003, 0.02)]
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.force, part * scales.displacement) for share in (0.03,) for part in (0.003, 0.02, 0.1)]

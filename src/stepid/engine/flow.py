@@ -10,7 +10,7 @@ from stepid.engine.law import LENGTH, Law
 
 STILL = 1e-7  # m/s, slower than this is at rest where dry friction acts
 _ROOT = 3e-12  # m or m/s, of the switching functions at an event
-_EVENTS = 10  # reversals, contacts, stops and releases within one sample, at most
+_EVENTS = 6  # reversals, contacts, stops and releases within one sample, at most
 _MOST_PIECES = 64
 _A = (
     np.array([1 / 5]),
@@ -57,7 +57,7 @@ def _stretch(
 ) -> Array:
     """Advance every lane by its own `length` with as many substeps as it needs."""
     needed = law.pieces(table, z, sign, elapsed, sides, length)
-    needed = np.ceil(np.clip(np.nan_to_num(needed, nan=1.0), 1.0, max(4.0, _MOST_PIECES * law.fineness)))
+    needed = np.ceil(np.clip(np.nan_to_num(needed, nan=1.0), 1.0, _MOST_PIECES if law.fineness >= 1 else 8.0))
     most = needed.max(initial=1.0)
     if most == needed.min(initial=most):
         return _smooth(law, table, z, elapsed, length, sign, sides, moving, int(most))

@@ -74,6 +74,11 @@ class Contender:
         self.best: Optimum | None = None
 
     @property
+    def excess(self) -> float:
+        """Cost above that of the noise floor, m²; 0 at the floor."""
+        return max(self.cost - float((self.ground.records.weight**2).sum()) * self.ground.floor**2, 0.0)
+
+    @property
     def cost(self) -> float:
         """Sum of squared residuals of the best fit so far, m²."""
         return np.inf if self.best is None else self.best.cost
@@ -86,20 +91,17 @@ class Contender:
         shared = np.array([np.concatenate([s.linear, *s.values]) for s in starts])
         shared = np.clip(shared, problem.lower, problem.upper)
         order, states = range(len(starts)), None
-        if sim.law.reverses or sim.law.n_sides or len(starts) > 3:
-            if sim.law.linear:
-                states = None
-            else:
-                states = sim.march(shared, np.repeat(local[None], len(starts), 0))
-                costs = [self._reach(z[0]) for z in states]
-                order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
+        if sim.law.reverses or sim.law.n_sides or (len(starts) > 3 and not sim.law.linear):
+            states = sim.march(shared, np.repeat(local[None], len(starts), 0))
+            costs = [self._reach(z[0]) for z in states]
+            order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
         for i in order:
             found = minimize(
                 problem,
                 shared[i],
                 local,
                 start=self._near(like) if states is None else states[i],
-                tolerance=self.ground.tolerance,
+                tolerance=max(self.ground.tolerance, 0.003 * self.cost if np.isfinite(self.cost) else 0.0),
                 iterations=laps,
             )
             if found is not None and found.cost < self.cost:
