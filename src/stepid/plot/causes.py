@@ -113,12 +113,12 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
                 said += f"  (−{_short(one.evidence)})"
             axes.text(1e6 * one.rms, place, said, va="center", fontsize=7)
         axes.axvline(1e6 * d.gap.noise, color=NOISE, linestyle="--", zorder=3)
-        axes.set_xscale("log")
-        plain_logarithm(axes.xaxis)
         if not shown:
             axes.text(0.5, 0.5, "none was needed", transform=axes.transAxes, ha="center")
         values = [1e6 * v for v in (d.gap.noise, *(one.rms for one in shown)) if v > 0]
         if values:
+            axes.set_xscale("log")
+            plain_logarithm(axes.xaxis)
             axes.set_xlim(0.5 * min(values), max(values) ** 1.5 / min(values) ** 0.5 * 1.6)
         axes.set_yticks(range(len(shown)), [_candidate(one.effects) for one in shown])
         axes.invert_yaxis()

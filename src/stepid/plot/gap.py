@@ -152,10 +152,10 @@ def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
                     va="bottom",
                     fontsize=7,
                 )
-        axes.set_yscale("log")
-        plain_logarithm(axes.yaxis)
         values = [1e6 * v for _, before, after in groups for v in (before, after, d.gap.noise) if v > 0]
         if values:
+            axes.set_yscale("log")
+            plain_logarithm(axes.yaxis)
             axes.set_ylim(0.3 * min(values), 2.5 * max(values))
         axes.set_xticks(range(len(groups)), [name for name, _, _ in groups])
         axes.set_xlim(-0.6, len(groups) - 0.4)
