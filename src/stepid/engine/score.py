@@ -13,7 +13,7 @@ from stepid.engine.law import LENGTH
 from stepid.engine.least_squares import Optimum
 from stepid.engine.problem import build, start_local
 from stepid.engine.search import Ground, Scored
-from stepid.engine.trajectory import Point
+from stepid.engine.tables import Point
 
 
 class _Column(NamedTuple):

@@ -16,19 +16,13 @@ from stepid._base import Array
 from stepid.effects.base import Effect
 from stepid.engine.exact import FullStep, Index
 from stepid.engine.flow import advance
-from stepid.engine.law import DAMPING, FIRST, GAIN, LENGTH, MASS, STIFFNESS, TIME, VOLTS, Law
+from stepid.engine.law import LENGTH
 from stepid.engine.records import Records
+from stepid.engine.tables import Point, Tables
 
 _ITERATIONS = 14
 _TOLERANCE = 1e-9  # m and m/s·s: far below a count
 _FAR = 1e3  # states this many times larger than the data are a runaway
-
-
-class Point(NamedTuple):
-    """Parameter values of C plants ("copies"): `shared` (C, P), `local` (C, Q, R)."""
-
-    shared: Array
-    local: Array
 
 
 class Solved(NamedTuple):
@@ -51,123 +45,16 @@ class _Stage(NamedTuple):
     full: FullStep | None
 
 
-class Simulator:
+class Simulator(Tables):
     """Solves all records of a campaign for one plant model, with sensitivities."""
 
     def __init__(self, records: Records, effects: tuple[Effect, ...], fineness: float = 1.0) -> None:
-        self.records = records
-        self.law = Law(effects, fineness)
-        self.n_labels = (len(records.bases), len(records.springs), len(records.dampers))
-        self.n_linear = sum(self.n_labels) + 1
-        self.n_shared = self.n_linear + sum(len(e.parameters) for e in effects)
-        self.n_local = 2 + sum(len(e.run_parameters) for e in effects)  # displacement, velocity, the effects' own
+        super().__init__(records, effects, fineness)
         self._linked = np.ones(records.size, dtype=bool)
         self._linked[records.bounds[1:] - 1] = False
-        self._scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), 1e-9)
         w = np.median(records.sample_time)
         self._eps = np.array([1e-7, 1e-7 / w * 0.1] + [1e-7] * (self.law.n_states - 2)) * self._scale
         self._eps[2 : self.law.n_rates] = 1e-6 * max(self._scale, 1e-3)
-
-    # ---- lane tables ------------------------------------------------------------------------------------------
-
-    def run_table(self, point: Point) -> Array:
-        """Lane table of every copy and run, shape (n_rows, C, R); times, volts and lengths are filled in later."""
-        r = self.records
-        copies, runs = point.shared.shape[0], len(r.runs)
-        a, b, c = self.n_labels
-        table = np.zeros((self.law.n_rows, copies, runs))
-        table[MASS] = point.shared[:, :a][:, r.base] + r.added_mass
-        table[STIFFNESS] = point.shared[:, a : a + b][:, r.spring]
-        table[DAMPING] = point.shared[:, a + b : a + b + c][:, r.damper]
-        table[GAIN] = point.shared[:, a + b + c, None]
-        row, shared, local = FIRST, self.n_linear, 2
-        for e in self.law.effects:
-            for _ in e.parameters:
-                table[row] = point.shared[:, shared, None]
-                row, shared = row + 1, shared + 1
-            for _ in e.run_parameters:
-                table[row] = point.local[:, local]
-                row, local = row + 1, local + 1
-        table[LENGTH] = r.sample_time
-        table[VOLTS] = r.before
-        return table
-
-    def _delay(self, table: Array) -> Array | None:
-        total = None
-        for place in self.law.places:
-            if type(place.effect).delay is not Effect.delay:
-                extra = place.effect.delay(self.law.values(table, place)) * np.ones(table.shape[1:])
-                total = extra if total is None else total + extra
-        return total
-
-    def _parts(self, table: Array) -> list[tuple[Array, Array, Array]]:
-        """Split each step where a delayed input changes: (volts, start, length), each (C, S)."""
-        r = self.records
-        delay = self._delay(table)
-        copies = table.shape[1]
-        if delay is None:
-            return [
-                (
-                    np.broadcast_to(r.volts, (copies, r.size)),
-                    np.zeros((copies, r.size)),
-                    np.broadcast_to(r.sample_time[r.run], (copies, r.size)),
-                )
-            ]
-        h = r.sample_time
-        whole = np.floor(np.maximum(delay, 0.0) / h).astype(int)
-        rest = np.clip(delay - whole * h, 0.0, None)
-        at = np.arange(r.size) - whole[:, r.run]
-        first = r.first[r.run]
-
-        def held(index: Array) -> Array:
-            out: Array = np.where(index >= first, r.volts[np.maximum(index, 0)], r.before[r.run])
-            return out
-
-        rest_s = rest[:, r.run]
-        return [(held(at - 1), np.zeros_like(rest_s), rest_s), (held(at), rest_s, h[r.run] - rest_s)]
-
-    def _lanes(self, table: Array, part: tuple[Array, Array, Array]) -> Array:
-        """Expand a run table over the samples, shape (n_rows, C·S)."""
-        full = table[:, :, self.records.run]
-        full[VOLTS], full[TIME], full[LENGTH] = part[0], self.records.time + part[1], part[2]
-        return full.reshape(self.law.n_rows, -1)
-
-    # ---- where records begin --------------------------------------------------------------------------------------
-
-    def initial(self, point: Point) -> Array:
-        """States at each run's first sample, shape (d, C, R)."""
-        r, law = self.records, self.law
-        table = self.run_table(point)
-        flat = table.reshape(law.n_rows, -1)
-        moving = np.broadcast_to(r.moving, point.local[:, 0].shape).ravel()
-        x = np.zeros(flat.shape[1])
-        if np.any(r.before):
-            for _ in range(12):
-                z = self._still(flat, x)
-                step = 1e-6 * self._scale
-                f = law.net(flat, z, 0.0 * x, self._sides(flat, z))
-                z = self._still(flat, x + step)
-                slope = (law.net(flat, z, 0.0 * x, self._sides(flat, z)) - f) / step
-                x = x - np.where(moving, 0.0, f / slope)
-        x = x + point.local[:, 0].ravel()
-        z = self._still(flat, x)
-        z[1] = np.where(moving, point.local[:, 1].ravel(), 0.0)
-        return z.reshape(law.n_states, *table.shape[1:])
-
-    def _sides(self, table: Array, z: Array) -> Array:
-        return np.where(self.law.switches(table, z, np.zeros(z.shape[1])) < 0, -1.0, 1.0)
-
-    def _still(self, table: Array, x: Array) -> Array:
-        z = np.zeros((self.law.n_states, x.size))
-        z[0] = x
-        for place in self.law.places:
-            e = place.effect
-            own = e.at_rest(self.law.values(table, place), x, table[VOLTS])
-            if e.n_extra:
-                z[place.extra] = own[: e.n_extra]
-            if e.n_memory:
-                z[place.memory] = own[e.n_extra :]
-        return z
 
     # ---- one step of everything -------------------------------------------------------------------------------
 
