@@ -1,4 +1,4 @@
-"""What is the noise floor of a campaign, and how white is a residual?"""
+"""The noise floor of a campaign, and how far a residual is from white noise."""
 
 from __future__ import annotations
 

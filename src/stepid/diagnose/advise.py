@@ -1,4 +1,4 @@
-"""Fifth question: if the data cannot tell, what to measure next?"""
+"""Fifth question: which run would tell the models apart that the data cannot."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ def _proposals(campaign: Campaign) -> list[tuple[str, Experiment]]:
     level = float(first.input[np.argmax(np.abs(first.input))])
     heaviest = max(e.added_mass for e in campaign.experiments)
     h, n = first.sample_time, _SAMPLES
-    time = h * np.arange(n)
     half = n // 2
 
     def run(name: str, levels: tuple[float, float], mass: float | None = None, step: float = h) -> Experiment:
@@ -29,7 +28,7 @@ def _proposals(campaign: Campaign) -> list[tuple[str, Experiment]]:
         volts[:4] = 0.0
         return Experiment(
             name=name,
-            time=time * (step / h),
+            time=step * np.arange(n),
             position=np.zeros(n),
             input=volts,
             added_mass=first.added_mass if mass is None else mass,
@@ -56,7 +55,8 @@ def _readings(records: Records, optimum: Optimum) -> Array | None:
     states = sim.march(optimum.shared[None], local[None])[0]
     if not np.isfinite(states).all():
         return None
-    return states[0] + sim.reading(optimum.shared, local)
+    out: Array = states[0] + sim.reading(optimum.shared, local)
+    return out
 
 
 def next_experiment(
@@ -95,6 +95,7 @@ def next_experiment(
             "the noise); lower the noise or sample faster."
         )
     return (
-        f"To tell {tell(chosen)} from {names}: record {best[1]}; there the models differ by {best[0] * 1e6:.3g} µm RMS, "
+        f"To tell {tell(chosen)} from {names}: record {best[1]}; "
+        f"there the models differ by {best[0] * 1e6:.3g} µm RMS, "
         f"{best[0] / floor:.2g} times the noise."
     )

@@ -23,7 +23,8 @@ def notes_on(campaign: Campaign, ground: Ground, final: Optimum, effects: tuple[
     for i, run in enumerate(records.runs):
         if records.begin[i]:
             out.append(
-                f"Run {run.name!r}: the first {records.begin[i]} samples, held by hand before the release, are left out."
+                f"Run {run.name!r}: the first {records.begin[i]} samples, held by hand before the release, "
+                "are left out."
             )
         if _is_clipped(run.position):
             out.append(

@@ -147,4 +147,5 @@ class Law:
                     acceleration = self.rates(table, z, sign, elapsed, sides, out)[1]
                 m = self.motion(table, place, z, sign, elapsed, sides)
                 needed = np.maximum(needed, place.effect.pieces(self.values(table, place), m, acceleration, length))
-        return needed * self.fineness
+        scaled: Array = needed * self.fineness
+        return scaled

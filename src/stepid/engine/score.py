@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from stepid.engine.tables import Point
 class _Column(NamedTuple):
     effect: Effect
     responses: Array  # (S, k)
-    values: object  # coefficients -> parameter values or None
+    values: Callable[[Array], tuple[float, ...] | None]
 
 
 def force_responses(ground: Ground, forces: list[Array]) -> Array:
@@ -50,7 +51,7 @@ def columns(ground: Ground, effects: tuple[Effect, ...]) -> list[_Column]:
     found: list[_Column] = []
     motion: Motion = ground.motion
     forces: list[Array] = []
-    pending: list[tuple[Effect, int, object]] = []
+    pending: list[tuple[Effect, int, Callable[[Array], tuple[float, ...] | None]]] = []
     for effect in effects:
         regressors = effect.regressors(ground.scales, motion)
         for regressor in regressors:
@@ -64,13 +65,13 @@ def columns(ground: Ground, effects: tuple[Effect, ...]) -> list[_Column]:
     if forces:
         responses = force_responses(ground, forces)
         at = 0
-        for effect, width, values in pending:
-            found.append(_Column(effect, responses[:, at : at + width], values))
+        for effect, width, convert in pending:
+            found.append(_Column(effect, responses[:, at : at + width], convert))
             at += width
     return found
 
 
-def _constant(values: tuple[float, ...]) -> object:
+def _constant(values: tuple[float, ...]) -> Callable[[Array], tuple[float, ...] | None]:
     return lambda _: values
 
 

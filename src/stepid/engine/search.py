@@ -16,7 +16,7 @@ from stepid.engine.weak import WeakForm, measured_motion
 
 
 class Scored(NamedTuple):
-    """A start of one effect on top of a fit: the part of the cost that it could remove [m²], and the fit's parameters then."""
+    """A start of one effect on top of a fit: the part of the cost it could remove [m²], the fit's parameters then."""
 
     effect: Effect
     values: tuple[float, ...]
@@ -90,7 +90,7 @@ class Contender:
         local = start_local(problem, like)
         shared = np.array([np.concatenate([s.linear, *s.values]) for s in starts])
         shared = np.clip(shared, problem.lower, problem.upper)
-        order, states = range(len(starts)), None
+        order, states = list(range(len(starts))), None
         if sim.law.reverses or sim.law.n_sides or (len(starts) > 3 and not sim.law.linear):
             states = sim.march(shared, np.repeat(local[None], len(starts), 0))
             costs = [self._reach(z[0]) for z in states]
@@ -143,7 +143,10 @@ def race_starts(ground: Ground, effect: Effect, scored: Sequence[Scored]) -> lis
     own = [s for s in scored if s.effect is effect][:2]
     starts = [Start(s.shared, (s.values,)) for s in own]
     starts += [Start(ground.linear.shared, (s.values,)) for s in own[:1]]
-    starts += ground.weak_starts(effect, 2)
-    if effect.dry or effect.reverses or len(starts) < 2:
-        starts += [Start(ground.linear.shared, (tuple(v),)) for v in effect.starts(ground.scales)]
+    starts += ground.weak_starts(effect, 3)
+    guesses = [tuple(v) for v in effect.starts(ground.scales)]
+    if not effect.linear or len(starts) < 2:
+        starts += [Start(ground.linear.shared, (v,)) for v in guesses]
+    if own:
+        starts.append(Start(ground.linear.shared, (effect.faint(own[0].values, 0.05),)))
     return starts

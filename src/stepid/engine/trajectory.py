@@ -238,7 +238,8 @@ class Simulator(Tables):
 
     def steps(self, shared: Array) -> Array:
         """Finite-difference steps of the shared parameters."""
-        return 1e-6 * np.maximum(np.abs(shared), 1e-4 * self.typical(shared))
+        out: Array = 1e-6 * np.maximum(np.abs(shared), 1e-4 * self.typical(shared))
+        return out
 
     def typical(self, shared: Array) -> Array:
         """Magnitudes by which the shared parameters are judged."""
