@@ -16,7 +16,16 @@ Values = tuple[Array, ...]
 
 
 class Parameter(NamedTuple):
-    """One parameter of an effect: its name, SI unit and bounds."""
+    """One parameter of an effect.
+
+    Parameters
+    ----------
+    name : str
+    unit : str
+        SI, empty for a pure number.
+    lower, upper : float
+        Bounds, in `unit`.
+    """
 
     name: str
     unit: str
@@ -25,11 +34,28 @@ class Parameter(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """The state of many plants at once ("lanes"), as an effect sees it; every field has shape (lanes,).
+    """The state of many plants at once ("lanes"), as an effect sees it; every array has shape (lanes,).
 
-    `x` [m] is measured from the spring's rest position, `v` [m/s] is its rate, `sign` the direction of motion (±1, held
-    through a stretch without reversal), `sides` the signs of the effect's own `switches`, `extra` its own states,
-    `memory` its own rate-independent states, `time` [s] counts from the record's first sample.
+    Parameters
+    ----------
+    x : array
+        m, from the spring's rest position.
+    v : array
+        m/s.
+    sign : array
+        Direction of motion, ±1, held through a stretch without reversal.
+    time : array
+        s, from the record's first sample.
+    mass, stiffness, damping : array
+        kg, N/m, N·s/m.
+    volts : array
+        V, the input held through the step.
+    sides : tuple of array
+        Signs of the effect's own `switches`.
+    extra : tuple of array
+        The effect's own states.
+    memory : tuple of array
+        The effect's own states that follow the displacement, not time.
     """
 
     x: Array
@@ -46,22 +72,44 @@ class Motion(NamedTuple):
 
 
 class Scales(NamedTuple):
-    """Typical magnitudes of a campaign, for start guesses."""
+    """Typical magnitudes of a campaign, for start guesses.
 
-    displacement: float  # m, largest excursion from rest
-    velocity: float  # m/s, largest
-    force: float  # N, largest spring force
-    mass: float  # kg, mean moving mass
-    stiffness: float  # N/m, mean
-    damping: float  # N·s/m, mean
-    volts: float  # V, largest input
-    volts_least: float  # V, smallest nonzero input
-    sample_time: float  # s, mean
-    duration: float  # s, longest record
-    floor: float  # m, noise floor
-    low: float  # m, lowest position from rest
-    high: float  # m, highest position from rest
-    resonances: tuple[float, ...] = ()  # Hz, peaks of the residual's spectrum, strongest first
+    Parameters
+    ----------
+    displacement : float
+        m, largest excursion from rest.
+    velocity : float
+        m/s, largest.
+    force : float
+        N, largest spring force.
+    mass, stiffness, damping : float
+        kg, N/m, N·s/m: means over the labels.
+    volts, volts_least : float
+        V, largest and smallest nonzero input.
+    sample_time, duration : float
+        s, mean sample time and longest record.
+    floor : float
+        m, noise floor.
+    low, high : float
+        m, lowest and highest position from rest.
+    resonances : tuple of float
+        Hz, peaks of the residual's spectrum, strongest first.
+    """
+
+    displacement: float
+    velocity: float
+    force: float
+    mass: float
+    stiffness: float
+    damping: float
+    volts: float
+    volts_least: float
+    sample_time: float
+    duration: float
+    floor: float
+    low: float
+    high: float
+    resonances: tuple[float, ...] = ()
 
 
 class Regressor(NamedTuple):
