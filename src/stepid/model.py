@@ -8,7 +8,15 @@ from stepid._base import Finite, Label, Model
 
 
 class EffectModel(Model):
-    """One effect with its parameter values, SI units; see `stepid.effects.CATALOGUE`."""
+    """One effect with its parameter values; see `stepid.effects.CATALOGUE`.
+
+    Parameters
+    ----------
+    name : str
+        Canonical name.
+    values : mapping
+        Parameter name to value, SI units.
+    """
 
     name: Label
     values: Mapping[str, Finite]

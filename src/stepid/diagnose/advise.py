@@ -28,7 +28,7 @@ def _proposals(campaign: Campaign) -> list[tuple[str, Experiment]]:
         volts[:4] = 0.0
         return Experiment(
             name=name,
-            time=step * np.arange(n),
+            time=np.arange(n, dtype=np.float64) * step,
             position=np.zeros(n),
             input=volts,
             added_mass=first.added_mass if mass is None else mass,

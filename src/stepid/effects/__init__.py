@@ -60,6 +60,11 @@ def resolve(effects: Iterable[str | Effect], *, catalogue: tuple[Effect, ...] = 
     catalogue : tuple of Effect
         Where names are looked up.
 
+    Returns
+    -------
+    tuple of Effect
+        In the order asked for.
+
     Raises
     ------
     stepid.errors.InputError

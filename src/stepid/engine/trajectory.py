@@ -234,7 +234,8 @@ class Simulator(Tables):
 
     def reading(self, shared: Array, local: Array) -> Array:
         """What the effects add to the reading, m, shape (S,)."""
-        return self._reading(Point(shared[None], local[None]))[0]
+        out: Array = self._reading(Point(shared[None], local[None]))[0]
+        return out
 
     def steps(self, shared: Array) -> Array:
         """Finite-difference steps of the shared parameters."""
