@@ -55,8 +55,10 @@ def candidate(ground: Ground, effects: tuple[Effect, ...], optimum: Optimum) -> 
 
 def polish(ground: Ground, contender: Contender) -> Candidate | None:
     """Converge a contender on fine steps, with the starting displacements free and at zero; keep the better."""
-    for _ in range(2):
-        contender.run(laps=15, fine=True, tolerance=0.002 * contender.excess)
+    for _ in range(3):
+        contender.run(
+            laps=15, fine=True, tolerance=0.002 * contender.excess if contender.excess > 0.4 * contender.cost else 0.0
+        )
         if contender.best is None or contender.best.converged:
             break
     best = contender.best
@@ -126,7 +128,7 @@ def advance(contenders: list[Contender], laps: tuple[int, ...] = (5, 10, 20)) ->
         best = contenders[0].cost if contenders else np.inf
         for place, contender in enumerate(contenders):
             if place < keep or contender.cost < 1.5 * best:
-                contender.run(laps=lap, tolerance=max(0.01 * (contender.cost - best), 0.003 * contender.excess))
+                contender.run(laps=lap, tolerance=max(0.003 * (contender.cost - best), 0.002 * contender.excess))
     contenders.sort(key=lambda c: c.cost)
 
 

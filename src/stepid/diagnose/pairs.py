@@ -36,6 +36,7 @@ def extend(
     offers: dict[frozenset[str], tuple[float, Contender, list[Scored]]] = {}
     wanted: list[frozenset[str]] = []
     for base in bases:
+        base.run(laps=20, tolerance=0.002 * base.excess)
         if base.best is None:
             continue
         own: list[frozenset[str]] = []
@@ -60,11 +61,12 @@ def extend(
         progress(" + ".join([*(e.name for e in base.effects), effect.name]))
         contender = Contender(ground, (*base.effects, effect))
         assert base.best is not None
-        starts = [_values(base, s.shared) for s in additions] + [here] * len(additions)
-        values = [s.values for s in additions] * 2
-        contender.begin(
-            [Start(at.linear, (*at.values, v)) for at, v in zip(starts, values, strict=True)], like=base.best, keep=1
-        )
+        starts = []
+        for scored in additions:  # where the linearized step leads, and from the base with hardly any of the effect
+            there = _values(base, scored.shared)
+            starts.append(Start(there.linear, (*there.values, scored.values)))
+            starts.append(Start(here.linear, (*here.values, effect.faint(scored.values, 0.03))))
+        contender.begin(starts, like=base.best)
         contenders.append(contender)
     advance(contenders)
     return contenders

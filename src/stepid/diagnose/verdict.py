@@ -18,7 +18,7 @@ _TIE = 10.0  # a difference of evidence that does not decide
 _STRONG = 20.0  # evidence that a further effect must bring
 _HINT = 5.0  # χ² that a more general effect must gain to count as a rival
 _FAINT = 1.05  # below this ratio to the floor only an undisputed name is given
-_MOST = 0.12  # share of the misfit's power that a partial explanation may leave
+_NEAR = 1.15  # times the floor that a named effect may leave: real plants are never quite the model
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         verdict: Verdict = "adequate" if at_floor(ground, linear) else "unexplained"
         return Judgment(verdict, linear, (), everything, tuple(reasons))
     rivals = _rivals(ground, ranked)
-    if not at_floor(ground, best) and not _mostly(ground, linear, best, ranked):
+    if not at_floor(ground, best) and best.optimum.rms > _NEAR * floor:
         reasons.append(
             f"Even the best, {_title(best)}, leaves {best.optimum.rms / floor:.3g} times the floor: "
             "what is missing is not in the catalogue, or is more than it can combine."
@@ -111,13 +111,6 @@ def _accept(ranked: list[Candidate], more: list[Candidate]) -> list[Candidate]:
     if not more or more[0].evidence > ranked[0].evidence - _STRONG:
         return sorted([*ranked, *(c for c in more if c.evidence > ranked[0].evidence)], key=lambda c: c.evidence)
     return sorted([*ranked, *more], key=lambda c: c.evidence)
-
-
-def _mostly(ground: Ground, linear: Candidate, best: Candidate, ranked: list[Candidate]) -> bool:
-    """Tell whether a fit explains nearly all of the misfit and nothing rivals it, though more is missing."""
-    floor = ground.floor**2
-    before, after = linear.optimum.rms**2 - floor, best.optimum.rms**2 - floor
-    return after < _MOST * before
 
 
 def _contains(bigger: Candidate, smaller: Candidate) -> bool:

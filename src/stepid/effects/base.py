@@ -151,6 +151,10 @@ class Effect:
         """Start guesses for the parameters (run parameters excluded), each a tuple in the order of `parameters`."""
         raise NotImplementedError
 
+    def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
+        """Parameter values at which the effect is as good as absent: the first parameter, its strength, scaled."""
+        return (share * values[0], *values[1:])
+
     def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
         """Start guesses from the optimum of a simpler effect that this one `contains`."""
         return ()

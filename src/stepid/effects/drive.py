@@ -87,6 +87,9 @@ class ActuatorSaturation(Effect):
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(0.97 * scales.volts,), (0.75 * scales.volts,)]
 
+    def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
+        return (values[0] * (1.0 - share),)
+
     def drive(self, p: Values, m: Motion) -> Array:
         out: Array = np.clip(m.volts, -p[0], p[0])
         return out

@@ -29,6 +29,9 @@ class ViscoelasticSpring(Effect):
             for time in (0.03, 0.15, 0.6, 2.0)
         ]
 
+    def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
+        return tuple(share * v for v in values)
+
     def force(self, p: Values, m: Motion) -> Array | float:
         return -m.extra[0]
 
@@ -56,6 +59,9 @@ class FlexibleCoupling(Effect):
         around = [2 * np.pi * f for f in scales.resonances[:2]] + [1.5 * natural, 2.5 * natural, 4.5 * natural]
         mass = 0.2 * scales.mass
         return [(mass, mass * w**2 / 1.2, 0.06 * mass * w) for w in around]
+
+    def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
+        return tuple(share * v for v in values)
 
     def force(self, p: Values, m: Motion) -> Array | float:
         return p[1] * (m.extra[0] - m.x) + p[2] * (m.extra[1] - m.v)

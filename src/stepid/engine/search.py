@@ -83,7 +83,7 @@ class Contender:
         """Sum of squared residuals of the best fit so far, m²."""
         return np.inf if self.best is None else self.best.cost
 
-    def begin(self, starts: list[Start], *, like: Optimum, keep: int = 2, laps: int = 3) -> None:
+    def begin(self, starts: list[Start], *, like: Optimum, keep: int = 3, laps: int = 3) -> None:
         """Try starts: march them side by side, run a few steps from the best."""
         problem = self.coarse
         sim = problem.simulator
@@ -138,6 +138,18 @@ class Contender:
             self.best = found
 
 
+def _less_damped(ground: Ground, effect: Effect) -> list[Array]:
+    """The linear optimum; for dry friction, also with less damping, which stood in for the friction."""
+    out = [ground.linear.shared]
+    if effect.dry:
+        a, b, c = ground.linear.problem.simulator.n_labels
+        for share in (0.65, 0.35):
+            lighter = ground.linear.shared.copy()
+            lighter[a + b : a + b + c] *= share
+            out.append(lighter)
+    return out
+
+
 def race_starts(ground: Ground, effect: Effect, scored: Sequence[Scored]) -> list[Start]:
     """Starts of one effect: its best scores, the weak form's best, its own guesses where it is hard to score."""
     own = [s for s in scored if s.effect is effect][:2]
@@ -146,7 +158,7 @@ def race_starts(ground: Ground, effect: Effect, scored: Sequence[Scored]) -> lis
     starts += ground.weak_starts(effect, 3)
     guesses = [tuple(v) for v in effect.starts(ground.scales)]
     if not effect.linear or len(starts) < 2:
-        starts += [Start(ground.linear.shared, (v,)) for v in guesses]
+        starts += [Start(shared, (v,)) for shared in _less_damped(ground, effect) for v in guesses]
     if own:
         starts.append(Start(ground.linear.shared, (effect.faint(own[0].values, 0.05),)))
     return starts
