@@ -1,0 +1,86 @@
+"""The simulator against tight-tolerance, event-located integration, for every effect; its sensitivities."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stepid
+from exact_plants import COUNTS, EFFECTS, exact_campaign, true_model
+from stepid.effects import CATALOGUE, resolve
+from stepid.engine.records import lay_out
+from stepid.engine.trajectory import Simulator
+from stepid.simulate import pack, solve_model
+
+SHORT = ((0.5, 0.5), (2.0, -0.5), (1.0, 0.3))
+SEVERAL = (
+    "quadratic_damping",
+    "position_dependent_damping",
+    "cubic_stiffness",
+    "free_play",
+    "end_stop",
+    "viscoelastic_spring",
+    "flexible_coupling",
+    "actuator_lag",
+    "input_delay",
+    "periodic_disturbance",
+    "cogging",
+    "sensor_drift",
+    "coulomb_friction",
+    "stribeck_friction",
+    "presliding_hysteresis",
+)
+
+
+def test_every_effect_of_the_catalogue_is_checked() -> None:
+    assert [e.name for e in CATALOGUE] == list(EFFECTS)
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_a_tenth_of_a_count_at_the_papers_sample_time(name: str) -> None:
+    values = EFFECTS[name]
+    campaign = exact_campaign({name: values}, SHORT)
+    model = true_model(campaign, name, values)
+    ours = stepid.simulate(model, campaign)
+    plain = stepid.simulate(model.model_copy(update={"effects": ()}), campaign)
+    off = np.concatenate([ours[e.name] - e.position for e in campaign.experiments]) * COUNTS
+    effect = np.concatenate([plain[e.name] - e.position for e in campaign.experiments]) * COUNTS
+    assert np.sqrt(np.mean(effect**2)) > 10  # there is something to get right
+    assert np.sqrt(np.mean(off**2)) < 0.1
+    _, half = solve_model(model, campaign, fineness=2.0)
+    change = (half.reading - np.concatenate([ours[e.name] for e in campaign.experiments])) * COUNTS
+    assert np.sqrt(np.mean(change**2)) < 0.1
+
+
+@pytest.mark.parametrize("name", SEVERAL)
+def test_sensitivities_are_the_derivatives_of_the_reading(name: str) -> None:
+    values = EFFECTS[name]
+    campaign = exact_campaign({name: values}, SHORT)
+    effects, records = resolve([name]), lay_out(campaign)
+    sim = Simulator(records, effects)
+    shared, local = pack(true_model(campaign, name, values), records, effects)
+    near = sim.march(shared[None], local[None])[0]
+    solved = sim.solve(shared, local, start=near)
+    assert solved is not None
+    assert solved.shared is not None
+    assert solved.local is not None
+
+    def reading(moved: np.ndarray, own: np.ndarray) -> np.ndarray:
+        again = sim.solve(moved, own, start=near, sensitive=False)
+        assert again is not None
+        return again.reading
+
+    for j, value in enumerate(shared):
+        step = 1e-4 * max(abs(value), 1e-4)
+        up, down = shared.copy(), shared.copy()
+        up[j] += step
+        down[j] -= step
+        slope = (reading(up, local) - reading(down, local)) / (2 * step)
+        assert np.linalg.norm(solved.shared[j] - slope) < 2e-3 * np.linalg.norm(slope), f"shared parameter {j}"
+    for q in (0, *range(2, sim.n_local)):
+        step = 1e-5 if q == 0 else 1e-4
+        up, down = local.copy(), local.copy()
+        up[q] += step
+        down[q] -= step
+        slope = (reading(shared, up) - reading(shared, down)) / (2 * step)
+        assert np.linalg.norm(solved.local[q] - slope) < 2e-3 * np.linalg.norm(slope), f"local parameter {q}"
