@@ -28,6 +28,7 @@ nitpicky = True
 add_module_names = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # types and units stand in the numpydoc sections
+autodoc_preserve_defaults = True  # a default is shown as it is written, CATALOGUE and not its twenty effects
 autodoc_default_options = {"members": True, "exclude-members": "model_config, model_fields, model_computed_fields"}
 napoleon_google_docstring = False
 napoleon_use_param = False

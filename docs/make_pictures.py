@@ -18,6 +18,7 @@ def main() -> None:
     four = stepid.Verification(runs=tuple(verified[f"case {i}"] for i in (4, 5, 6, 7)))
     stepid.plot.save(stepid.plot.verification_grid(four, columns=2)[0, 0], STATIC / "verification.png")
     stepid.plot.save(stepid.plot.verification(verified["case 7"])[0], STATIC / "case-7.png")
+    stepid.plot.save(stepid.plot.diagnosis(stepid.diagnose(campaign))["gap"], STATIC / "diagnosis.png")
 
 
 if __name__ == "__main__":

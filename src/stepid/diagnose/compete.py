@@ -16,6 +16,7 @@ from stepid.floor import structure
 
 Progress = Callable[[str], None]
 _FIELD = 8  # effects that race after the first scoring
+_CLOSE = 5.0  # times the best score's cost within which an effect races at once
 
 
 @dataclass(frozen=True)
@@ -86,22 +87,49 @@ def polish(ground: Ground, contender: Contender) -> Candidate | None:
 
 
 def singles(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
-    """Race every effect alone; the best first."""
+    """Race the effects that their scores do not rule out, each alone; the best first."""
     scored = score(ground, ground.linear, columns(ground, catalogue))
-    ranked = list(dict.fromkeys(s.effect for s in scored if not s.effect.contains))
-    field = ranked[:_FIELD]
+    left = {}
+    for s in scored:
+        if not s.effect.contains:
+            left.setdefault(s.effect, ground.linear.cost - s.gain)
+    ranked = list(left)[:_FIELD]
+    best = max(min(left.values(), default=0.0), ground.noise_cost)
+    field = [e for place, e in enumerate(ranked) if place < 3 or left[e] < _CLOSE * best]
     field += [e for e in catalogue if e.dry and not e.contains and e not in field]
     contenders = [_enter(ground, e, race_starts(ground, e, scored), progress) for e in field]
     advance(contenders)
-    by_name = {c.effects[0].name: c for c in contenders}
-    excess = ground.linear.cost - contenders[0].cost
-    for effect in catalogue:  # what contains a good candidate starts from it
-        inner = [by_name[n] for n in effect.contains if n in by_name]
-        good = [c for c in inner if c in contenders[:3] or ground.linear.cost - c.cost > 0.5 * excess]
-        if good:
-            starts = [s for c in good for s in _grown(ground, effect, c)]
-            contenders.append(_enter(ground, effect, starts, progress))
+    return generalized(ground, contenders, catalogue, progress)
+
+
+def widen(
+    ground: Ground, contenders: list[Contender], catalogue: tuple[Effect, ...], progress: Progress
+) -> list[Contender]:
+    """Race the effects that `singles` left out, up to the size of the field; the best first."""
+    known = {c.effects[0] for c in contenders}
+    scored = score(ground, ground.linear, columns(ground, tuple(e for e in catalogue if e not in known)))
+    ranked = list(dict.fromkeys(s.effect for s in scored if not s.effect.contains))
+    more = [_enter(ground, e, race_starts(ground, e, scored), progress) for e in ranked[: _FIELD - len(known) + 2]]
+    contenders = [*contenders, *more]
     advance(contenders)
+    return contenders
+
+
+def generalized(
+    ground: Ground, contenders: list[Contender], catalogue: tuple[Effect, ...], progress: Progress
+) -> list[Contender]:
+    """Add the effects that contain a good candidate, started from it; the best first."""
+    by_name = {c.effects[0].name: c for c in contenders}
+    best = contenders[0].cost
+    added = []
+    for effect in catalogue:
+        inner = [by_name[n] for n in effect.contains if n in by_name]
+        good = [c for c in inner if c.cost < 4 * best or (c in contenders[:3] and best > 2 * ground.noise_cost)]
+        if good and effect.name not in by_name:
+            added.append(_enter(ground, effect, [s for c in good for s in _grown(ground, effect, c)], progress))
+    if added:
+        contenders = [*contenders, *added]
+        advance(contenders)
     return contenders
 
 

@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from stepid.diagnose.compete import Candidate, Progress, final, linear_candidate, singles
+import numpy as np
+
+from stepid.diagnose.compete import Candidate, Progress, final, linear_candidate, singles, widen
+from stepid.diagnose.held_out import held_out_residuals
 from stepid.diagnose.pairs import extend, finish, generalize, pairs
 from stepid.diagnose.result import Verdict
 from stepid.effects.base import Effect
 from stepid.engine.search import Contender, Ground
 from stepid.estimates import estimates
+from stepid.floor import repeats, sensor_noise
 
 _WHITE = 6.0  # standard deviations of structure that noise may show
 _GATE = 5.0  # below this the linear residual is white and nothing is searched
@@ -65,16 +69,28 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         return Judgment(verdict, linear, (), everything, tuple(reasons))
     rivals = _rivals(ground, ranked)
     if not at_floor(ground, best) and best.optimum.rms > _NEAR * floor:
+        partial = _partial(ground, linear, ranked)
+        if partial is not None:
+            reasons.append(
+                f"{_title(partial).capitalize()} alone explains most of the gap, in runs left out of the fit too; "
+                f"it leaves {partial.optimum.rms * 1e6:.3g} µm, {partial.optimum.rms / floor:.3g} times the spread of "
+                "repeated runs: more is missing."
+            )
+            return Judgment("named", partial, _same(ground, partial, ranked), everything, tuple(reasons))
         reasons.append(
             f"Even the best, {_title(best)}, leaves {best.optimum.rms / floor:.3g} times the floor: "
             "what is missing is not in the catalogue, or is more than it can combine."
         )
         return Judgment("unexplained", linear, (), everything, tuple(reasons))
     reasons.append(f"With {_title(best)} it leaves {best.optimum.rms / floor:.3g} times the floor.")
-    foreign = [c for c in rivals if not _contains(c, best)]
+    foreign = [c for c in rivals if not _contains(c, best) and c not in _same(ground, best, ranked)]
     if foreign and rms < _FAINT * floor:
         reasons.append("The gap is too faint to tell its causes apart.")
         return Judgment("adequate", linear, (), everything, tuple(reasons))
+    twins = _same(ground, best, ranked)
+    if not foreign and twins and best.names != ("coulomb_friction",) and "load_proportional_friction" in best.names:
+        best = next((c for c in twins if c.evidence < best.evidence + 1.0), best)
+        rivals = [c for c in [ranked[0], *rivals] if c is not best]
     if foreign:
         best, *rest = sorted([best, *rivals], key=lambda c: (int(c.optimum.problem.free.sum()), c.evidence))
         rivals = rest
@@ -94,6 +110,10 @@ def _combine(
     ground: Ground, alone: list[Contender], ranked: list[Candidate], catalogue: tuple[Effect, ...], progress: Progress
 ) -> list[Candidate]:
     """Try two effects, then three, while the floor is not reached."""
+    alone = widen(ground, alone, catalogue, progress)
+    ranked = sorted({c.names: c for c in [*final(ground, alone), *ranked]}.values(), key=lambda c: c.evidence)
+    if at_floor(ground, ranked[0]):
+        return ranked
     twos = pairs(ground, alone, catalogue, progress)
     done = finish(ground, twos)
     ranked = _accept(ranked, done)
@@ -111,6 +131,48 @@ def _accept(ranked: list[Candidate], more: list[Candidate]) -> list[Candidate]:
     if not more or more[0].evidence > ranked[0].evidence - _STRONG:
         return sorted([*ranked, *(c for c in more if c.evidence > ranked[0].evidence)], key=lambda c: c.evidence)
     return sorted([*ranked, *more], key=lambda c: c.evidence)
+
+
+def _partial(ground: Ground, linear: Candidate, ranked: list[Candidate]) -> Candidate | None:
+    """A single effect that clearly leads on a real plant whose repeated runs scatter more than its sensor.
+
+    Such a plant never reaches the floor. The lead counts where the effect takes away half of the misfit's power, no
+    other single effect comes near, and runs left out of the fit gain as much.
+    """
+    if not repeats(ground.records) or ground.floor <= 1.5 * sensor_noise(ground.records):
+        return None
+    alone = sorted((c for c in ranked if len(c.effects) == 1), key=lambda c: c.evidence)
+    simple = [c for c in alone if not c.effects[0].contains]
+    if not simple:
+        return None
+    best = simple[0]
+    floor = ground.floor**2
+    left = (best.optimum.rms**2 - floor) / max(linear.optimum.rms**2 - floor, 1e-30)
+    rivals = [c for c in simple[1:] if c not in _same(ground, best, ranked) and c.optimum.rms < 1.08 * best.optimum.rms]
+    if left > 0.5 or rivals:
+        return None
+    before = held_out_residuals(linear.optimum, tolerance=ground.tolerance)
+    after = held_out_residuals(best.optimum, tolerance=ground.tolerance)
+    runs = before.keys() & after.keys()
+    if not runs or sum(float(np.sum(after[i] ** 2)) for i in runs) > 0.6 * sum(
+        float(np.sum(before[i] ** 2)) for i in runs
+    ):
+        return None
+    return best
+
+
+def _same(ground: Ground, best: Candidate, ranked: list[Candidate]) -> tuple[Candidate, ...]:
+    """Candidates that are the same law in this campaign: friction with and without the load where no load varies."""
+    records = ground.records
+    if np.ptp(records.added_mass) > 0 or len(records.bases) > 1:
+        return ()
+    out = []
+    for other in ranked:
+        if other is not best and len(other.effects) == len(best.effects):
+            changed = {e.name for e in other.effects} ^ {e.name for e in best.effects}
+            if changed == {"coulomb_friction", "load_proportional_friction"}:
+                out.append(other)
+    return tuple(out)
 
 
 def _contains(bigger: Candidate, smaller: Candidate) -> bool:

@@ -46,6 +46,11 @@ class Ground:
         self.weak = WeakForm(records, 0.6 * period, fixed_mass=fixes_mass(records))
 
     @property
+    def noise_cost(self) -> float:
+        """Cost of a perfect model, m²."""
+        return float((self.records.weight**2).sum()) * self.floor**2
+
+    @property
     def tolerance(self) -> float:
         """Predicted decrease of the cost that no longer matters, m²."""
         return 0.05 * self.floor**2
@@ -76,7 +81,7 @@ class Contender:
     @property
     def excess(self) -> float:
         """Cost above that of the noise floor, m²; 0 at the floor."""
-        return max(self.cost - float((self.ground.records.weight**2).sum()) * self.ground.floor**2, 0.0)
+        return max(self.cost - self.ground.noise_cost, 0.0)
 
     @property
     def cost(self) -> float:
