@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepid.effects.base import Effect
+from stepid.engine.displace import resettle
 from stepid.engine.least_squares import Optimum, minimize
 from stepid.engine.score import columns, score
 from stepid.engine.search import Contender, Ground, Start, race_starts
@@ -65,6 +66,8 @@ def polish(ground: Ground, contender: Contender) -> Candidate | None:
     best = contender.best
     if best is None:
         return None
+    if best.rms > 1.01 * ground.floor:  # another pattern of sticking may be better
+        best = resettle(best, tolerance=ground.tolerance)
     found = candidate(ground, contender.effects, best)
     if any(e.rests_anywhere for e in contender.effects):
         problem = best.problem
@@ -121,10 +124,12 @@ def generalized(
     """Add the effects that contain a good candidate, started from it; the best first."""
     by_name = {c.effects[0].name: c for c in contenders}
     best = contenders[0].cost
+    settled = best < 1.1 * ground.noise_cost
+    limit = best + 60 * ground.floor**2 if settled else 4 * best
     added = []
     for effect in catalogue:
         inner = [by_name[n] for n in effect.contains if n in by_name]
-        good = [c for c in inner if c.cost < 4 * best or (c in contenders[:3] and best > 2 * ground.noise_cost)]
+        good = [c for c in inner if c.cost < limit or (c in contenders[:3] and not settled)]
         if good and effect.name not in by_name:
             added.append(_enter(ground, effect, [s for c in good for s in _grown(ground, effect, c)], progress))
     if added:

@@ -69,6 +69,37 @@ def start_local(problem: Problem, like: Optimum | None = None) -> Array:
     return local
 
 
+def start_phases(problem: Problem, shared: Array, local: Array, start: Array | None) -> Array:
+    """Local parameters with each run's phases read off its residual: from a wrong phase there is no way downhill.
+
+    The reading is as good as linear in the sine and cosine of a phase; both are fitted to the run by least squares.
+    """
+    sim, out = problem.simulator, local
+    records = sim.records
+    row = 2
+    for effect in sim.law.effects:
+        for q, parameter in enumerate(effect.run_parameters, row):
+            if parameter.unit != "rad":
+                continue
+            seen = []
+            for phase in (0.0, np.pi, np.pi / 2):
+                tried = out.copy()
+                tried[q] = phase
+                solved = sim.solve(shared, tried, start=start, sensitive=False)
+                if solved is None:
+                    return out
+                seen.append(solved.reading)
+            middle = 0.5 * (seen[0] + seen[1])
+            waves = records.weighted(np.array([seen[0] - middle, seen[2] - middle]))
+            left = records.weighted(records.position - middle)
+            out = out.copy()
+            for r, piece in enumerate(records.pieces()):
+                cosine, sine = np.linalg.lstsq(waves[:, piece].T, left[piece], rcond=None)[0]
+                out[q, r] = np.arctan2(sine, cosine)
+        row += len(effect.run_parameters)
+    return out
+
+
 def strongest_period(records: Records) -> float:
     """Period [s] of the strongest oscillation over all records."""
     best, power = 0.5, 0.0

@@ -10,7 +10,7 @@ import numpy as np
 from stepid._base import Array
 from stepid.effects.base import Effect, Motion, Scales
 from stepid.engine.least_squares import Optimum, minimize
-from stepid.engine.problem import build, fixes_mass, scales, start_local, strongest_period
+from stepid.engine.problem import build, fixes_mass, scales, start_local, start_phases, strongest_period
 from stepid.engine.records import Records
 from stepid.engine.weak import WeakForm, measured_motion
 
@@ -101,11 +101,12 @@ class Contender:
             costs = [self._reach(z[0]) for z in states]
             order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
         for i in order:
+            near = self._near(like) if states is None else states[i]
             found = minimize(
                 problem,
                 shared[i],
-                local,
-                start=self._near(like) if states is None else states[i],
+                start_phases(problem, shared[i], local, near),
+                start=near,
                 tolerance=max(self.ground.tolerance, 0.003 * self.cost if np.isfinite(self.cost) else 0.0),
                 iterations=laps,
             )
