@@ -133,11 +133,8 @@ def fit_effects(ground: Ground, effects: tuple[Effect, ...]) -> Optimum | None:
     """Fit effects one after another, each from its best starts on top of those before, then all together."""
     if not effects:
         return ground.linear
-    contender = Contender(ground, effects[:1])
-    contender.begin(
-        race_starts(ground, effects[0], score(ground, ground.linear, columns(ground, effects[:1]))), like=ground.linear
-    )
-    contender.run(laps=40)
+    starts = race_starts(ground, effects[0], score(ground, ground.linear, columns(ground, effects[:1])))
+    contender = _raced(ground, effects[:1], starts, ground.linear)
     for count in range(2, len(effects) + 1):
         if contender.best is None:
             return None
@@ -146,12 +143,26 @@ def fit_effects(ground: Ground, effects: tuple[Effect, ...]) -> Optimum | None:
         guesses = [s.values for s in scored[:3]]
         guesses += [tuple(v) for v in effects[count - 1].starts(ground.scales)]
         linear, values = contender.best.shared[: sim.n_linear], contender.best.shared[sim.n_linear :]
-        grown = Contender(ground, effects[:count])
-        grown.begin([Start(linear, (tuple(values), v)) for v in guesses], like=contender.best)
-        grown.run(laps=40)
-        contender = grown
+        starts = [Start(linear, (tuple(values), v)) for v in guesses]
+        contender = _raced(ground, effects[:count], starts, contender.best)
     contender.run(laps=40, fine=True)
     return contender.best
+
+
+def _raced(ground: Ground, effects: tuple[Effect, ...], starts: list[Start], like: Optimum) -> Contender:
+    """Race the starts; where the winner leaves more than noise, run each of them to its end."""
+    best = Contender(ground, effects)
+    best.begin(starts, like=like)
+    best.run(laps=40)
+    if best.excess < 0.05 * ground.noise_cost:
+        return best
+    for start in starts:
+        other = Contender(ground, effects)
+        other.begin([start], like=like)
+        other.run(laps=40)
+        if other.cost < best.cost:
+            best = other
+    return best
 
 
 def report(optimum: Optimum, effects: tuple[Effect, ...], floor: float) -> Fit:
