@@ -30,6 +30,18 @@ def test_the_made_up_campaign_settles_at_its_noise() -> None:
     assert found.shared[-1] == pytest.approx(TRUTH.parameters["coulomb_friction.level"], rel=3e-3)
 
 
+def test_a_kick_leaves_a_minimum_that_no_displacement_does() -> None:
+    records = lay_out(stepid.datasets.lab_campaign())
+    problem = build(records, resolve(["coulomb_friction"]))
+    local = np.zeros((2, len(records.runs)))
+    local[0] = 1e-6 * np.array([-40.4, 984.2, -626.5, 132.8, -368.2, 535.7, 318.2, 895.8, -346.8, -226.3])
+    shared = [0.95583, 0.83556, 216.619, 450.206, 175.512, 12.052, 22.0577, 4.6074, 5.0179, 7.82033, 0.300544]
+    stuck = minimize(problem, np.array(shared), local)
+    assert stuck is not None
+    assert stuck.rms > 1.025 * TRUTH.noise_rms
+    assert resettle(stuck, tolerance=0.0).rms < 1.015 * TRUTH.noise_rms
+
+
 def test_a_linear_plant_comes_back_as_it_is() -> None:
     records = lay_out(stepid.datasets.lab_campaign())
     linear = fit_linear(records)

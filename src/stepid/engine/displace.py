@@ -9,7 +9,8 @@ from stepid.engine.least_squares import Optimum, minimize
 
 _COUNT = 17  # displacements tried a run
 _REACH = 1.5  # times the largest displacement found so far
-_ROUNDS = 4
+_ROUNDS = 5
+_KICKS = (0.98, 1.02)  # factors of the effects' parameters that lead out of a minimum where no displacement does
 _GAIN = 1e-3  # relative decrease of the cost that is worth another round
 
 
@@ -39,7 +40,7 @@ def scan_displacements(optimum: Optimum) -> Array:
 
 
 def resettle(optimum: Optimum, *, tolerance: float, iterations: int = 20) -> Optimum:
-    """Fit again from the best starting displacements until nothing is gained.
+    """Fit again from the best starting displacements, and from slightly other effects, until nothing is gained.
 
     Parameters
     ----------
@@ -50,13 +51,19 @@ def resettle(optimum: Optimum, *, tolerance: float, iterations: int = 20) -> Opt
     iterations : int
         At most so many steps a fit.
     """
-    free = optimum.problem.active[0] & ~optimum.problem.simulator.records.moving
-    for _ in range(_ROUNDS if np.any(free) else 0):
-        local = scan_displacements(optimum)
+    problem = optimum.problem
+    if not np.any(problem.active[0] & ~problem.simulator.records.moving):
+        return optimum
+    kicks = iter(_KICKS)
+    for _ in range(_ROUNDS):
+        shared, local = optimum.shared, scan_displacements(optimum)
         if np.array_equal(local, optimum.local):
-            break
-        found = minimize(optimum.problem, optimum.shared, local, tolerance=tolerance, iterations=iterations)
-        if found is None or found.cost > (1 - _GAIN) * optimum.cost:
-            break
-        optimum = found
+            kick = next(kicks, None)
+            if kick is None:
+                break
+            shared = shared.copy()
+            shared[problem.simulator.n_linear :] *= kick
+        found = minimize(problem, shared, local, tolerance=tolerance, iterations=iterations)
+        if found is not None and found.cost < (1 - _GAIN) * optimum.cost:
+            optimum = found
     return optimum
