@@ -66,7 +66,7 @@ def polish(ground: Ground, contender: Contender) -> Candidate | None:
     best = contender.best
     if best is None:
         return None
-    if best.rms > 1.01 * ground.floor:  # another pattern of sticking may be better
+    if best.rms > 1.03 * ground.floor:  # another pattern of sticking may be better
         best = resettle(best, tolerance=ground.tolerance)
     found = candidate(ground, contender.effects, best)
     if any(e.rests_anywhere for e in contender.effects):
