@@ -9,7 +9,7 @@ import pytest
 import diagnosis_example as example
 import stepid
 from stepid.diagnose.result import Diagnosis, Gap, Where
-from stepid.diagnose.summary import QUESTIONS, next_step
+from stepid.diagnose.summary import QUESTIONS, next_steps
 from stepid.diagnose.wording import digits, effect_names, length
 from stepid.estimate import Estimate
 from stepid.parameters import IdentifiedParameters, ParameterUncertainty
@@ -110,7 +110,7 @@ def test_each_verdict_says_its_answer() -> None:
     adequate = example.adequate().summary()
     assert "A linear model is adequate." in adequate
     assert "final model" not in adequate.split("parameter")[1]
-    assert "nothing was searched" in adequate
+    assert "nothing to say" in adequate
     ambiguous = example.ambiguous().summary()
     assert "Coulomb friction or load proportional friction, these data cannot tell which" in ambiguous
     assert "- record with more mass\n   - Note: The fit did not converge." in ambiguous
@@ -118,7 +118,10 @@ def test_each_verdict_says_its_answer() -> None:
     assert "nothing in the catalogue explains why" in lost.summary()
     pair = changed(d, effects=("coulomb_friction", "input_delay"))
     assert "Coulomb friction and input delay are missing" in pair.summary()
-    assert next_step(changed(d, effects=("an_effect_of_mine",))) == "Keep the effect in the model."
+    assert next_steps(changed(d, effects=("an_effect_of_mine",))) == ("Keep the effect in the model.",)
+    both = next_steps(changed(d, next_experiment="record a step the other way"))
+    assert both[0] == "record a step the other way"
+    assert both[1].startswith("Coulomb friction: clean")
 
 
 def test_repr_is_one_line() -> None:

@@ -116,15 +116,16 @@ def phase_rows(d: Diagnosis) -> list[tuple[str, ...]]:
     return [(phase, digits(1e6 * rms)) for phase, rms in d.where.phases.items()]
 
 
-def next_step(d: Diagnosis) -> str:
-    """What to measure or to do next."""
-    if d.next_experiment is not None:
-        return d.next_experiment
-    if d.verdict == "adequate":
-        return "Nothing is missing at this noise. Less noise or larger steps would show smaller effects."
+def next_steps(d: Diagnosis) -> tuple[str, ...]:
+    """What to measure next, and what to do about the effects that were named."""
+    said = () if d.next_experiment is None else (d.next_experiment,)
+    if d.verdict == "adequate" and not said:
+        return ("Nothing is missing at this noise. Less noise or larger steps would show smaller effects.",)
+    if d.verdict != "named":
+        return said
     known = {effect.name: effect.advice for effect in CATALOGUE}
-    advice = [f"{effect_names((name,))}: {known[name]}" for name in d.effects if known.get(name)]
-    return "; ".join(advice) or "Keep the effect in the model."
+    advice = tuple(f"{effect_names((name,))}: {known[name]}." for name in d.effects if known.get(name))
+    return (*said, *advice) or ("Keep the effect in the model.",)
 
 
 _Table = Callable[[Sequence[str], Rows], str]
@@ -139,7 +140,7 @@ def _answers(d: Diagnosis, table: _Table) -> tuple[tuple[Sequence[str], Sequence
         (d.where.sentences, (table(PHASE_HEADER, phase_rows(d)),)),
         ((), (table(RANKING_HEADER, ranking_rows(d)),) if d.ranking else ()),
         (d.reasons, (table(GAP_HEADER, gap_rows(d)), table(parameter_header(d), parameter_rows(d)))),
-        ((next_step(d), *(f"Note: {note}" for note in d.notes)), ()),
+        ((*next_steps(d), *(f"Note: {note}" for note in d.notes)), ()),
     )
 
 
@@ -147,7 +148,7 @@ def as_text(d: Diagnosis) -> str:
     """What `summary` returns."""
     parts = [f"Diagnosis of campaign {d.campaign!r}: {d.verdict}\n{answer(d)}"]
     for question, (said, tables) in zip(QUESTIONS, _answers(d, text_table), strict=True):
-        lines = [f"   - {sentence}" for sentence in said] or ([] if tables else ["   - nothing was searched"])
+        lines = [f"   - {sentence}" for sentence in said] or ([] if tables else ["   - nothing to say"])
         parts.append("\n".join([question, *lines]))
         parts += ["\n".join(f"   {line}".rstrip() for line in table.splitlines()) for table in tables]
     return "\n\n".join(parts)
