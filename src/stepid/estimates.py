@@ -35,7 +35,7 @@ def covariance(optimum: Optimum, floor: float) -> tuple[Array, Array]:
     scale = np.linalg.norm(jacobian, axis=0)
     scale[scale == 0] = 1.0
     u, s, vt = np.linalg.svd(jacobian / scale, full_matrices=False)
-    usable = s > 1e-9 * s[0]
+    usable = s > 1e-6 * s[0]  # the sensitivities are no better than that
     inverse = (vt.T * np.where(usable, 1 / np.where(usable, s, 1.0), 0.0)) / scale[:, None]
     residual = problem.residual(optimum.solved)
     level = max(floor**2, float(residual @ residual) / max(residual.size - s.size, 1))
