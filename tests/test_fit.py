@@ -17,7 +17,7 @@ from stepid.errors import InputError, UndeterminedError
 PLANT = Plant(0.95, 216.0, 8.0)
 SEEDS = {
     "coulomb_friction": 9000,
-    "asymmetric_friction": 9103,
+    "load_proportional_friction": 9001,
     "quadratic_damping": 9005,
     "position_dependent_damping": 9006,
     "cubic_stiffness": 9007,
@@ -59,12 +59,18 @@ def test_the_truth_is_recovered_within_its_uncertainty(name: str) -> None:
     found = stepid.fit(campaign, effects=(name,))
     assert found.converged
     assert found.rms < 1.1 * found.noise
-    assert found.noise == pytest.approx(truth["noise_rms"], rel=0.12)
+    samples = sum(e.time.size for e in campaign.experiments)
+    spread = np.sqrt(3.63 / (2 * samples))  # of a standard deviation from eighth differences: 1 + 2 Σρ² = 3.63
+    assert abs(found.noise / truth["noise_rms"] - 1) < 4 * spread
     wanted = truths(truth)
     assert wanted.keys() == found.parameters.keys()
     for key, value in wanted.items():
         estimate = found.parameters[key]
-        assert estimate.uncertainty is not None, key
+        if estimate.uncertainty is None:
+            # where friction may hold the cart anywhere, steps that do not come back leave the gain open
+            assert key == "force_gain"
+            assert name in {"coulomb_friction", "load_proportional_friction"}
+            continue
         assert abs(estimate.value - value) < 4 * estimate.uncertainty, f"{key}: {estimate}, truth {value:.5g}"
     plain = stepid.fit(campaign)
     assert plain.rms > 3 * found.rms
