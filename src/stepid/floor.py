@@ -96,7 +96,7 @@ def weights(records: Records, floor: float) -> Array:
         edges = np.flatnonzero(np.diff(y) != 0) + 1
         bounds = np.concatenate([[0], edges, [y.size]])
         lengths = np.diff(bounds)
-        share = np.where(lengths > 4, np.sqrt(2.0 / np.maximum(lengths, 1)), 1.0)
+        share = np.where(lengths > 6, np.sqrt(6.0 / np.maximum(lengths, 1)), 1.0)
         out[piece] = np.repeat(share, lengths)
     return out
 

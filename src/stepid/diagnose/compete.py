@@ -66,8 +66,6 @@ def polish(ground: Ground, contender: Contender) -> Candidate | None:
     best = contender.best
     if best is None:
         return None
-    if best.rms > 1.03 * ground.floor:  # another pattern of sticking may be better
-        best = resettle(best, tolerance=ground.tolerance)
     found = candidate(ground, contender.effects, best)
     if any(e.rests_anywhere for e in contender.effects):
         problem = best.problem
@@ -165,19 +163,30 @@ def advance(contenders: list[Contender], laps: tuple[int, ...] = (5, 10, 20)) ->
     contenders.sort(key=lambda c: c.cost)
 
 
-def final(ground: Ground, contenders: list[Contender]) -> list[Candidate]:
-    """Polish the best contenders on all data; best evidence first."""
+def final(ground: Ground, contenders: list[Contender], *, count: int = 2, spread: float = 0.02) -> list[Candidate]:
+    """Polish the best contenders, at least `count` and those within `spread` of the best cost; best evidence first."""
     contenders = sorted(contenders, key=lambda c: c.cost)
     best = contenders[0].cost if contenders else 0.0
-    near = best + max(60 * ground.floor**2, 0.02 * best)
-    found = []
+    near = best + max(60 * ground.floor**2, spread * best)
+    found = {}
     for place, contender in enumerate(contenders):
-        if place < 2 or contender.cost < near:
+        if place < count or contender.cost < near:
             done = polish(ground, contender)
             if done is not None:
-                found.append(done)
-    found.sort(key=lambda c: c.evidence)
-    return found
+                found[contender] = done
+    lead = min(found, key=lambda c: found[c].evidence, default=None)
+    if lead is not None and found[lead].optimum.rms > 1.03 * ground.floor:
+        for contender in sorted(found, key=lambda c: found[c].evidence)[:3]:
+            if contender.best is not None and any(e.dry and not e.contains for e in contender.effects):
+                # another pattern of sticking may be better
+                settled = resettle(contender.best, tolerance=ground.tolerance)
+                if settled is not contender.best:
+                    contender.best = settled
+                    again = candidate(ground, contender.effects, settled)
+                    if again.evidence < found[contender].evidence:
+                        found[contender] = again
+                break
+    return sorted(found.values(), key=lambda c: c.evidence)
 
 
 def linear_candidate(ground: Ground) -> Candidate:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stepid._base import Array
-from stepid.diagnose.compete import Candidate, Progress, advance, polish
+from stepid.diagnose.compete import Candidate, Progress, advance, final
 from stepid.effects.base import Effect
 from stepid.engine.score import columns, score
 from stepid.engine.search import Contender, Ground, Scored, Start
@@ -120,12 +120,4 @@ def generalize(
 
 def finish(ground: Ground, contenders: list[Contender], count: int = 4) -> list[Candidate]:
     """Polish the best combinations; best evidence first."""
-    done = []
-    limit = contenders[0].cost * 1.05 + 60 * ground.floor**2 if contenders else 0.0
-    for contender in contenders[:count]:
-        if contender.cost <= limit:
-            result = polish(ground, contender)
-            if result is not None:
-                done.append(result)
-    done.sort(key=lambda c: c.evidence)
-    return done
+    return final(ground, contenders[:count], count=1, spread=0.05)
