@@ -90,7 +90,7 @@ def polish(ground: Ground, contender: Contender) -> Candidate | None:
 def singles(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
     """Race the effects that their scores do not rule out, each alone; the best first."""
     scored = score(ground, ground.linear, columns(ground, catalogue))
-    left = {}
+    left: dict[Effect, float] = {}
     for s in scored:
         if not s.effect.contains:
             left.setdefault(s.effect, ground.linear.cost - s.gain)
