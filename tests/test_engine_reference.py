@@ -84,3 +84,27 @@ def test_sensitivities_are_the_derivatives_of_the_reading(name: str) -> None:
         down[q] -= step
         slope = (reading(shared, up) - reading(shared, down)) / (2 * step)
         assert np.linalg.norm(solved.local[q] - slope) < 2e-3 * np.linalg.norm(slope), f"local parameter {q}"
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter"),
+    [("flexible_coupling", "damping"), ("quadratic_damping", "coefficient"), ("cubic_stiffness", "coefficient")],
+)
+def test_a_parameter_at_zero_has_a_sensitivity(name: str, parameter: str) -> None:
+    """Else a fit that touches a bound would stay there."""
+    values = EFFECTS[name]
+    campaign = exact_campaign({name: values}, SHORT)
+    effects, records = resolve([name]), lay_out(campaign)
+    sim = Simulator(records, effects)
+    shared, local = pack(true_model(campaign, name, {**values, parameter: 0.0}), records, effects)
+    solved = sim.solve(shared, local)
+    assert solved is not None
+    assert solved.shared is not None
+    j = sim.n_linear + [q.name for q in effects[0].parameters].index(parameter)
+    moved = shared.copy()
+    moved[j] = step = 1e-5 * values[parameter]
+    again = sim.solve(moved, local, sensitive=False)
+    assert again is not None
+    slope = (again.reading - solved.reading) / step
+    assert np.linalg.norm(solved.shared[j] - slope) < 2e-3 * np.linalg.norm(slope)
+    assert np.linalg.norm(slope) > 0

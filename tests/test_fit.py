@@ -28,6 +28,7 @@ SEEDS = {
     "actuator_lag": 9013,
     "input_delay": 9014,
     "actuator_saturation": 9016,
+    "periodic_disturbance": 6101,
     "sensor_drift": 9019,
 }
 

@@ -241,7 +241,7 @@ class Simulator(Tables):
 
     def steps(self, shared: Array) -> Array:
         """Finite-difference steps of the shared parameters."""
-        out: Array = 1e-6 * np.maximum(np.abs(shared), 1e-4 * self.typical(shared))
+        out: Array = 1e-6 * np.maximum(np.abs(shared), 1e-2 * self.typical(shared))
         return out
 
     def typical(self, shared: Array) -> Array:
