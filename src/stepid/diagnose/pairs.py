@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from stepid._base import Array
-from stepid.diagnose.compete import Candidate, Progress, advance, final
+from stepid.diagnose.compete import Candidate, Progress, advance, candidate, final
 from stepid.effects.base import Effect
+from stepid.engine.least_squares import minimize
+from stepid.engine.problem import build
 from stepid.engine.score import columns, score
 from stepid.engine.search import Contender, Ground, Scored, Start
 
+_DROP = 20.0  # evidence that a further effect must bring
 _BASES = 4  # fits on which a further effect is tried
 _TRIED = 5  # additions that are raced on each
 
@@ -121,3 +126,32 @@ def generalize(
 def finish(ground: Ground, contenders: list[Contender], count: int = 4) -> list[Candidate]:
     """Polish the best combinations; best evidence first."""
     return final(ground, contenders[:count], count=1, spread=0.05)
+
+
+def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
+    """Drop each effect of a combination in turn and fit the others from where they stand; those that do no worse.
+
+    A single effect can have been stuck where the combination was not.
+    """
+    optimum = found.optimum
+    sim = optimum.problem.simulator
+    out = []
+    for dropped in range(len(found.effects)):
+        shared, local = [optimum.shared[: sim.n_linear]], [optimum.local[:2]]
+        at, row = sim.n_linear, 2
+        for place, effect in enumerate(found.effects):
+            n, q = len(effect.parameters), len(effect.run_parameters)
+            if place != dropped:
+                shared.append(optimum.shared[at : at + n])
+                local.append(optimum.local[row : row + q])
+            at, row = at + n, row + q
+        rest = tuple(e for place, e in enumerate(found.effects) if place != dropped)
+        problem = build(ground.records, rest)
+        fewer = minimize(
+            problem, np.concatenate(shared), np.concatenate(local), tolerance=ground.tolerance, iterations=20
+        )
+        if fewer is not None:
+            simpler = candidate(ground, rest, fewer)
+            if simpler.evidence < found.evidence + _DROP:
+                out.append(simpler)
+    return sorted(out, key=lambda c: c.evidence)

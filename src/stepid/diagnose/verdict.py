@@ -9,7 +9,7 @@ import numpy as np
 
 from stepid.diagnose.compete import Candidate, Progress, final, linear_candidate, singles, widen
 from stepid.diagnose.held_out import held_out_residuals
-from stepid.diagnose.pairs import extend, finish, generalize, pairs
+from stepid.diagnose.pairs import extend, finish, generalize, pairs, simplify
 from stepid.diagnose.result import Verdict
 from stepid.effects.base import Effect
 from stepid.engine.search import Contender, Ground
@@ -60,6 +60,8 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
     best = ranked[0]
     if not at_floor(ground, best):
         ranked = _combine(ground, alone, ranked, catalogue, progress)
+        while len(ranked[0].effects) > 1 and (simpler := simplify(ground, ranked[0])):
+            ranked = [*simpler, *(c for c in ranked if c.names not in {s.names for s in simpler})]
         best = ranked[0]
     everything = tuple(sorted([*ranked, linear], key=lambda c: c.evidence))
     gain = linear.evidence - best.evidence
