@@ -9,8 +9,6 @@ from stepid.effects.base import Effect
 from stepid.engine.least_squares import Optimum
 from stepid.estimate import Estimate
 
-_FREE = 0.5  # an uncertainty beyond this share of the value leaves a positive parameter undetermined
-
 
 def parameter_names(optimum: Optimum, effects: tuple[Effect, ...]) -> tuple[tuple[str, str], ...]:
     """Name and unit of every shared parameter, in the order of the fit."""

@@ -148,9 +148,12 @@ def _partial(ground: Ground, linear: Candidate, ranked: list[Candidate]) -> Cand
     if not simple:
         return None
     best = simple[0]
+    if best.names == ("load_proportional_friction",):  # where no load varies, the simpler name says it all
+        best = next(iter(_same(ground, best, simple)), best)
     floor = ground.floor**2
     left = (best.optimum.rms**2 - floor) / max(linear.optimum.rms**2 - floor, 1e-30)
-    rivals = [c for c in simple[1:] if c not in _same(ground, best, ranked) and c.optimum.rms < 1.08 * best.optimum.rms]
+    twins = (best, *_same(ground, best, ranked))
+    rivals = [c for c in simple if c not in twins and c.optimum.rms < 1.08 * best.optimum.rms]
     if left > 0.5 or rivals:
         return None
     before = held_out_residuals(linear.optimum, tolerance=ground.tolerance)

@@ -94,15 +94,20 @@ def starts_in_motion(experiment: Experiment) -> bool:
 
 
 def release_index(experiment: Experiment) -> int:
-    """Index of the first sample at which a hand-held cart is surely free; 0 where the record starts in motion.
+    """Index of the first sample at which a cart that a hand pulled or held is surely free; 0 where none held it.
 
-    The hand's own push is over once the cart has moved a twentieth of its range from where it was held.
+    The hand is off once the cart has left its farthest point by 3 % of the swing; what came before is the hand's.
     """
     y = experiment.position
-    away = np.abs(y - y[0]) > 0.05 * np.ptp(y)
-    first = int(np.argmax(away))
-    still = np.abs(np.diff(y[: max(first, 2)])).max(initial=0.0) <= 0.02 * np.ptp(y)
-    return first if still and first > 3 else 0
+    away = np.abs(y - np.median(y[-max(8, y.size // 10) :]))
+    top = int(np.argmax(away))
+    left = np.flatnonzero(away[top:] < 0.97 * away[top])
+    if not left.size:
+        return 0
+    first = top + int(left[0])
+    still = np.abs(np.diff(y[: max(first, 2)])).max(initial=0.0) <= 2.5 * (experiment.resolution or 0.0)
+    pulled = top > 3 and away[0] < 0.9 * away[top]
+    return first if first > 3 and (pulled or still) else 0
 
 
 def lay_out(campaign: Campaign) -> Records:
