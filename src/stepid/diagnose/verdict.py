@@ -22,6 +22,7 @@ _TIE = 10.0  # a difference of evidence that does not decide
 _STRONG = 20.0  # evidence that a further effect must bring
 _HINT = 5.0  # χ² that a more general effect must gain to count as a rival
 _FAINT = 1.05  # below this ratio to the floor only an undisputed name is given
+_SURE = 1.03  # times the floor below which the first race is enough
 _NEAR = 1.15  # times the floor that a named effect may leave: real plants are never quite the model
 
 
@@ -43,6 +44,14 @@ def at_floor(ground: Ground, found: Candidate) -> bool:
     return found.structure < _WHITE and found.optimum.rms <= slack * ground.floor
 
 
+def _believable(ground: Ground, linear: Candidate, best: Candidate) -> bool:
+    """Tell whether a fit is close enough to the floor for its name; the more effects it needs, the closer."""
+    if len(best.effects) == 1:
+        return at_floor(ground, best) or best.optimum.rms <= _NEAR * ground.floor
+    faint = linear.optimum.rms < 2.0 * ground.floor and len(best.effects) > 2
+    return at_floor(ground, best) and not faint
+
+
 def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> Judgment:
     """Search the catalogue for what the linear plant is missing."""
     linear = linear_candidate(ground)
@@ -58,6 +67,10 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
     if not ranked:
         return Judgment("unexplained", linear, (), (linear,), (*reasons, "No effect of the catalogue could be fitted."))
     best = ranked[0]
+    if best.optimum.rms > _SURE * floor or best.structure > _GATE:  # nearly right is not right: let more compete
+        alone = widen(ground, alone, catalogue, progress)
+        ranked = final(ground, alone, count=4)
+        best = ranked[0]
     if not at_floor(ground, best):
         ranked = _combine(ground, alone, ranked, catalogue, progress)
         while len(ranked[0].effects) > 1 and (simpler := simplify(ground, ranked[0])):
@@ -70,7 +83,7 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         verdict: Verdict = "adequate" if at_floor(ground, linear) else "unexplained"
         return Judgment(verdict, linear, (), everything, tuple(reasons))
     rivals = _rivals(ground, ranked)
-    if not at_floor(ground, best) and best.optimum.rms > _NEAR * floor:
+    if not _believable(ground, linear, best):
         partial = _partial(ground, linear, ranked)
         if partial is not None:
             reasons.append(
@@ -112,10 +125,6 @@ def _combine(
     ground: Ground, alone: list[Contender], ranked: list[Candidate], catalogue: tuple[Effect, ...], progress: Progress
 ) -> list[Candidate]:
     """Try two effects, then three, while the floor is not reached."""
-    alone = widen(ground, alone, catalogue, progress)
-    ranked = sorted({c.names: c for c in [*final(ground, alone), *ranked]}.values(), key=lambda c: c.evidence)
-    if at_floor(ground, ranked[0]):
-        return ranked
     twos = pairs(ground, alone, catalogue, progress)
     done = finish(ground, twos)
     ranked = _accept(ranked, done)

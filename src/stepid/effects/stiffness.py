@@ -66,7 +66,7 @@ class FreePlay(Effect):
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         def at(gap: float) -> Regressor:
-            return Regressor((m.stiffness * np.clip(m.x, -gap, gap),), lambda a: (gap,) if 0.2 < a[0] < 5 else None)
+            return Regressor((m.stiffness * np.clip(m.x, -gap, gap),), lambda a: (gap,) if a[0] > 0.02 else None)
 
         return [at(part * scales.displacement) for part in (0.01, 0.03, 0.07, 0.15)]
 
