@@ -11,6 +11,7 @@ from stepid.diagnose.compete import Candidate, Progress, final, linear_candidate
 from stepid.diagnose.held_out import held_out_residuals
 from stepid.diagnose.pairs import extend, finish, generalize, pairs, simplify
 from stepid.diagnose.result import Verdict
+from stepid.diagnose.wording import effect_names
 from stepid.effects.base import Effect
 from stepid.engine.search import Contender, Ground
 from stepid.estimates import estimates
@@ -87,7 +88,7 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         partial = _partial(ground, linear, ranked)
         if partial is not None:
             reasons.append(
-                f"{_title(partial).capitalize()} alone explains most of the gap, in runs left out of the fit too; "
+                f"{_title(partial)} alone explains most of the gap, in runs left out of the fit too; "
                 f"it leaves {partial.optimum.rms * 1e6:.3g} µm, {partial.optimum.rms / floor:.3g} times the spread of "
                 "repeated runs: more is missing."
             )
@@ -219,4 +220,4 @@ def _is_open(ground: Ground, found: Candidate) -> bool:
 
 
 def _title(found: Candidate) -> str:
-    return " and ".join(name.replace("_", " ") for name in found.names) or "nothing"
+    return effect_names(found.names) or "nothing"
