@@ -8,7 +8,7 @@ from stepid._base import Array
 from stepid.diagnose.compete import Candidate, Progress, advance, candidate, final
 from stepid.effects.base import Effect
 from stepid.engine.least_squares import minimize
-from stepid.engine.problem import build
+from stepid.engine.problem import build, resonances
 from stepid.engine.score import columns, score
 from stepid.engine.search import Contender, Ground, Scored, Start
 
@@ -37,15 +37,20 @@ def extend(
     ground: Ground, bases: list[Contender], catalogue: tuple[Effect, ...], progress: Progress, *, tried: int = _TRIED
 ) -> list[Contender]:
     """Race every base with one effect more, the most promising by their scores; best first."""
-    table = columns(ground, tuple(e for e in catalogue if not e.contains))
+    simple = tuple(e for e in catalogue if not e.contains)
+    table = columns(ground, simple)
     offers: dict[frozenset[str], tuple[float, Contender, list[Scored]]] = {}
     wanted: list[frozenset[str]] = []
     for base in bases:
         base.run(laps=20, tolerance=0.002 * base.excess)
         if base.best is None:
             continue
+        # what rings in this base's residual may be hidden in the linear one
+        heard = ground.scales._replace(resonances=resonances(ground.records, base.best.residual))
+        ringing = {e for e in simple if e.starts(heard) != e.starts(ground.scales)}
+        offered = [c for c in table if c.effect not in ringing] + columns(ground, tuple(ringing), heard)
         own: list[frozenset[str]] = []
-        for scored in score(ground, base.best, table):
+        for scored in score(ground, base.best, offered):
             if any(_related(scored.effect, e) for e in base.effects):
                 continue
             key = frozenset([scored.effect.name, *(e.name for e in base.effects)])

@@ -12,6 +12,7 @@ from stepid._base import Array
 from stepid.experiment import Campaign, Experiment
 
 Index = npt.NDArray[np.intp]
+_HELD = 8  # samples near the farthest point that a free swing hardly stays
 
 
 @dataclass(frozen=True)
@@ -105,9 +106,7 @@ def release_index(experiment: Experiment) -> int:
     if not left.size:
         return 0
     first = top + int(left[0])
-    still = np.abs(np.diff(y[: max(first, 2)])).max(initial=0.0) <= 2.5 * (experiment.resolution or 0.0)
-    pulled = top > 3 and away[0] < 0.9 * away[top]
-    return first if first > 3 and (pulled or still) else 0
+    return first if first > _HELD else 0
 
 
 def lay_out(campaign: Campaign) -> Records:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid._base import Array
-from stepid.effects.base import Effect, Motion
+from stepid.effects.base import Effect, Motion, Scales
 from stepid.engine.exact import FullStep
 from stepid.engine.law import LENGTH
 from stepid.engine.least_squares import Optimum
@@ -46,19 +46,20 @@ def force_responses(ground: Ground, forces: list[Array]) -> Array:
     return out
 
 
-def columns(ground: Ground, effects: tuple[Effect, ...]) -> list[_Column]:
+def columns(ground: Ground, effects: tuple[Effect, ...], scales: Scales | None = None) -> list[_Column]:
     """Responses of the linear plant to every effect at each of its starts."""
+    scales = ground.scales if scales is None else scales
     found: list[_Column] = []
     motion: Motion = ground.motion
     forces: list[Array] = []
     pending: list[tuple[Effect, int, Callable[[Array], tuple[float, ...] | None]]] = []
     for effect in effects:
-        regressors = effect.regressors(ground.scales, motion)
+        regressors = effect.regressors(scales, motion)
         for regressor in regressors:
             pending.append((effect, len(regressor.forces), regressor.values))
             forces.extend(regressor.forces)
         if not regressors:
-            for values in effect.starts(ground.scales):
+            for values in effect.starts(scales):
                 response = _difference(ground, effect, tuple(values))
                 if response is not None:
                     found.append(_Column(effect, response, _constant(tuple(values))))
