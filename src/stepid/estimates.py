@@ -29,7 +29,7 @@ def covariance(optimum: Optimum, floor: float) -> tuple[Array, Array]:
     own correlation: J⁺ Ω J⁺ᵀ with Ω from the residual's autocovariance over one swing at most (a sandwich).
     """
     problem = optimum.problem
-    jacobian = problem.jacobian(optimum.solved)
+    jacobian = np.nan_to_num(problem.jacobian(optimum.solved), posinf=0.0, neginf=0.0)
     scale = np.linalg.norm(jacobian, axis=0)
     scale[scale == 0] = 1.0
     u, s, vt = np.linalg.svd(jacobian / scale, full_matrices=False)

@@ -126,6 +126,8 @@ def minimize(
             break
         if factored is None:
             jacobian = problem.jacobian(solved)
+            if not np.isfinite(jacobian).all():  # a runaway's edge: nothing to follow
+                break
             scale = np.linalg.norm(jacobian, axis=0)
             at_bound = _blocked(problem, shared, jacobian, residual)
             scale[scale <= 1e-14 * scale.max(initial=1e-300)] = np.inf

@@ -104,6 +104,8 @@ def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
     problem = base.problem
     residual = problem.residual(base.solved)
     jacobian = problem.jacobian(base.solved)
+    if not np.isfinite(jacobian).all():  # a fit at a runaway's edge gives no direction
+        return []
     size = np.linalg.norm(jacobian, axis=0)
     size[size == 0] = np.inf
     q, upper = np.linalg.qr(jacobian / size)
@@ -113,7 +115,7 @@ def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
         seen = records.weighted(column.responses.T).T
         r = seen - q @ (q.T @ seen)
         scale = np.linalg.norm(r, axis=0)
-        if not np.isfinite(scale).all() or scale.max() <= 0:
+        if not np.isfinite(seen).all() or not np.isfinite(scale).all() or scale.max() <= 0:
             continue
         scale[scale < 1e-12 * scale.max()] = np.inf
         coefficients = np.linalg.lstsq(r / scale, residual, rcond=1e-9)[0] / scale
