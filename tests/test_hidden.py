@@ -12,32 +12,11 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.special import ellipk
 
+from exact_plants import EFFECTS as EXAMPLES
 from hidden import NAMES, Run, fast, reference
 
 COUNT = 1 / 226600
 T = 0.0088542
-EXAMPLES: dict[str, dict[str, float]] = {
-    "coulomb_friction": {"level": 0.3},
-    "load_proportional_friction": {"coefficient": 0.015},
-    "stribeck_friction": {"level": 0.2, "breakaway": 0.4, "velocity": 0.006},
-    "asymmetric_friction": {"level_forward": 0.2, "level_backward": 0.35},
-    "presliding_hysteresis": {"level": 0.25, "distance": 1.5e-4},
-    "quadratic_damping": {"coefficient": 40.0},
-    "position_dependent_damping": {"slope": -14.0},
-    "cubic_stiffness": {"coefficient": 4e5},
-    "quadratic_stiffness": {"coefficient": -1500.0},
-    "free_play": {"gap": 0.0008},
-    "end_stop": {"stiffness": 6000.0, "position": 0.02},
-    "viscoelastic_spring": {"stiffness": 60.0, "damping": 6.0},
-    "flexible_coupling": {"mass": 0.25, "stiffness": 800.0, "damping": 0.8},
-    "actuator_lag": {"time_constant": 0.01},
-    "input_delay": {"delay": 0.013},
-    "actuator_dead_zone": {"level": 0.05},
-    "actuator_saturation": {"level": 0.45},
-    "periodic_disturbance": {"amplitude": 0.2, "frequency": 5.3},
-    "cogging": {"amplitude": 0.3, "pitch": 0.005, "phase": 1.0},
-    "sensor_drift": {"rate": 3e-4},
-}
 
 
 def paper_run(**changes: object) -> Run:

@@ -49,7 +49,3 @@ class UndeterminedError(IdentificationError):
 
 class ConvergenceError(IdentificationError):
     """A fit did not converge; the message carries the best result so far."""
-
-
-class MissingExtraError(StepidError, ImportError):
-    """An optional package is needed for this call; the message names the extra to install."""

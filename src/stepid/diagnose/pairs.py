@@ -12,7 +12,7 @@ from stepid.engine.problem import build, resonances
 from stepid.engine.score import columns, score
 from stepid.engine.search import Contender, Ground, Scored, Start
 
-_DROP = 20.0  # evidence that a further effect must bring
+STRONG = 20.0  # evidence that a further effect must bring
 _BASES = 4  # fits on which a further effect is tried
 _TRIED = 5  # additions that are raced on each
 
@@ -157,6 +157,6 @@ def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
         )
         if fewer is not None:
             simpler = candidate(ground, rest, fewer)
-            if simpler.evidence < found.evidence + _DROP:
+            if simpler.evidence < found.evidence + STRONG:
                 out.append(simpler)
     return sorted(out, key=lambda c: c.evidence)

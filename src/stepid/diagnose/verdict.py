@@ -9,7 +9,7 @@ import numpy as np
 
 from stepid.diagnose.compete import Candidate, Progress, final, linear_candidate, singles, widen
 from stepid.diagnose.held_out import held_out_residuals
-from stepid.diagnose.pairs import extend, finish, generalize, pairs, simplify
+from stepid.diagnose.pairs import STRONG, extend, finish, generalize, pairs, simplify
 from stepid.diagnose.result import Verdict
 from stepid.diagnose.wording import effect_names
 from stepid.effects.base import Effect
@@ -20,7 +20,6 @@ from stepid.floor import repeats, sensor_noise
 _WHITE = 6.0  # standard deviations of structure that noise may show
 _GATE = 5.0  # below this the linear residual is white and nothing is searched
 _TIE = 10.0  # a difference of evidence that does not decide
-_STRONG = 20.0  # evidence that a further effect must bring
 _HINT = 5.0  # χ² that a more general effect must gain to count as a rival
 _FAINT = 1.05  # below this ratio to the floor only an undisputed name is given
 _SURE = 1.03  # times the floor below which the first race is enough
@@ -79,7 +78,7 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         best = ranked[0]
     everything = tuple(sorted([*ranked, linear], key=lambda c: c.evidence))
     gain = linear.evidence - best.evidence
-    if gain < _STRONG:
+    if gain < STRONG:
         reasons.append(f"The best candidate, {_title(best)}, gains too little evidence ({gain:.0f}) to be believed.")
         verdict: Verdict = "adequate" if at_floor(ground, linear) else "unexplained"
         return Judgment(verdict, linear, (), everything, tuple(reasons))
@@ -140,7 +139,7 @@ def _combine(
 
 def _accept(ranked: list[Candidate], more: list[Candidate]) -> list[Candidate]:
     """Add combinations to a ranking; a further effect leads only where its evidence is strong."""
-    if not more or more[0].evidence > ranked[0].evidence - _STRONG:
+    if not more or more[0].evidence > ranked[0].evidence - STRONG:
         return sorted([*ranked, *(c for c in more if c.evidence > ranked[0].evidence)], key=lambda c: c.evidence)
     return sorted([*ranked, *more], key=lambda c: c.evidence)
 

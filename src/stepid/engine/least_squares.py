@@ -88,7 +88,6 @@ def minimize(
     start: Array | None = None,
     tolerance: float = 0.0,
     iterations: int = 40,
-    stop_below: float = 0.0,
 ) -> Optimum | None:
     """Fit the free parameters by Levenberg–Marquardt on a QR factorization.
 
@@ -103,8 +102,6 @@ def minimize(
         m², predicted decrease of the cost at which to stop.
     iterations : int
         At most so many accepted steps, and three times as many tries.
-    stop_below : float
-        m², a cost that is good enough.
 
     Returns
     -------
@@ -157,7 +154,7 @@ def minimize(
             accepted += 1
             small = cost - fresh_cost <= max(tolerance, 1e-9 * cost) and gain > 0.25
             shared, local, solved, residual, cost, factored = trial, trial_local, new, fresh, fresh_cost, None
-            if small or cost <= stop_below:
+            if small:
                 converged = True
                 break
         else:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.signal import savgol_filter
 
 from stepid._base import Array
@@ -87,17 +86,13 @@ class WeakForm:
             parts.append(self._windows(values[piece], n, stride) @ phi)
         return np.concatenate(parts)
 
-    def solve(
-        self, forces: tuple[Array, ...] = (), *, rows: npt.NDArray[np.bool_] | None = None
-    ) -> WeakSolution | None:
+    def solve(self, forces: tuple[Array, ...] = ()) -> WeakSolution | None:
         """Solve for the plant and the coefficients of added forces.
 
         Parameters
         ----------
         forces : tuple of arrays, shape (S,)
             Samples of g_j; the plant feels +a_j g_j.
-        rows : array of bool, optional
-            Rows to use.
 
         Returns
         -------
@@ -108,8 +103,6 @@ class WeakForm:
         matrix, rhs = self._matrix, self._rhs
         if forces:
             matrix = np.column_stack([matrix, *(-self.test(g) for g in forces)])
-        if rows is not None:
-            matrix, rhs = matrix[rows], rhs[rows]
         scale = np.linalg.norm(matrix, axis=0)
         scale[scale == 0] = 1.0
         solution, *_ = np.linalg.lstsq(matrix / scale, rhs, rcond=1e-9)
