@@ -83,6 +83,7 @@ def named() -> Diagnosis:
         runs=tuple(runs),
         model=unpack(final, effects),
         linear_model=unpack(linear, ()),
+        data=campaign(),
     )
 
 

@@ -125,6 +125,7 @@ def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
             plot.save(plot.gap_runs(found)[0, 0], folder / "runs.png")
             written = sorted(out / path.name for path in folder.iterdir())
     if as_json:
+        del values["data"]
         records = {"time", "measured", "linear", "model"}  # the samples are in the file, not on the screen
         values["runs"] = [{k: v for k, v in run.items() if k not in records} for run in values["runs"]]
         typer.echo(json.dumps(values, indent=2, ensure_ascii=False))

@@ -137,6 +137,7 @@ def _report(campaign: Campaign, ground: Ground, judgment: Judgment, mass: str | 
         runs=_runs(ground, final, seen_before, seen_after),
         model=unpack(final, effects),
         linear_model=unpack(linear, ()),
+        data=campaign,
     )
 
 

@@ -9,6 +9,7 @@ from stepid._base import Finite, Label, Model, NonNegative, Vector
 from stepid.diagnose.summary import as_html, as_text, one_line
 from stepid.diagnose.wording import length
 from stepid.estimate import Estimate
+from stepid.experiment import Campaign
 from stepid.model import PlantModel
 
 Verdict = Literal["adequate", "named", "ambiguous", "unexplained"]
@@ -139,6 +140,8 @@ class Diagnosis(Model):
         Candidates, best first; the linear model is the entry without effects.
     runs : tuple of RunGap
     model, linear_model : PlantModel
+    data : Campaign or None
+        What was diagnosed, kept so that a report can show the hand method beside it.
     """
 
     campaign: Label
@@ -156,6 +159,7 @@ class Diagnosis(Model):
     runs: tuple[RunGap, ...] = ()
     model: PlantModel
     linear_model: PlantModel
+    data: Campaign | None = None
 
     def summary(self) -> str:
         """Return the answers to the five questions: noise floor, where, which, is it, what next; with tables."""
