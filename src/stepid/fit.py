@@ -133,8 +133,8 @@ def fit_effects(ground: Ground, effects: tuple[Effect, ...]) -> Optimum | None:
     """Fit effects one after another, each from its best starts on top of those before, then all together."""
     if not effects:
         return ground.linear
-    starts = race_starts(ground, effects[0], score(ground, ground.linear, columns(ground, effects[:1])))
-    contender = _raced(ground, effects[:1], starts, ground.linear)
+    starts = race_starts(ground, effects[0], score(ground, ground.outline, columns(ground, effects[:1])))
+    contender = _raced(ground, effects[:1], starts, ground.outline)
     for count in range(2, len(effects) + 1):
         if contender.best is None:
             return None
@@ -145,8 +145,8 @@ def fit_effects(ground: Ground, effects: tuple[Effect, ...]) -> Optimum | None:
         linear, values = contender.best.shared[: sim.n_linear], contender.best.shared[sim.n_linear :]
         starts = [Start(linear, (tuple(values), v)) for v in guesses]
         contender = _raced(ground, effects[:count], starts, contender.best)
-    contender.run(laps=40, fine=True)
-    return contender.best
+    contender.polish(laps=40)
+    return contender.polished
 
 
 def _raced(ground: Ground, effects: tuple[Effect, ...], starts: list[Start], like: Optimum) -> Contender:

@@ -56,14 +56,13 @@ def candidate(ground: Ground, effects: tuple[Effect, ...], optimum: Optimum) -> 
 
 
 def polish(ground: Ground, contender: Contender) -> Candidate | None:
-    """Converge a contender on fine steps, with the starting displacements free and at zero; keep the better."""
+    """Converge a contender on all samples, with the starting displacements free and at zero; keep the better."""
+    tolerance = 0.002 * contender.excess if contender.excess > 0.4 * contender.cost else 0.0
     for _ in range(3):
-        contender.run(
-            laps=15, fine=True, tolerance=0.002 * contender.excess if contender.excess > 0.4 * contender.cost else 0.0
-        )
-        if contender.best is None or contender.best.converged:
+        contender.polish(laps=15, tolerance=tolerance)
+        if contender.polished is None or contender.polished.converged:
             break
-    best = contender.best
+    best = contender.polished
     if best is None:
         return None
     found = candidate(ground, contender.effects, best)
@@ -89,11 +88,11 @@ def polish(ground: Ground, contender: Contender) -> Candidate | None:
 
 def singles(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
     """Race the effects that their scores do not rule out, each alone; the best first."""
-    scored = score(ground, ground.linear, columns(ground, catalogue))
+    scored = score(ground, ground.outline, columns(ground, catalogue))
     left: dict[Effect, float] = {}
     for s in scored:
         if not s.effect.contains:
-            left.setdefault(s.effect, ground.linear.cost - s.gain)
+            left.setdefault(s.effect, ground.outline.cost - s.gain)
     ranked = list(left)[:_FIELD]
     best = max(min(left.values(), default=0.0), ground.noise_cost)
     field = [e for place, e in enumerate(ranked) if place < 3 or left[e] < _CLOSE * best]
@@ -108,7 +107,7 @@ def widen(
 ) -> list[Contender]:
     """Race the effects that `singles` left out, up to the size of the field; the best first."""
     known = {c.effects[0] for c in contenders}
-    scored = score(ground, ground.linear, columns(ground, tuple(e for e in catalogue if e not in known)))
+    scored = score(ground, ground.outline, columns(ground, tuple(e for e in catalogue if e not in known)))
     ranked = list(dict.fromkeys(s.effect for s in scored if not s.effect.contains))
     more = [_enter(ground, e, race_starts(ground, e, scored), progress) for e in ranked[: _FIELD - len(known) + 2]]
     contenders = [*contenders, *more]
@@ -139,7 +138,7 @@ def generalized(
 def _enter(ground: Ground, effect: Effect, starts: list[Start], progress: Progress) -> Contender:
     progress(effect.name)
     contender = Contender(ground, (effect,))
-    contender.begin(starts, like=ground.linear)
+    contender.begin(starts, like=ground.outline)
     return contender
 
 
@@ -181,9 +180,9 @@ def final(ground: Ground, contenders: list[Contender], *, count: int = 2, spread
                 # another pattern of sticking may be better
                 settled = resettle(contender.best, tolerance=ground.tolerance)
                 if settled is not contender.best:
-                    contender.best = settled
-                    again = candidate(ground, contender.effects, settled)
-                    if again.evidence < found[contender].evidence:
+                    contender.best, contender.polished = settled, None
+                    again = polish(ground, contender)
+                    if again is not None and again.evidence < found[contender].evidence:
                         found[contender] = again
                 break
     return sorted(found.values(), key=lambda c: c.evidence)

@@ -11,6 +11,7 @@ from stepid.engine.least_squares import minimize
 from stepid.engine.problem import build, resonances
 from stepid.engine.score import columns, score
 from stepid.engine.search import Contender, Ground, Scored, Start
+from stepid.engine.sketch import full_residual
 
 STRONG = 20.0  # evidence that a further effect must bring
 _BASES = 4  # fits on which a further effect is tried
@@ -46,7 +47,8 @@ def extend(
         if base.best is None:
             continue
         # what rings in this base's residual may be hidden in the linear one
-        heard = ground.scales._replace(resonances=resonances(ground.records, base.best.residual))
+        left_over = full_residual(base.best, ground.linear, ground.outline)
+        heard = ground.scales._replace(resonances=resonances(ground.records, left_over))
         ringing = {e for e in simple if e.starts(heard) != e.starts(ground.scales)}
         offered = [c for c in table if c.effect not in ringing] + columns(ground, tuple(ringing), heard)
         own: list[frozenset[str]] = []

@@ -81,6 +81,7 @@ class FullStep:
         bits = np.repeat(np.arange(regimes), plants.shape[1])
         sides = np.array([np.where(bits >> i & 1, 1.0, -1.0) for i in range(law.n_sides)]).reshape(-1, bits.size)
         self.phi, self.gamma = step_matrices(law, np.tile(plants, regimes), sides)
+        self._phi, self._gamma = (np.ascontiguousarray(m.transpose(1, 2, 0)) for m in (self.phi, self.gamma))
         self._plants = plants.shape[1]
 
     def __call__(self, group: Index, table: Array, z: Array, sign: Array, sides: Array) -> Array:
@@ -88,10 +89,9 @@ class FullStep:
         for i in range(self._law.n_sides):
             group = group + np.where(sides[i] > 0, self._plants << i, 0)
         b = offset(self._law, table, sign, sides)
-        out: Array = _apply(self.phi[group], z) + _apply(self.gamma[group], b)
+        out = np.zeros_like(z)
+        for i, j in np.ndindex(self._phi.shape[:2]):
+            out[i] += self._phi[i, j].take(group) * z[j]
+            if j:  # the position's rate is zero at z = 0
+                out[i] += self._gamma[i, j].take(group) * b[j]
         return out
-
-
-def _apply(matrices: Array, vectors: Array) -> Array:
-    out: Array = np.matmul(matrices, vectors.T[:, :, None])[:, :, 0].T
-    return out

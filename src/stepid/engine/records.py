@@ -22,7 +22,8 @@ class Records:
     `runs` holds the experiments; arrays over samples have shape (S,), arrays over runs (R,). `bounds` (R + 1,) gives
     where each run begins and ends. `moving` marks runs whose record starts in motion, so that their initial state is
     a parameter. `begin` is the index within the experiment at which each run's samples begin. `weight` (S,) are the
-    square roots of the samples' weights.
+    square roots of the samples' weights. `length` (S,) is the time from each sample to the next. Where samples were
+    left out, `source` are the records with all of them, whose samples `at` (S,) these are.
     """
 
     runs: tuple[Experiment, ...]
@@ -43,6 +44,9 @@ class Records:
     damper: Index
     begin: Index
     weight: Array
+    length: Array
+    source: Records | None = None
+    at: Index | None = None
 
     @property
     def size(self) -> int:
@@ -131,6 +135,7 @@ def _lay(
     def joined(field: str) -> Array:
         return np.concatenate([getattr(e, field)[b:] for e, b in zip(runs, begin, strict=True)])
 
+    sample_time = np.array([e.sample_time for e in runs])
     return Records(
         runs=tuple(runs),
         bounds=np.concatenate([[0], np.cumsum(sizes)]).astype(np.intp),
@@ -138,7 +143,7 @@ def _lay(
         time=np.concatenate([e.time[b:] - e.time[0] for e, b in zip(runs, begin, strict=True)]),
         position=joined("position"),
         volts=joined("input"),
-        sample_time=np.array([e.sample_time for e in runs]),
+        sample_time=sample_time,
         added_mass=np.array([e.added_mass for e in runs]),
         before=np.array([e.input_before for e in runs]),
         moving=moving,
@@ -150,6 +155,7 @@ def _lay(
         damper=np.array([dampers.index(e.damper) for e in runs], dtype=np.intp),
         begin=begin,
         weight=np.ones(sum(sizes)) if weight is None else weight,
+        length=np.repeat(sample_time, sizes),
     )
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from stepid._base import Array
 from stepid.effects.base import Effect, Motion, Scales
 from stepid.engine.exact import FullStep
-from stepid.engine.law import LENGTH
 from stepid.engine.least_squares import Optimum
 from stepid.engine.problem import build, start_local
+from stepid.engine.records import Records
 from stepid.engine.search import Ground, Scored
 from stepid.engine.tables import Point
 
@@ -25,24 +25,33 @@ class _Column(NamedTuple):
 
 def force_responses(ground: Ground, forces: list[Array]) -> Array:
     """Reading's response of the linear plant to added forces, shapes (S,) each to (S, n)."""
-    linear = ground.linear
+    linear = ground.outline
     sim = linear.problem.simulator
-    records = ground.records
+    records = ground.sketch
     point = Point(linear.shared[None], linear.local[None])
-    table = sim.run_table(point)
-    table[LENGTH] = records.sample_time
-    full = FullStep(sim.law, table.reshape(sim.law.n_rows, -1))
-    phi, gamma = full.phi[records.run], full.gamma[records.run]
+    plants, group = sim.plants(sim.run_table(point), records.length[None])
+    full = FullStep(sim.law, plants)
+    phi, gamma = full.phi[group], full.gamma[group]
     mass = (linear.shared[: len(records.bases)][records.base] + records.added_mass)[records.run]
     rhs = np.zeros((len(forces), 2, records.size))
     linked = np.ones(records.size)
     linked[records.first] = 0.0
     for i, force in enumerate(forces):
-        between = 0.5 * (force[:-1] + force[1:]) / mass[:-1]
+        between = _means(force, records) / mass[:-1]
         rhs[i, 0, 1:] = gamma[:-1, 0, 1] * between
         rhs[i, 1, 1:] = gamma[:-1, 1, 1] * between
         rhs[i] *= linked
     out: Array = sim.triangular(sim.band(np.moveaxis(phi, 0, 2)), rhs)[:, 0].T
+    return out
+
+
+def _means(force: Array, records: Records) -> Array:
+    """Mean of a force, given at all samples, over each step of a sketch, shape (S − 1,)."""
+    between = 0.5 * (force[:-1] + force[1:])
+    if records.at is None:
+        return between
+    sums = np.concatenate([[0.0], np.cumsum(between)])
+    out: Array = np.diff(sums[records.at]) / np.diff(records.at)
     return out
 
 
@@ -77,21 +86,22 @@ def _constant(values: tuple[float, ...]) -> Callable[[Array], tuple[float, ...] 
 
 
 def _difference(ground: Ground, effect: Effect, values: tuple[float, ...]) -> Array | None:
-    problem = build(ground.records, (effect,), fineness=0.3)
+    records, linear = ground.sketch, ground.outline
+    problem = build(records, (effect,), fineness=0.3)
     sim = problem.simulator
-    local = start_local(problem, ground.linear)
-    shared = np.concatenate([ground.linear.shared, values])
-    states = np.zeros((sim.law.n_states, ground.records.size))
-    states[:2] = ground.linear.solved.states
+    local = start_local(problem, linear)
+    shared = np.concatenate([linear.shared, values])
+    states = np.zeros((sim.law.n_states, records.size))
+    states[:2] = linear.solved.states
     solved = sim.solve(shared, local, start=states)
     if solved is None or solved.shared is None or solved.local is None:
         return None
-    parts = [(solved.reading - ground.linear.solved.reading)[:, None]]
+    parts = [(solved.reading - linear.solved.reading)[:, None]]
     if effect.run_parameters:  # a phase a run: both quadratures are free
         parts.append(solved.shared[sim.n_linear :].T)
         parts.extend([solved.local[2:].T])
-        split = np.zeros((ground.records.size, 2 * len(ground.records.runs)))
-        for r, piece in enumerate(ground.records.pieces()):
+        split = np.zeros((records.size, 2 * len(records.runs)))
+        for r, piece in enumerate(records.pieces()):
             split[piece, 2 * r] = parts[0][piece, 0]
             split[piece, 2 * r + 1] = solved.local[2, piece]
         return split
@@ -99,8 +109,8 @@ def _difference(ground: Ground, effect: Effect, values: tuple[float, ...]) -> Ar
 
 
 def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
-    """Score every start against a fit's residual, best first."""
-    records = ground.records
+    """Score every start against the residual of a fit to the sketch, best first."""
+    records = ground.sketch
     problem = base.problem
     residual = problem.residual(base.solved)
     jacobian = problem.jacobian(base.solved)

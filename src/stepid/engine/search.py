@@ -12,6 +12,7 @@ from stepid.effects.base import Effect, Motion, Scales
 from stepid.engine.least_squares import Optimum, minimize
 from stepid.engine.problem import build, fixes_mass, scales, start_local, start_phases, strongest_period
 from stepid.engine.records import Records
+from stepid.engine.sketch import between, outline, shortest_period, sketch
 from stepid.engine.weak import WeakForm, measured_motion
 
 
@@ -32,7 +33,10 @@ class Start(NamedTuple):
 
 
 class Ground:
-    """What every search on one campaign shares: records, linear fit, scales, the weak form, the measured motion."""
+    """What every search on one campaign shares: records, linear fit, scales, the weak form, the measured motion.
+
+    Candidates race on `sketch`, a part of the samples; `outline` is the linear plant there.
+    """
 
     def __init__(self, records: Records, linear: Optimum, floor: float) -> None:
         self.records, self.linear, self.floor = records, linear, floor
@@ -42,13 +46,16 @@ class Ground:
         if linear.rms < 4 * floor:  # the fit is better known than the noisy velocity
             x, v = linear.solved.states[:2]
             self.motion = self.motion._replace(x=x, v=v, sign=np.where(v < 0, -1.0, 1.0))
-        self.tangent = np.linalg.qr(linear.problem.jacobian(linear.solved))[0]
+        self.sketch = sketch(records, linear, shortest_period(linear))
+        self.outline = outline(self.sketch, linear)
+        self.tangent = np.linalg.qr(self.outline.problem.jacobian(self.outline.solved))[0]
         self.weak = WeakForm(records, 0.6 * period, fixed_mass=fixes_mass(records))
 
     @property
     def noise_cost(self) -> float:
-        """Cost of a perfect model, m²."""
-        return float((self.records.weight**2).sum()) * self.floor**2
+        """Cost of a perfect model in the race, m²."""
+        square = self.records.weight**2
+        return float((square if self.sketch.at is None else square[self.sketch.at]).sum()) * self.floor**2
 
     @property
     def tolerance(self) -> float:
@@ -74,9 +81,10 @@ class Contender:
 
     def __init__(self, ground: Ground, effects: tuple[Effect, ...]) -> None:
         self.ground, self.effects = ground, effects
-        self.coarse = build(ground.records, effects, fineness=0.25)
+        self.coarse = build(ground.sketch, effects, fineness=0.25)
         self.fine = build(ground.records, effects)
         self.best: Optimum | None = None
+        self.polished: Optimum | None = None  # on all samples
 
     @property
     def excess(self) -> float:
@@ -114,7 +122,7 @@ class Contender:
                 self.best = found
 
     def _near(self, like: Optimum) -> Array:
-        states = np.zeros((self.coarse.simulator.law.n_states, self.ground.records.size))
+        states = np.zeros((self.coarse.simulator.law.n_states, self.ground.sketch.size))
         states[:2] = like.solved.states[:2]
         return states
 
@@ -122,35 +130,51 @@ class Contender:
         """Cost that a trajectory would leave after the linear plant has adapted to it."""
         if not np.isfinite(reading).all() or np.abs(reading).max() > 1e2:
             return np.inf
-        records = self.ground.records
+        records = self.ground.sketch
         r = records.weighted(records.position - reading)
         r = r - self.ground.tangent @ (self.ground.tangent.T @ r)
         return float(r @ r)
 
-    def run(self, *, laps: int, fine: bool = False, tolerance: float = 0.0) -> None:
+    def run(self, *, laps: int, tolerance: float = 0.0) -> None:
         """Go on from the best fit so far, until a step promises less than `tolerance` [m²]."""
-        if self.best is None or (self.best.converged and (not fine or self.best.problem is self.fine)):
+        if self.best is None or self.best.converged:
             return
-        problem = self.fine if fine else self.best.problem
         found = minimize(
-            problem,
+            self.coarse,
             self.best.shared,
             self.best.local,
             start=self.best.solved.states,
             tolerance=max(self.ground.tolerance, tolerance),
             iterations=laps,
         )
-        if found is not None and (fine or found.cost <= self.best.cost):
-            self.best = found
+        if found is not None and found.cost <= self.best.cost:
+            self.best, self.polished = found, None
+
+    def polish(self, *, laps: int, tolerance: float = 0.0) -> None:
+        """Fit all samples, from the best fit of the race or from where the last polish ended."""
+        last = self.polished
+        if self.best is None or (last is not None and last.converged):
+            return
+        begin = last or self.best
+        found = minimize(
+            self.fine,
+            begin.shared,
+            begin.local,
+            start=last.solved.states if last else between(self.best, self.ground.records),
+            tolerance=max(self.ground.tolerance, tolerance),
+            iterations=laps,
+        )
+        if found is not None:
+            self.polished = found
 
 
 def _less_damped(ground: Ground, effect: Effect) -> list[Array]:
     """The linear optimum; for dry friction, also with less damping, which stood in for the friction."""
-    out = [ground.linear.shared]
+    out = [ground.outline.shared]
     if effect.dry:
-        a, b, c = ground.linear.problem.simulator.n_labels
+        a, b, c = ground.outline.problem.simulator.n_labels
         for share in (0.65, 0.35):
-            lighter = ground.linear.shared.copy()
+            lighter = ground.outline.shared.copy()
             lighter[a + b : a + b + c] *= share
             out.append(lighter)
     return out
@@ -160,11 +184,11 @@ def race_starts(ground: Ground, effect: Effect, scored: Sequence[Scored]) -> lis
     """Starts of one effect: its best scores, the weak form's best, its own guesses where it is hard to score."""
     own = [s for s in scored if s.effect is effect][:2]
     starts = [Start(s.shared, (s.values,)) for s in own]
-    starts += [Start(ground.linear.shared, (s.values,)) for s in own[:1]]
+    starts += [Start(ground.outline.shared, (s.values,)) for s in own[:1]]
     starts += ground.weak_starts(effect, 3)
     guesses = [tuple(v) for v in effect.starts(ground.scales)]
     if not effect.linear or len(starts) < 2:
         starts += [Start(shared, (v,)) for shared in _less_damped(ground, effect) for v in guesses]
     if own:
-        starts.append(Start(ground.linear.shared, (effect.faint(own[0].values, 0.05),)))
+        starts.append(Start(ground.outline.shared, (effect.faint(own[0].values, 0.05),)))
     return starts

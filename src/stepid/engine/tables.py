@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -68,26 +69,31 @@ class Tables:
         r = self.records
         delay = self._delay(table)
         copies = table.shape[1]
+        length = np.broadcast_to(r.length, (copies, r.size))
         if delay is None:
-            return [
-                (
-                    np.broadcast_to(r.volts, (copies, r.size)),
-                    np.zeros((copies, r.size)),
-                    np.broadcast_to(r.sample_time[r.run], (copies, r.size)),
-                )
-            ]
-        h = r.sample_time
-        whole = np.floor(np.maximum(delay, 0.0) / h).astype(int)
-        rest = np.clip(delay - whole * h, 0.0, None)
-        at = np.arange(r.size) - whole[:, r.run]
-        first = r.first[r.run]
+            return [(np.broadcast_to(r.volts, length.shape), np.zeros(length.shape), length)]
+        full = r.source or r
+        now = np.arange(r.size) if r.at is None else r.at
+        first, before = full.first[r.run], r.before[r.run]
+        h, late = r.sample_time[r.run], np.maximum(delay, 0.0)[:, r.run]
+        # the fine sample whose input arrives at the step's start, -1 before the record, and the next that differs
+        at = np.maximum(now - np.ceil(late / h).astype(int), first - 1)
+        change = self._next_change[at + 1]
+        volts = np.where(at >= first, full.volts[np.maximum(at, 0)], before)
+        after = full.volts[np.minimum(change, full.size - 1)]
+        split = np.clip((change - now) * h + late, 0.0, length)
+        return [(volts, np.zeros(length.shape), split), (after, split, length - split)]
 
-        def held(index: Array) -> Array:
-            out: Array = np.where(index >= first, r.volts[np.maximum(index, 0)], r.before[r.run])
-            return out
-
-        rest_s = rest[:, r.run]
-        return [(held(at - 1), np.zeros_like(rest_s), rest_s), (held(at), rest_s, h[r.run] - rest_s)]
+    @cached_property
+    def _next_change(self) -> Array:
+        """For each fine sample, the first from there on in its run whose input differs from the one before it."""
+        full = self.records.source or self.records
+        previous = np.concatenate([[0.0], full.volts[:-1]])
+        previous[full.first] = full.before
+        out = np.where(full.volts != previous, np.arange(full.size), 2 * full.size)
+        for piece in full.pieces():
+            out[piece] = np.minimum.accumulate(out[piece][::-1])[::-1]
+        return np.concatenate([out, [2 * full.size]])
 
     def _lanes(self, table: Array, part: tuple[Array, Array, Array]) -> Array:
         """Expand a run table over the samples, shape (n_rows, C·S)."""

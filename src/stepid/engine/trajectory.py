@@ -63,17 +63,34 @@ class Simulator(Tables):
     def _stages(self, point: Point) -> list[_Stage]:
         """Lane tables and exact steps of each part of a sample."""
         table = self.run_table(point)
-        copies, runs = table.shape[1:]
-        group = (np.arange(copies)[:, None] * runs + self.records.run).ravel()
         stages = []
         for part in self._parts(table):
-            full = None
+            group, full = np.zeros(part[2].size, dtype=np.intp), None
             if self.law.affine:
-                plants = table.copy()
-                plants[LENGTH] = part[2][:, self.records.first]
-                full = FullStep(self.law, plants.reshape(self.law.n_rows, -1))
+                plants, group = self.plants(table, part[2])
+                full = FullStep(self.law, plants)
             stages.append(_Stage(self._lanes(table, part), group, full))
         return stages
+
+    def plants(self, table: Array, length: Array) -> tuple[Array, Index]:
+        """Lane table of every different plant and step length, and which of them each copy and sample has."""
+        copies, runs = table.shape[1:]
+        owner = (np.arange(copies)[:, None] * runs + self.records.run).ravel()
+        each = length[:, self.records.first]
+        if np.array_equal(each[:, self.records.run], length):
+            plants = table.copy()
+            plants[LENGTH] = each
+            return plants.reshape(self.law.n_rows, -1), owner
+        flat = length.ravel()
+        order = np.lexsort((flat, owner))
+        fresh = np.ones(flat.size, dtype=bool)
+        fresh[1:] = (np.diff(owner[order]) != 0) | (np.diff(flat[order]) != 0)
+        group = np.empty(flat.size, dtype=np.intp)
+        group[order] = np.cumsum(fresh) - 1
+        of = order[fresh]
+        plants = table.reshape(self.law.n_rows, -1)[:, owner[of]]
+        plants[LENGTH] = flat[of]
+        return plants, group
 
     def _step(self, stages: list[_Stage], z: Array, index: Index | None = None) -> Array:
         """Ψ of lanes (all, or those of `index`); z and the result have shape (d, lanes)."""

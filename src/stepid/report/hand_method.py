@@ -28,7 +28,23 @@ def hand_method_table(diagnosis: Diagnosis, identified: IdentifiedParameters) ->
         A table: value ± standard uncertainty by three routes, and how far from the last the first two are, in per cent.
         The force gain of the hand method is the mean of K·k of its runs, their scatter its uncertainty.
     """
-    header: tuple[str, ...]
+    header, rows = hand_method_rows(diagnosis, identified)
+    parts = []
+    if diagnosis.effects:
+        parts.append(
+            f"How far {effect_names(diagnosis.effects)} pulls each number where the model lacks it, beside the "
+            "joint fit that has it:"
+        )
+    parts.append(text_table(header, rows))
+    if identified.excluded:
+        parts.append("\n".join(f"by hand, left out: {name}: {why}" for name, why in identified.excluded.items()))
+    return "\n\n".join(parts)
+
+
+def hand_method_rows(
+    diagnosis: Diagnosis, identified: IdentifiedParameters
+) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Header and rows of that table."""
     by_hand = _by_hand(identified, several=len(diagnosis.model.base_mass) > 1)
     rows = []
     for name, final in diagnosis.parameters.items():
@@ -41,20 +57,8 @@ def hand_method_table(diagnosis: Diagnosis, identified: IdentifiedParameters) ->
             cells.append(_cell(final))
             off.append(_off(linear, final))
         rows.append((name, *cells, final.unit, *off))
-    header = ("parameter", "by hand (Eq. 10)", "joint fit, linear")
-    parts = []
-    if diagnosis.effects:
-        parts.append(
-            f"How far {effect_names(diagnosis.effects)} pulls each number where the model lacks it, beside the "
-            "joint fit that has it:"
-        )
-        header += ("with the effect", "unit", "by hand", "linear fit")
-    else:
-        header += ("unit", "by hand")
-    parts.append(text_table(header, rows))
-    if identified.excluded:
-        parts.append("\n".join(f"by hand, left out: {name}: {why}" for name, why in identified.excluded.items()))
-    return "\n\n".join(parts)
+    added = ("with the effect", "unit", "by hand", "linear fit") if diagnosis.effects else ("unit", "by hand")
+    return ("parameter", "by hand (Eq. 10)", "joint fit, linear", *added), rows
 
 
 def _by_hand(found: IdentifiedParameters, *, several: bool) -> dict[str, Estimate]:

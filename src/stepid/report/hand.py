@@ -1,0 +1,54 @@
+"""The paper's hand method on the campaign of a diagnosis: stacked system, solution, verification, or why not."""
+
+from __future__ import annotations
+
+from stepid._base import Model
+from stepid.errors import IdentificationError
+from stepid.experiment import Campaign
+from stepid.identification import characterize_campaign, identify
+from stepid.parameters import IdentifiedParameters, StackedSystem
+from stepid.stacked import assemble
+from stepid.verification import Verification
+from stepid.verify import verify
+
+
+class HandMethod(Model):
+    """What the hand method makes of a campaign.
+
+    Parameters
+    ----------
+    system : StackedSystem
+        Eq. 10, corrected, of the runs that it can use.
+    found : IdentifiedParameters
+    verified : Verification
+    """
+
+    system: StackedSystem
+    found: IdentifiedParameters
+    verified: Verification
+
+
+def by_hand(campaign: Campaign) -> HandMethod | IdentificationError:
+    """Go the paper's way: characteristics, stacked system, solution, verification.
+
+    Parameters
+    ----------
+    campaign : Campaign
+
+    Returns
+    -------
+    HandMethod or IdentificationError
+        The error says why the method cannot use the campaign.
+    """
+    try:
+        found = identify(campaign)
+        read, _ = characterize_campaign(campaign)
+        kept = tuple(run for run in campaign.experiments if run.name in found.masses)
+        used = Campaign(name=campaign.name, experiments=kept, weight_uncertainty=campaign.weight_uncertainty)
+        return HandMethod(
+            system=assemble([read[run.name] for run in kept], used.mass_offsets),
+            found=found,
+            verified=verify(found, campaign),
+        )
+    except IdentificationError as error:
+        return error
