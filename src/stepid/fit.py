@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,13 +14,19 @@ from stepid.engine.problem import fit_linear
 from stepid.engine.records import Records, lay_out
 from stepid.engine.score import columns, score
 from stepid.engine.search import Contender, Ground, Start, race_starts
-from stepid.errors import ConvergenceError, InputError
+from stepid.errors import ConvergenceError, UndeterminedError
 from stepid.estimate import Estimate
 from stepid.estimates import estimates
 from stepid.experiment import Campaign
-from stepid.floor import noise_floor, weights
+from stepid.floor import enough, noise_floor, repeat_notes, weights
 from stepid.model import PlantModel
+from stepid.screen import screen
 from stepid.simulate import unpack
+
+if TYPE_CHECKING:
+    from stepid.frames import DataFrame
+
+NOT_CONVERGED = "The fit did not converge; what is shown is the best so far."
 
 
 class Fit(Model):
@@ -40,6 +47,8 @@ class Fit(Model):
     correlation : array, shape (n, n)
         Of the free shared parameters, in the order of `parameters`.
     converged : bool
+    notes : tuple of str
+        What was left out, which run disagrees with the others, that the fit did not converge.
     """
 
     parameters: Mapping[str, Estimate]
@@ -49,37 +58,27 @@ class Fit(Model):
     run_rms: Mapping[str, NonNegative]
     correlation: Matrix
     converged: bool
-
-
-def check(campaign: Campaign) -> None:
-    """Refuse a campaign that no joint fit can use.
-
-    Raises
-    ------
-    stepid.errors.InputError
-        If nothing moves in any run, or a run never moves.
-    """
-    still = [e.name for e in campaign.experiments if np.ptp(e.position) <= 3 * (e.resolution or 0.0)]
-    if still:
-        raise InputError(
-            f"campaign {campaign.name!r}: nothing moves in run {still[0]!r}"
-            + (f" (nor in {len(still) - 1} more)" if len(still) > 1 else ""),
-            "Check that the drive was on and the encoder is the right one; leave the run out of the campaign.",
-        )
+    notes: tuple[str, ...] = ()
 
 
 def ground_of(campaign: Campaign) -> tuple[Records, Ground]:
-    """Lay out, weigh and fit the linear plant.
+    """Lay out what can be used of a campaign, weigh it and fit the linear plant.
 
     Raises
     ------
     stepid.errors.InputError
-        If nothing moves.
+        If no run can be used.
+    stepid.errors.UndeterminedError
+        If the records are too short.
     stepid.errors.ConvergenceError
         If no linear plant can be fitted at all.
     """
-    check(campaign)
-    records = lay_out(campaign)
+    records = lay_out(screen(campaign).campaign)
+    if not enough(records):
+        raise UndeterminedError(
+            f"campaign {campaign.name!r}: {records.size} samples that move are too few to tell the noise from the motion",
+            "Record longer or sample faster, or give counts_per_meter, from which the smallest noise follows.",
+        )
     floor = noise_floor(records)
     records = records.reweighted(weights(records, floor))
     linear = fit_linear(records, tolerance=0.02 * floor**2)
@@ -113,7 +112,9 @@ def fit(campaign: Campaign, *, effects: Iterable[str | Effect] = (), catalogue: 
     Raises
     ------
     stepid.errors.InputError
-        If an effect is not known, or nothing moves.
+        If an effect is not known, or no run can be used.
+    stepid.errors.UndeterminedError
+        If the records are too short.
     stepid.errors.ConvergenceError
         If no start leads to a stable plant.
     """
@@ -126,7 +127,7 @@ def fit(campaign: Campaign, *, effects: Iterable[str | Effect] = (), catalogue: 
             f"linear fit leaves {ground.linear.rms * 1e6:.3g} µm",
             "Try fewer effects, or look at the records for what the model cannot say.",
         )
-    return report(optimum, wanted, ground.floor)
+    return report(optimum, wanted, ground.floor, notes=_remarks(campaign, ground, optimum))
 
 
 def fit_effects(ground: Ground, effects: tuple[Effect, ...]) -> Optimum | None:
@@ -165,7 +166,14 @@ def _raced(ground: Ground, effects: tuple[Effect, ...], starts: list[Start], lik
     return best
 
 
-def report(optimum: Optimum, effects: tuple[Effect, ...], floor: float) -> Fit:
+def _remarks(campaign: Campaign, ground: Ground, optimum: Optimum) -> tuple[str, ...]:
+    out = [*screen(campaign).notes, *repeat_notes(ground.records)]
+    if not optimum.converged:
+        out.append(NOT_CONVERGED)
+    return tuple(out)
+
+
+def report(optimum: Optimum, effects: tuple[Effect, ...], floor: float, *, notes: tuple[str, ...] = ()) -> Fit:
     """Make a fit's result."""
     records = optimum.problem.simulator.records
     values, correlation = estimates(optimum, effects, floor)
@@ -181,4 +189,5 @@ def report(optimum: Optimum, effects: tuple[Effect, ...], floor: float) -> Fit:
         },
         correlation=correlation,
         converged=optimum.converged,
+        notes=notes,
     )

@@ -11,13 +11,16 @@ import numpy as np
 from stepid.effects.base import Effect
 from stepid.engine.displace import resettle
 from stepid.engine.least_squares import Optimum, minimize
-from stepid.engine.score import columns, score
+from stepid.engine.score import columns, promise, score
 from stepid.engine.search import Contender, Ground, Start, race_starts
 from stepid.floor import structure
 
 Progress = Callable[[str], None]
 _FIELD = 8  # effects that race after the first scoring
 _CLOSE = 5.0  # times the best score's cost within which an effect races at once
+_PLAIN = 4.0  # times the cost of noise above which the linear gap is plain to see
+_HOPELESS = 6.0  # times the cost of one that reached the floor
+_PROMISE = 3.0  # χ² that a more general effect must promise where a simpler one reached the floor
 
 
 @dataclass(frozen=True)
@@ -96,10 +99,21 @@ def singles(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -
     ranked = list(left)[:_FIELD]
     best = max(min(left.values(), default=0.0), ground.noise_cost)
     field = [e for place, e in enumerate(ranked) if place < 3 or left[e] < _CLOSE * best]
-    field += [e for e in catalogue if e.dry and not e.contains and e not in field]
-    contenders = [_enter(ground, e, race_starts(ground, e, scored), progress) for e in field]
-    advance(contenders)
+    contenders = [_enter(ground, e, race_starts(ground, e, scored), progress) for e in field if not e.dry]
+    # friction is hard to score: it always races, from one start where something else explains everything
+    plain = settled(ground, contenders) and ground.outline.cost > _PLAIN * ground.noise_cost
+    dry = [e for e in catalogue if e.dry and (e in field or not e.contains)]
+    contenders += [
+        _enter(ground, e, race_starts(ground, e, scored), progress, keep=1 if plain and e not in ranked[:2] else 3)
+        for e in dry
+    ]
+    advance(ground, contenders)
     return generalized(ground, contenders, catalogue, progress)
+
+
+def settled(ground: Ground, contenders: list[Contender]) -> bool:
+    """Tell whether a contender has reached the noise floor."""
+    return min((c.cost for c in contenders), default=np.inf) < ground.floored
 
 
 def widen(
@@ -111,7 +125,7 @@ def widen(
     ranked = list(dict.fromkeys(s.effect for s in scored if not s.effect.contains))
     more = [_enter(ground, e, race_starts(ground, e, scored), progress) for e in ranked[: _FIELD - len(known) + 2]]
     contenders = [*contenders, *more]
-    advance(contenders)
+    advance(ground, contenders)
     return contenders
 
 
@@ -120,44 +134,49 @@ def generalized(
 ) -> list[Contender]:
     """Add the effects that contain a good candidate, started from it; the best first."""
     by_name = {c.effects[0].name: c for c in contenders}
-    best = contenders[0].cost
-    settled = best < 1.1 * ground.noise_cost
-    limit = best + 60 * ground.floor**2 if settled else 4 * best
+    best, done = contenders[0].cost, settled(ground, contenders[:1])
+    limit = best + 60 * ground.unit if done else 4 * best
     added = []
     for effect in catalogue:
         inner = [by_name[n] for n in effect.contains if n in by_name]
-        good = [c for c in inner if c.cost < limit or (c in contenders[:3] and not settled)]
+        good = [c for c in inner if c.cost < limit or (c in contenders[:3] and not done)]
         if good and effect.name not in by_name:
-            added.append(_enter(ground, effect, [s for c in good for s in _grown(ground, effect, c)], progress))
+            starts = [s for c in good for s in _grown(ground, effect, c, picky=done)]
+            if starts:
+                added.append(_enter(ground, effect, starts, progress))
     if added:
         contenders = [*contenders, *added]
-        advance(contenders)
+        advance(ground, contenders)
     return contenders
 
 
-def _enter(ground: Ground, effect: Effect, starts: list[Start], progress: Progress) -> Contender:
+def _enter(ground: Ground, effect: Effect, starts: list[Start], progress: Progress, *, keep: int = 3) -> Contender:
     progress(effect.name)
     contender = Contender(ground, (effect,))
-    contender.begin(starts, like=ground.outline)
+    contender.begin(starts, like=ground.outline, keep=keep, laps=min(keep + 1, 3))
     return contender
 
 
-def _grown(ground: Ground, effect: Effect, inner: Contender) -> list[Start]:
-    """Starts of an effect that contains a simpler one, at the simpler one's optimum."""
+def _grown(ground: Ground, effect: Effect, inner: Contender, *, picky: bool) -> list[Start]:
+    """Starts of an effect that contains a simpler one, at the simpler one's optimum; `picky`: the promising ones."""
     if inner.best is None:
         return []
     n = inner.coarse.simulator.n_linear
     linear, values = inner.best.shared[:n], inner.best.shared[n:]
-    return [Start(linear, (grown,)) for grown in effect.grow(tuple(float(v) for v in values), ground.scales)]
+    starts = [Start(linear, (grown,)) for grown in effect.grow(tuple(float(v) for v in values), ground.scales)]
+    if not picky or effect.affine:  # the affine ones are quick, and may be as good without promising any gain
+        return starts
+    return [s for s in starts if promise(ground, inner.best, (effect,), s) > _PROMISE * ground.unit]
 
 
-def advance(contenders: list[Contender], laps: tuple[int, ...] = (5, 10, 20)) -> None:
+def advance(ground: Ground, contenders: list[Contender], laps: tuple[int, ...] = (5, 10, 20)) -> None:
     """Let the promising ones run on: the fewer, the further."""
     for keep, lap in zip((6, 4, 3), laps, strict=True):
         contenders.sort(key=lambda c: c.cost)
         best = contenders[0].cost if contenders else np.inf
+        hopeless = _HOPELESS * best if settled(ground, contenders[:1]) else np.inf
         for place, contender in enumerate(contenders):
-            if place < keep or contender.cost < 1.5 * best:
+            if contender.cost < hopeless and (place < keep or contender.cost < 1.5 * best):
                 contender.run(laps=lap, tolerance=max(0.003 * (contender.cost - best), 0.002 * contender.excess))
     contenders.sort(key=lambda c: c.cost)
 
@@ -166,10 +185,11 @@ def final(ground: Ground, contenders: list[Contender], *, count: int = 2, spread
     """Polish the best contenders, at least `count` and those within `spread` of the best cost; best evidence first."""
     contenders = sorted(contenders, key=lambda c: c.cost)
     best = contenders[0].cost if contenders else 0.0
-    near = best + max(60 * ground.floor**2, spread * best)
+    near = best + max(60 * ground.unit, spread * best)
+    hopeless = _HOPELESS * best if settled(ground, contenders[:1]) else np.inf
     found = {}
     for place, contender in enumerate(contenders):
-        if place < count or contender.cost < near:
+        if (place < count and contender.cost < hopeless) or contender.cost < near:
             done = polish(ground, contender)
             if done is not None:
                 found[contender] = done
@@ -178,9 +198,9 @@ def final(ground: Ground, contenders: list[Contender], *, count: int = 2, spread
         for contender in sorted(found, key=lambda c: found[c].evidence)[:3]:
             if contender.best is not None and any(e.dry and not e.contains for e in contender.effects):
                 # another pattern of sticking may be better
-                settled = resettle(contender.best, tolerance=ground.tolerance)
-                if settled is not contender.best:
-                    contender.best, contender.polished = settled, None
+                moved = resettle(contender.best, tolerance=ground.tolerance)
+                if moved is not contender.best:
+                    contender.best, contender.polished = moved, None
                     again = polish(ground, contender)
                     if again is not None and again.evidence < found[contender].evidence:
                         found[contender] = again

@@ -80,7 +80,7 @@ def extend(
             starts.append(Start(here.linear, (*here.values, effect.faint(scored.values, 0.03))))
         contender.begin(starts, like=base.best)
         contenders.append(contender)
-    advance(contenders)
+    advance(ground, contenders)
     return contenders
 
 
@@ -126,7 +126,7 @@ def generalize(
             grown_up = Contender(ground, effects)
             grown_up.begin(starts, like=contender.best)
             found.append(grown_up)
-    advance(found)
+    advance(ground, found)
     return found
 
 

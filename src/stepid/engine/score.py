@@ -13,7 +13,7 @@ from stepid.engine.exact import FullStep
 from stepid.engine.least_squares import Optimum
 from stepid.engine.problem import build, start_local
 from stepid.engine.records import Records
-from stepid.engine.search import Ground, Scored
+from stepid.engine.search import Ground, Scored, Start
 from stepid.engine.tables import Point
 
 
@@ -140,3 +140,30 @@ def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
         out.append(Scored(column.effect, values, float(residual @ residual - left @ left), shared))
     out.sort(key=lambda s: -s.gain)
     return out
+
+
+def promise(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], start: Start) -> float:
+    """Decrease of the cost [m²] that a more general law promises over a simpler one's fit, by one linearized step.
+
+    The change of the reading from the simpler law to `start` is fitted to the residual, with what the simpler law's
+    own parameters can do about it.
+    """
+    sim = build(ground.sketch, effects, fineness=0.25).simulator
+    shared = np.concatenate([start.linear, *start.values])
+    states = np.zeros((sim.law.n_states, ground.sketch.size))
+    states[:2] = inner.solved.states[:2]
+    solved = sim.solve(shared, inner.local, start=states, sensitive=False)
+    if solved is None:
+        marched = sim.march(shared[None], inner.local[None])[0]
+        solved = sim.solve(shared, inner.local, start=marched, sensitive=False)
+    if solved is None or not np.isfinite(solved.reading).all():
+        return np.inf  # cannot tell: let it race
+    jacobian = inner.problem.jacobian(inner.solved)
+    size = np.linalg.norm(jacobian, axis=0)
+    size[size == 0] = np.inf
+    q = np.linalg.qr(jacobian / size)[0]
+    seen = ground.sketch.weighted(solved.reading - inner.solved.reading)
+    seen = seen - q @ (q.T @ seen)
+    power = float(seen @ seen)
+    along = float(seen @ inner.problem.residual(inner.solved))
+    return along**2 / power if along > 0 and power > 0 else 0.0

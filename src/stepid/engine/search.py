@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -46,7 +47,7 @@ class Ground:
         if linear.rms < 4 * floor:  # the fit is better known than the noisy velocity
             x, v = linear.solved.states[:2]
             self.motion = self.motion._replace(x=x, v=v, sign=np.where(v < 0, -1.0, 1.0))
-        self.sketch = sketch(records, linear, shortest_period(linear))
+        self.sketch = sketch(records, linear, shortest_period(linear), floor)
         self.outline = outline(self.sketch, linear)
         self.tangent = np.linalg.qr(self.outline.problem.jacobian(self.outline.solved))[0]
         self.weak = WeakForm(records, 0.6 * period, fixed_mass=fixes_mass(records))
@@ -56,6 +57,16 @@ class Ground:
         """Cost of a perfect model in the race, m²."""
         square = self.records.weight**2
         return float((square if self.sketch.at is None else square[self.sketch.at]).sum()) * self.floor**2
+
+    @property
+    def floored(self) -> float:
+        """Cost in the race below which nothing but noise is left, m²: the noise's own scatter above its cost."""
+        return (1.05 + 3.0 / math.sqrt(2.0 * self.sketch.size)) ** 2 * self.noise_cost
+
+    @property
+    def unit(self) -> float:
+        """Cost in the race of one unit of χ² in all samples, m²."""
+        return float((self.sketch.weight**2).sum() / (self.records.weight**2).sum()) * self.floor**2
 
     @property
     def tolerance(self) -> float:
@@ -118,8 +129,12 @@ class Contender:
                 tolerance=max(self.ground.tolerance, 0.003 * self.cost if np.isfinite(self.cost) else 0.0),
                 iterations=laps,
             )
-            if found is not None and found.cost < self.cost:
-                self.best = found
+            if found is not None:
+                again = self.best is not None and found.converged and abs(found.cost - self.cost) < 0.01 * self.cost
+                if found.cost < self.cost:
+                    self.best = found
+                if found.converged and (again or found.cost < 1.02 * self.ground.noise_cost):
+                    break  # at the floor, or where the start before it ended
 
     def _near(self, like: Optimum) -> Array:
         states = np.zeros((self.coarse.simulator.law.n_states, self.ground.sketch.size))

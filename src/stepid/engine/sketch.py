@@ -12,10 +12,11 @@ from stepid.engine.problem import build
 from stepid.engine.records import Index, Records
 
 _PER_PERIOD = 16.0  # samples to keep of the fastest run's period
+_BLUR = 0.17  # of the period: as wide an average loses a fifth of the floor where the gap is as small as the floor
 _MOST_CHANGES = 0.1  # share of samples with a new input above which all are needed
 
 
-def sketch(records: Records, linear: Optimum, period: float) -> Records:
+def sketch(records: Records, linear: Optimum, period: float, floor: float) -> Records:
     """Keep every m-th sample, and those where the input changes.
 
     What is averaged over each kept sample's neighborhood is the gap to the linear fit: it is small and slow, so that
@@ -28,6 +29,8 @@ def sketch(records: Records, linear: Optimum, period: float) -> Records:
         Of the linear plant, on the same records.
     period : float
         s, the shortest that the linear plant swings with.
+    floor : float
+        m, noise floor: the larger the gap, the less is averaged, for blur must stay below the noise.
 
     Returns
     -------
@@ -52,7 +55,8 @@ def sketch(records: Records, linear: Optimum, period: float) -> Records:
     run = records.run[at]
     length = np.append(np.diff(records.time[at]), 0.0)
     length[bounds[1:] - 1] = records.sample_time
-    gap, weight = _averages(records, linear, at, bounds)
+    width = _BLUR * period / np.sqrt(max(linear.rms / floor, 1.0)) / records.sample_time[run]
+    gap, weight = _averages(records, linear, at, bounds, width)
     return replace(
         records,
         bounds=bounds,
@@ -75,16 +79,18 @@ def _stride(samples: float) -> int:
 def _grid(size: int, step: int, changes: Index) -> Index:
     """Every `step`-th sample from each change of the input on, the ends included."""
     marks = np.unique(np.concatenate([[0], changes, [size - 1]]))
-    return np.unique(np.concatenate([np.append(np.arange(a, b, step), b) for a, b in zip(marks, marks[1:], strict=False)]))
+    return np.unique(
+        np.concatenate([np.append(np.arange(a, b, step), b) for a, b in zip(marks, marks[1:], strict=False)])
+    )
 
 
-def _averages(records: Records, linear: Optimum, at: Index, bounds: Index) -> tuple[Array, Array]:
-    """Weighted mean of the gap over a symmetric neighborhood of each kept sample; square-root weights."""
+def _averages(records: Records, linear: Optimum, at: Index, bounds: Index, width: Array) -> tuple[Array, Array]:
+    """Weighted mean of the gap over up to `width` samples around each kept one; square-root weights."""
     before = np.diff(at, prepend=at[0])
     after = np.diff(at, append=at[-1])
     before[bounds[:-1]] = 0
     after[bounds[1:] - 1] = 0
-    half = np.minimum(before, after) // 2
+    half = np.minimum(np.minimum(before, after), width.astype(np.intp)) // 2
     square = records.weight**2
     sums = np.concatenate([[0.0], np.cumsum(square)])
     gaps = np.concatenate([[0.0], np.cumsum(square * linear.residual)])
