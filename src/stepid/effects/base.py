@@ -133,6 +133,8 @@ class Effect:
     name: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
     law: ClassVar[str] = ""  # the added force in one formula
+    formula: ClassVar[str] = ""  # the same in LaTeX
+    symbols: ClassVar[tuple[str, ...]] = ()  # of the parameters (those of each run last) in the formula, LaTeX
     seen: ClassVar[str] = ""  # what it looks like in a lab
     advice: ClassVar[str] = ""  # what to do about it
 

@@ -17,6 +17,8 @@ class QuadraticDamping(Effect):
     name = "quadratic_damping"
     parameters = (Parameter("coefficient", "N·s²/m²"),)
     law = "−c₂ v|v|"
+    formula = r"-c_2\, v |v|"
+    symbols = ("c_2",)
     seen = "first swings shrink most, later ones hardly"
     advice = "open the damper's plug or take smaller steps; keep it in the model"
     reverses: ClassVar[bool] = True
@@ -37,6 +39,8 @@ class PositionDependentDamping(Effect):
     name = "position_dependent_damping"
     parameters = (Parameter("slope", "1/m", -np.inf),)
     law = "−c β x v"
+    formula = r"-c\,\beta\, x v"
+    symbols = (r"\beta",)
     seen = "damping differs in and out (air damper)"
     advice = "center the damper's piston at the rest position; keep it in the model"
 

@@ -17,6 +17,8 @@ class ActuatorLag(Effect):
     name = "actuator_lag"
     parameters = (Parameter("time_constant", "s", 1e-5),)
     law = "K_f w, τ w′ = u − w"
+    formula = r"K_f\, w, \quad \tau\, \dot w = u - w"
+    symbols = (r"\tau",)
     seen = "rounded start, later peak"
     advice = "faster amplifier, or keep it in the model"
     linear: ClassVar[bool] = True
@@ -45,6 +47,8 @@ class InputDelay(Effect):
     name = "input_delay"
     parameters = (Parameter("delay", "s"),)
     law = "K_f u(t − T_d)"
+    formula = r"K_f\, u(t - T_d)"
+    symbols = ("T_d",)
     seen = "whole response shifted late"
     advice = "check the clocks of drive and logger; keep it in the model"
     linear: ClassVar[bool] = True
@@ -62,6 +66,8 @@ class ActuatorDeadZone(Effect):
     name = "actuator_dead_zone"
     parameters = (Parameter("level", "V"),)
     law = "K_f (u − sign(u) level) beyond the level, 0 within"
+    formula = r"K_f\,\mathrm{sign}(u)\,\max(0,\, |u| - u_0)"
+    symbols = ("u_0",)
     seen = "gain depends on step size: needs runs of two sizes"
     advice = "drive with larger steps, or add the level to the command"
     linear: ClassVar[bool] = True  # a fixed change of a known input
@@ -80,6 +86,8 @@ class ActuatorSaturation(Effect):
     name = "actuator_saturation"
     parameters = (Parameter("level", "V", 1e-6),)
     law = "K_f clip(u, ±level)"
+    formula = r"K_f\,\max(-u_0,\, \min(u,\, u_0))"
+    symbols = ("u_0",)
     seen = "gain depends on step size: needs runs of two sizes"
     advice = "drive with smaller steps"
     linear: ClassVar[bool] = True
@@ -102,6 +110,8 @@ class PeriodicDisturbance(Effect):
     parameters = (Parameter("amplitude", "N"), Parameter("frequency", "Hz", 1e-3))
     run_parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("phase", "rad", -np.inf),)
     law = "+A sin(2πf t + φ_run)"
+    formula = r"+A\, \sin(2\pi f t + \varphi)"
+    symbols = ("A", "f", r"\varphi")
     seen = "steady ripple that does not decay"
     advice = "find the shaker: fans, pumps, mains; isolate the table"
 
@@ -121,6 +131,8 @@ class Cogging(Effect):
     name = "cogging"
     parameters = (Parameter("amplitude", "N"), Parameter("pitch", "m", 1e-5), Parameter("phase", "rad", -np.inf))
     law = "+A sin(2πx/pitch + phase)"
+    formula = r"+A\, \sin(2\pi x/p + \varphi)"
+    symbols = ("A", "p", r"\varphi")
     seen = "wiggles that slow down with the cart, several rest positions"
     advice = "record at several rest positions; a slotless motor; keep it in the model"
     rests_anywhere: ClassVar[bool] = True

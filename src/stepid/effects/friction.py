@@ -30,6 +30,8 @@ class CoulombFriction(_DryFriction):
     name = "coulomb_friction"
     parameters = (Parameter("level", "N"),)
     law = "−F_c sign(v)"
+    formula = r"-F_c\,\mathrm{sign}(v)"
+    symbols = ("F_c",)
     seen = "straight-line envelope, dead stop off zero, c and K that rise with mass in the paper's table"
     advice = "clean and align the rails, oil the bearings; keep it in the model"
     affine: ClassVar[bool] = True
@@ -50,6 +52,8 @@ class LoadProportionalFriction(_DryFriction):
     name = "load_proportional_friction"
     parameters = (Parameter("coefficient", ""),)
     law = "−μ m g sign(v)"
+    formula = r"-\mu\, m g\,\mathrm{sign}(v)"
+    symbols = (r"\mu",)
     seen = "as Coulomb friction, growing with added mass"
     advice = "the friction sits under the cart's weight: check wheels and rails, keep it in the model"
     affine: ClassVar[bool] = True
@@ -70,6 +74,8 @@ class StribeckFriction(_DryFriction):
     name = "stribeck_friction"
     parameters = (Parameter("level", "N"), Parameter("breakaway", "N"), Parameter("velocity", "m/s", 1e-5))
     law = "−(F_c + (F_s − F_c) exp(−(v/v_s)²)) sign(v)"
+    formula = r"-(F_c + (F_s - F_c)\, e^{-(v/v_s)^2})\,\mathrm{sign}(v)"
+    symbols = ("F_c", "F_s", "v_s")
     seen = "stick-slip, longer dead stops"
     advice = "thin the lubricant, dither the drive; keep it in the model"
     contains = ("coulomb_friction",)
@@ -117,6 +123,8 @@ class AsymmetricFriction(_DryFriction):
     name = "asymmetric_friction"
     parameters = (Parameter("level_forward", "N"), Parameter("level_backward", "N"))
     law = "−F_c⁺ for v > 0, +F_c⁻ for v < 0"
+    formula = r"-F_c^+ \;\mathrm{for}\; v > 0, \quad +F_c^- \;\mathrm{for}\; v < 0"
+    symbols = ("F_c^+", "F_c^-")
     seen = "halves of the envelope shrink differently"
     advice = "look for a tilted rail or a one-sided seal; record steps in both directions"
     affine: ClassVar[bool] = True
@@ -151,6 +159,8 @@ class PreslidingHysteresis(Effect):
     name = "presliding_hysteresis"
     parameters = (Parameter("level", "N"), Parameter("distance", "m", 5e-6))
     law = "−F z/d, z′ = v(1 − max(0, sign(v) z/d))"
+    formula = r"-F z/d, \quad \dot z = v\,(1 - \max(0,\, \mathrm{sign}(v)\, z/d))"
+    symbols = ("F", "d")
     seen = "stiff at small moves, loops"
     advice = "let the cart make one full swing before the record; keep it in the model"
     reverses: ClassVar[bool] = True

@@ -17,6 +17,8 @@ class SensorDrift(Effect):
     name = "sensor_drift"
     parameters = (Parameter("rate", "m/s", -np.inf),)
     law = "reading + rate·t"
+    formula = r"y = x + r t"
+    symbols = ("r",)
     seen = "settled part slopes"
     advice = "let the sensor warm up; check for a slipping encoder wheel"
     linear: ClassVar[bool] = True

@@ -17,6 +17,8 @@ class CubicStiffness(Effect):
     name = "cubic_stiffness"
     parameters = (Parameter("coefficient", "N/m³", -np.inf),)
     law = "−k₃ x³"
+    formula = r"-k_3\, x^3"
+    symbols = ("k_3",)
     seen = "frequency changes with amplitude"
     advice = "take smaller steps or use a longer spring; keep it in the model"
 
@@ -36,6 +38,8 @@ class QuadraticStiffness(Effect):
     name = "quadratic_stiffness"
     parameters = (Parameter("coefficient", "N/m²", -np.inf),)
     law = "−k₂ x²"
+    formula = r"-k_2\, x^2"
+    symbols = ("k_2",)
     seen = "swings lopsided about rest"
     advice = "preload the spring so that it stays in its linear range; record steps in both directions"
 
@@ -55,6 +59,8 @@ class FreePlay(Effect):
     name = "free_play"
     parameters = (Parameter("gap", "m"),)
     law = "k x within ±gap, +k gap sign(x) outside (on top of −k x)"
+    formula = r"+k\,\max(-g,\, \min(x,\, g))"
+    symbols = ("g",)
     seen = "floats about zero, lower frequency at small amplitude"
     advice = "tighten the spring's clamps"
     affine: ClassVar[bool] = True
@@ -85,6 +91,8 @@ class EndStop(Effect):
     name = "end_stop"
     parameters = (Parameter("stiffness", "N/m", 1.0), Parameter("position", "m", -np.inf))
     law = "−k_s (x − x_s) beyond x_s"
+    formula = r"-k_s\,(x - x_s) \;\mathrm{beyond}\; x_s"
+    symbols = ("k_s", "x_s")
     seen = "clipped, kinked peaks"
     advice = "move the stop out of the cart's way or take smaller steps"
     affine: ClassVar[bool] = True

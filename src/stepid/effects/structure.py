@@ -17,6 +17,8 @@ class ViscoelasticSpring(Effect):
     name = "viscoelastic_spring"
     parameters = (Parameter("stiffness", "N/m"), Parameter("damping", "N·s/m", 1e-6))
     law = "−f, f′ = k_v v − (k_v/c_v) f"
+    formula = r"-f, \quad \dot f = k_v\, v - \frac{k_v}{c_v}\, f"
+    symbols = ("k_v", "c_v")
     seen = "creep after the step, stiffness that depends on speed"
     advice = "use a steel spring, wait longer between runs; keep it in the model"
     linear: ClassVar[bool] = True
@@ -49,6 +51,8 @@ class FlexibleCoupling(Effect):
         Parameter("damping", "N·s/m"),
     )
     law = "k₂(x₂ − x) + c₂(v₂ − v), m₂ x₂″ = −that"
+    formula = r"+q, \quad q = k_2\,(x_2 - x) + c_2\,(\dot x_2 - v), \quad m_2\, \ddot x_2 = -q"
+    symbols = ("m_2", "k_2", "c_2")
     seen = "a faster ripple on the response"
     advice = "tighten what is loose on the cart (weights, rack); keep it in the model"
     linear: ClassVar[bool] = True
