@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -162,6 +163,20 @@ class Model(BaseModel, metaclass=_Meta):
             return super().model_validate_json(json_data, **options)
         except ValidationError as error:
             raise _complain(cls.__name__, None, error) from None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all fields as plain dictionaries, lists, strings and numbers, ready for ``json.dumps``."""
+        return self.model_dump(mode="json")
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> Self:
+        """Make the model again from what `to_dict` gave; InputError names the field that is wrong."""
+        try:
+            return cls.model_validate_json(json.dumps(values))
+        except TypeError as error:
+            raise InputError(
+                f"{cls.__name__}: the dictionary is not plain ({error})", "Give it as to_dict() returns it."
+            ) from None
 
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):

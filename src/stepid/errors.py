@@ -49,3 +49,7 @@ class UndeterminedError(IdentificationError):
 
 class ConvergenceError(IdentificationError):
     """A fit did not converge; the message carries the best result so far."""
+
+
+class MissingPackageError(StepidError, ImportError):
+    """An optional package is not installed; the message names the extra that brings it."""

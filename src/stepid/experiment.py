@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections import Counter
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from pydantic import model_validator
 
 from stepid._base import Finite, Label, Model, NonNegative, Positive, Vector
 from stepid.errors import InputError
+from stepid.frames import constant, make_frame, numbers, split_runs
+
+if TYPE_CHECKING:
+    from stepid.frames import DataFrame
 
 WEIGHT = 0.5  # kg, one lab weight
 WEIGHT_UNCERTAINTY = 0.005  # kg, how well one lab weight is known (manual: 500 ± 5 g)
@@ -127,15 +131,8 @@ class Experiment(Model):
         stepid.errors.InputError
             If a column is missing or its content is not numeric, or a field is wrong.
         """
-        arrays: dict[str, Any] = {}
-        for field, column in (("time", time), ("position", position), ("input", input)):
-            try:
-                arrays[field] = np.asarray(frame[column])
-            except (KeyError, IndexError, ValueError):
-                raise InputError(
-                    f"the data frame has no column {column!r} for {field}",
-                    f"Name the column with {field}=…; there are: {', '.join(map(str, frame))}.",
-                ) from None
+        columns = (("time", time), ("position", position), ("input", input))
+        arrays: dict[str, Any] = {field: numbers(frame, column, field=field) for field, column in columns}
         return cls(
             **arrays,
             name=name,
@@ -146,6 +143,16 @@ class Experiment(Model):
             input_before=input_before,
             base=base,
         )
+
+    def to_dataframe(self) -> DataFrame:
+        """Return the record as a pandas DataFrame: columns `time` [s], `position` [m] and `input` [V].
+
+        Raises
+        ------
+        stepid.errors.MissingPackageError
+            If pandas is not installed.
+        """
+        return make_frame({field: np.array(getattr(self, field)) for field in ("time", "position", "input")})
 
 
 class MassOffset(Model):
@@ -213,6 +220,55 @@ class Campaign(Model):
                     MassOffset(from_run=one.name, to_run=two.name, difference=difference, uncertainty=spread)
                 )
         return tuple(offsets)
+
+    @classmethod
+    def from_dataframe(cls, frame: Any, *, name: str, weight_uncertainty: float = WEIGHT_UNCERTAINTY) -> Self:
+        """Make a campaign from a tidy pandas DataFrame, as `to_dataframe` gives it.
+
+        Parameters
+        ----------
+        frame : pandas.DataFrame
+            One row a sample, SI units; columns `run`, `time`, `position`, `input`, `added_mass`, `spring`, `damper`
+            and, where they differ from the defaults of `Experiment`, `base`, `counts_per_meter` and `input_before`.
+        name : str
+        weight_uncertainty : float
+            kg.
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If a column is missing or not numeric, or what belongs to a whole run changes within it.
+        """
+        fields = ["added_mass", "spring", "damper"]
+        fields += [field for field in ("base", "counts_per_meter", "input_before") if field in frame]
+        whole = {field: numbers(frame, field, field=field) for field in ("time", "position", "input")}
+        runs = []
+        for run, rows in split_runs(frame, "run").items():
+            own = {field: constant(frame, field, rows, run=run) for field in fields}
+            runs.append(Experiment(name=run, **{field: values[rows] for field, values in whole.items()}, **own))
+        return cls(name=name, experiments=tuple(runs), weight_uncertainty=weight_uncertainty)
+
+    def to_dataframe(self) -> DataFrame:
+        """Return all records as one tidy pandas DataFrame, one row a sample.
+
+        Columns: `run`, `time` [s], `position` [m], `input` [V], `added_mass` [kg], `counts_per_meter` (NaN where not
+        known), `input_before` [V], `spring`, `damper`, `base`.
+
+        Raises
+        ------
+        stepid.errors.MissingPackageError
+            If pandas is not installed.
+        """
+        runs, sizes = self.experiments, [e.time.size for e in self.experiments]
+        columns: dict[str, Any] = {"run": np.repeat(np.array([e.name for e in runs], dtype=object), sizes)}
+        for field in ("time", "position", "input"):
+            columns[field] = np.concatenate([getattr(e, field) for e in runs])
+        for field in ("added_mass", "counts_per_meter", "input_before"):
+            values = [getattr(e, field) for e in runs]
+            columns[field] = np.repeat([np.nan if value is None else float(value) for value in values], sizes)
+        for field in ("spring", "damper", "base"):
+            columns[field] = np.repeat(np.array([getattr(e, field) for e in runs], dtype=object), sizes)
+        return make_frame(columns)
 
     def __getitem__(self, name: str) -> Experiment:
         """Return the run called `name`; InputError names the runs there are."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -14,8 +14,12 @@ from stepid._table import html_table, text_table
 from stepid.errors import InputError
 from stepid.estimate import Estimate, format_value
 from stepid.experiment import MassOffset
+from stepid.frames import parameter_frame
 from stepid.response import Characteristics, CharacteristicsUncertainty
 from stepid.verification import Verification, VerificationRun
+
+if TYPE_CHECKING:
+    from stepid.frames import DataFrame
 
 __all__ = [
     "Characteristics",
@@ -229,6 +233,22 @@ class IdentifiedParameters(Model):
             for label, value in values.items()
         ]
 
+    def to_dataframe(self) -> DataFrame:
+        """Return every value as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`.
+
+        The names are those of `covariance_labels`: ``"masses[case 4]"``, ``"stiffness[medium]"``, …
+
+        Raises
+        ------
+        stepid.errors.MissingPackageError
+            If pandas is not installed.
+        """
+        return parameter_frame(
+            (f"{group}[{label}]", value, getattr(self.uncertainty, group).get(label), unit)
+            for group, unit in _UNITS.items()
+            for label, value in getattr(self, group).items()
+        )
+
     def summary(self) -> str:
         """Return tables of value ± standard uncertainty: by run, then what the runs share, then what was left out."""
         parts = [
@@ -259,6 +279,15 @@ class IdentifiedParameters(Model):
 
 
 _LARGE_MISFIT = 2.0
+_UNITS = {
+    "masses": "kg",
+    "stiffness": "N/m",
+    "damping": "N·s/m",
+    "damping_from_stiffness": "N·s/m",
+    "pooled_damping": "N·s/m",
+    "static_gain": "m/V",
+    "base_mass": "kg",
+}
 _RUN_HEADER = ("run", "mass [kg]", "damping [N·s/m]", "damping from k [N·s/m]", "static gain [m/V]")
 
 

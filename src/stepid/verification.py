@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
+import numpy as np
 from pydantic import model_validator
 
 from stepid._base import Finite, Label, Model, NonNegative, Positive, Vector
 from stepid._table import html_table, text_table
 from stepid.errors import InputError
+from stepid.frames import make_frame
+
+if TYPE_CHECKING:
+    from stepid.frames import DataFrame
 
 
 class VerificationRun(Model):
@@ -47,6 +52,10 @@ class VerificationRun(Model):
         if not self.time.size == self.measured.size == self.simulated.size:
             raise ValueError("time, measured and simulated differ in length")
         return self
+
+    def to_dataframe(self) -> DataFrame:
+        """Return the records as a pandas DataFrame: columns `time` [s], `measured` [m] and `simulated` [m]."""
+        return make_frame({field: np.array(getattr(self, field)) for field in ("time", "measured", "simulated")})
 
     def __repr__(self) -> str:
         return f"VerificationRun({self.name!r}, fit {self.fit_percent:.1f} %, RMS {self.rms * 1e6:.0f} µm)"
@@ -104,6 +113,19 @@ class Verification(Model):
             )
             for run in self.runs
         ]
+
+    def to_dataframe(self) -> DataFrame:
+        """Return one row a run as a pandas DataFrame.
+
+        Columns: `run`, `fit_percent`, `rms`, `rms_before_peak`, `rms_after_peak` [m], `peak_time`,
+        `settling_time_measured`, `settling_time_simulated` [s]; NaN where the record does not show it.
+        """
+        fields = [f for f in VerificationRun.model_fields if f not in {"name", "time", "measured", "simulated"}]
+        columns: dict[str, list[object]] = {"run": [run.name for run in self.runs]}
+        for field in fields:
+            values = [getattr(run, field) for run in self.runs]
+            columns[field] = [np.nan if value is None else value for value in values]
+        return make_frame(columns)
 
     def summary(self) -> str:
         """Return a table: fit per cent, RMS in all, before and after the first peak, and both settling times."""

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
 
 from stepid._base import Finite, Label, Model, NonNegative, Vector
 from stepid.diagnose.summary import as_html, as_text, one_line
 from stepid.diagnose.wording import length
 from stepid.estimate import Estimate
 from stepid.experiment import Campaign
+from stepid.frames import make_frame, parameter_frame
 from stepid.model import PlantModel
+
+if TYPE_CHECKING:
+    from stepid.frames import DataFrame
 
 Verdict = Literal["adequate", "named", "ambiguous", "unexplained"]
 
@@ -54,6 +60,10 @@ class RunGap(Model):
     held_out_before: NonNegative | None = None
     held_out_after: NonNegative | None = None
     phases: Mapping[str, NonNegative] = {}
+
+    def to_dataframe(self) -> DataFrame:
+        """Return the records as a pandas DataFrame: columns `time` [s], `measured`, `linear` and `model` [m]."""
+        return make_frame({f: np.array(getattr(self, f)) for f in ("time", "measured", "linear", "model")})
 
     def __repr__(self) -> str:
         return f"RunGap({self.name!r}, RMS {length(self.before)} → {length(self.after)})"
@@ -160,6 +170,10 @@ class Diagnosis(Model):
     model: PlantModel
     linear_model: PlantModel
     data: Campaign | None = None
+
+    def to_dataframe(self) -> DataFrame:
+        """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""
+        return parameter_frame((n, e.value, e.uncertainty, e.unit) for n, e in self.parameters.items())
 
     def summary(self) -> str:
         """Return the answers to the five questions: noise floor, where, which, is it, what next; with tables."""
