@@ -49,12 +49,11 @@ def _proposals(campaign: Campaign) -> list[tuple[str, Experiment]]:
     ]
 
 
-def _readings(records: Records, optimum: Optimum) -> Array | None:
+def _readings(records: Records, optimum: Optimum) -> Array:
+    """What a fitted model reads in runs from rest; not finite where it runs away."""
     sim = Simulator(records, optimum.problem.simulator.law.effects)
     local = np.zeros((sim.n_local, len(records.runs)))
     states = sim.march(optimum.shared[None], local[None])[0]
-    if not np.isfinite(states).all():
-        return None
     out: Array = states[0] + sim.reading(optimum.shared, local)
     return out
 
@@ -75,19 +74,15 @@ def next_experiment(
         Names an optimum in words.
     """
     best: tuple[float, str] = (0.0, "")
-    known = lay_out(campaign)
-    for words, experiment in _proposals(campaign):
-        records = known.like([experiment])
+    proposals = _proposals(campaign)
+    if proposals:
+        records = lay_out(campaign).like([experiment for _, experiment in proposals])
         base = _readings(records, chosen)
-        if base is None:
-            continue
-        gaps = []
-        for rival in rivals:
-            other = _readings(records, rival)
-            if other is not None:
-                gaps.append(float(np.sqrt(np.mean(records.centered(base - other) ** 2))))
-        if gaps and min(gaps) > best[0]:
-            best = (min(gaps), words)
+        apart = [records.centered(base - _readings(records, rival)) for rival in rivals]
+        for (words, _), piece in zip(proposals, records.pieces(), strict=True):
+            gaps = [float(np.sqrt(np.mean(a[piece] ** 2))) for a in apart if np.isfinite(a[piece]).all()]
+            if gaps and min(gaps) > best[0]:
+                best = (min(gaps), words)
     names = ", ".join(tell(r) for r in rivals)
     if best[0] < 0.5 * floor:
         return (

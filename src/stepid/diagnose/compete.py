@@ -100,13 +100,12 @@ def singles(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -
     best = max(min(left.values(), default=0.0), ground.noise_cost)
     field = [e for place, e in enumerate(ranked) if place < 3 or left[e] < _CLOSE * best]
     contenders = [_enter(ground, e, race_starts(ground, e, scored), progress) for e in field if not e.dry]
-    # friction is hard to score: it always races, from one start where something else explains everything
-    plain = settled(ground, contenders) and ground.outline.cost > _PLAIN * ground.noise_cost
-    dry = [e for e in catalogue if e.dry and (e in field or not e.contains)]
-    contenders += [
-        _enter(ground, e, race_starts(ground, e, scored), progress, keep=1 if plain and e not in ranked[:2] else 3)
-        for e in dry
-    ]
+    for effect in catalogue:
+        if effect.dry and (effect in field or not effect.contains):
+            # friction is hard to score: it always races, from one start where something else explains a plain gap
+            plain = settled(ground, contenders) and ground.outline.cost > _PLAIN * ground.noise_cost
+            keep = 1 if plain and effect not in ranked[:2] else 3
+            contenders.append(_enter(ground, effect, race_starts(ground, effect, scored), progress, keep=keep))
     advance(ground, contenders)
     return generalized(ground, contenders, catalogue, progress)
 
