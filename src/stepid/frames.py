@@ -95,13 +95,15 @@ def split_runs(frame: Any, column: str) -> dict[str, Any]:
         If the column is missing or a row names no run.
     """
     names = np.asarray(column_of(frame, column, field="run"), dtype=object)
+    rows: dict[str, list[int]] = {}
     for row, name in enumerate(names):
         if not (isinstance(name, str) and name):
             raise InputError(
                 f"row {row} of the data frame names no run in column {column!r}, but {name!r}",
                 "Give every row the name of its run, as text.",
             )
-    return {name: np.flatnonzero(names == name) for name in dict.fromkeys(names)}
+        rows.setdefault(name, []).append(row)
+    return {name: np.array(own) for name, own in rows.items()}
 
 
 def constant(frame: Any, column: str, rows: Any, *, run: str) -> Any:
