@@ -10,7 +10,8 @@ copyright = "The stepid developers"
 release = version = _version("stepid")
 
 extensions = [
-    "myst_parser",
+    "myst_nb",
+    "sphinx_design",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",
@@ -18,7 +19,14 @@ extensions = [
 ]
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
-exclude_patterns = ["_build", "notebooks"]
+exclude_patterns = ["_build", "jupyter_execute"]
+nb_execution_mode = "cache"  # notebooks are kept without outputs; -D nb_execution_mode=off builds without running them
+nb_execution_in_temp = True
+nb_execution_timeout = 300
+nb_execution_raise_on_error = True
+nb_execution_show_tb = True
+nb_kernel_rgx_aliases = {".*": "python3"}
+nb_merge_streams = True
 
 html_theme = "furo"
 html_static_path = ["_static"]

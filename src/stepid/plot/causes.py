@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from stepid._base import Array
-from stepid.diagnose.result import Diagnosis
+from stepid.diagnose.result import Diagnosis, Where
 from stepid.diagnose.wording import effect_names
 from stepid.plot.gap import AFTER, BEFORE, NOISE
 from stepid.plot.style import SERIES, plain_logarithm, styled
@@ -15,12 +15,13 @@ _SHOWN = 6  # candidates
 _WIDE = 34  # letters of a candidate's name
 
 
-def force_against_velocity(d: Diagnosis, *, axes: Axes) -> Axes:
+def force_against_velocity(d: Diagnosis | Where, *, axes: Axes) -> Axes:
     """Draw the residual force of the linear model against velocity: Coulomb friction is a step at zero.
 
     Parameters
     ----------
-    d : Diagnosis
+    d : Diagnosis or Where
+        A diagnosis, or its answer to where the linear model disagrees.
     axes : matplotlib.axes.Axes
         To draw into.
 
@@ -29,15 +30,17 @@ def force_against_velocity(d: Diagnosis, *, axes: Axes) -> Axes:
     matplotlib.axes.Axes
         The same axes.
     """
-    return _force(axes, d.where.velocity_levels, d.where.velocity_force, "velocity [m/s]", 1.0, parted=True)
+    where = d.where if isinstance(d, Diagnosis) else d
+    return _force(axes, where.velocity_levels, where.velocity_force, "velocity [m/s]", 1.0, parted=True)
 
 
-def force_against_position(d: Diagnosis, *, axes: Axes) -> Axes:
+def force_against_position(d: Diagnosis | Where, *, axes: Axes) -> Axes:
     """Draw the residual force of the linear model against position from rest: a cubic spring is a cubic.
 
     Parameters
     ----------
-    d : Diagnosis
+    d : Diagnosis or Where
+        A diagnosis, or its answer to where the linear model disagrees.
     axes : matplotlib.axes.Axes
         To draw into.
 
@@ -46,7 +49,8 @@ def force_against_position(d: Diagnosis, *, axes: Axes) -> Axes:
     matplotlib.axes.Axes
         The same axes.
     """
-    return _force(axes, d.where.position_levels, d.where.position_force, "position from rest [mm]", 1e3, parted=False)
+    where = d.where if isinstance(d, Diagnosis) else d
+    return _force(axes, where.position_levels, where.position_force, "position from rest [mm]", 1e3, parted=False)
 
 
 def _force(axes: Axes, levels: Array, force: Array, label: str, factor: float, *, parted: bool) -> Axes:
