@@ -13,7 +13,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 HEAVY = ["control", "matplotlib", "numpy", "scipy", "pydantic", "pandas", "plotly", "jinja2", "typer", "rich"]
 ONE_ROOM = {
-    "control": "transfer.py",
+    "control": "transfer",
+    "pandas": "frames.py",
     "matplotlib": "plot",
     "typer": "cli.py",
     "rich": "cli.py",

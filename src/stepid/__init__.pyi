@@ -2,6 +2,7 @@ from . import characteristics as characteristics
 from . import datasets as datasets
 from . import effects as effects
 from . import errors as errors
+from . import lab as lab
 from . import plot as plot
 from .characteristics import characterize as characterize
 from .characteristics import characterize_all as characterize_all
@@ -37,6 +38,12 @@ from .solvers import WeightedLeastSquares as WeightedLeastSquares
 from .stacked import assemble as assemble
 from .step_input import StepInput as StepInput
 from .table import read_table as read_table
+from .transfer import from_time_response as from_time_response
+from .transfer import initial_state as initial_state
+from .transfer import nonlinear_system as nonlinear_system
+from .transfer import simulate_system as simulate_system
+from .transfer import state_space as state_space
+from .transfer import to_time_response as to_time_response
 from .transfer import transfer_function as transfer_function
 from .trends import find_trends as find_trends
 from .verify import verify as verify

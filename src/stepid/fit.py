@@ -19,6 +19,7 @@ from stepid.estimate import Estimate
 from stepid.estimates import estimates
 from stepid.experiment import Campaign
 from stepid.floor import enough, noise_floor, repeat_notes, weights
+from stepid.frames import parameter_frame
 from stepid.model import PlantModel
 from stepid.screen import screen
 from stepid.simulate import unpack
@@ -60,6 +61,10 @@ class Fit(Model):
     converged: bool
     notes: tuple[str, ...] = ()
 
+    def to_dataframe(self) -> DataFrame:
+        """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""
+        return parameter_frame((n, e.value, e.uncertainty, e.unit) for n, e in self.parameters.items())
+
 
 def ground_of(campaign: Campaign) -> tuple[Records, Ground]:
     """Lay out what can be used of a campaign, weigh it and fit the linear plant.
@@ -76,7 +81,7 @@ def ground_of(campaign: Campaign) -> tuple[Records, Ground]:
     records = lay_out(screen(campaign).campaign)
     if not enough(records):
         raise UndeterminedError(
-            f"campaign {campaign.name!r}: {records.size} samples that move are too few to tell the noise from the motion",
+            f"campaign {campaign.name!r}: too few samples to tell the noise from the motion ({records.size} in all)",
             "Record longer or sample faster, or give counts_per_meter, from which the smallest noise follows.",
         )
     floor = noise_floor(records)

@@ -146,6 +146,7 @@ class Effect:
     n_switches: ClassVar[int] = 0  # positions or states where its law changes
     n_extra: ClassVar[int] = 0  # own states with a rate in time
     n_memory: ClassVar[int] = 0  # own states that follow the displacement, not time
+    settled: ClassVar[bool] = False  # own states are known even where a record starts in motion
     run_parameters: ClassVar[tuple[Parameter, ...]] = ()  # refitted for every run, appended to the values
     contains: ClassVar[tuple[str, ...]] = ()  # simpler effects that this one reduces to
 
@@ -192,6 +193,10 @@ class Effect:
     def remember(self, p: Values, memory: tuple[Array, ...], shift: Array, sign: Array) -> tuple[Array, ...]:
         """Own memory after the cart has moved by `shift` [m] in direction `sign` from where it was `memory`."""
         return memory
+
+    def memory_slopes(self, p: Values, m: Motion) -> tuple[Array, ...]:
+        """Change of the own memory per meter of travel, for solvers that know rates only (optional)."""
+        return tuple(np.zeros_like(m.x) for _ in range(self.n_memory))
 
     def drive(self, p: Values, m: Motion) -> Array:
         """Voltage that reaches the motor, V (the measured one unless the effect changes it)."""

@@ -193,6 +193,9 @@ class PreslidingHysteresis(Effect):
         loaded = distance - (distance - built) * np.exp(-np.maximum(path - free, 0.0) / distance)
         return (sign * np.where(path < free, along + path, loaded),)
 
+    def memory_slopes(self, p: Values, m: Motion) -> tuple[Array, ...]:
+        return (1.0 - np.maximum(m.sign * m.memory[0] / p[1], 0.0),)
+
     def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
         left = 1.0 - m.sign * m.memory[0] / p[1]
         path = np.abs(m.v) * length + 0.5 * np.abs(acceleration) * length**2

@@ -1,0 +1,202 @@
+"""A plant as a linear python-control system: transfer function and state space."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stepid._base import Array
+from stepid.effects import CATALOGUE, Effect
+from stepid.errors import IdentificationError
+from stepid.experiment import Experiment
+from stepid.model import PlantModel
+from stepid.parameters import IdentifiedParameters
+from stepid.transfer.express import refuse, why_not_linear
+from stepid.transfer.plant import plant_of
+
+if TYPE_CHECKING:
+    import control
+
+
+def transfer_function(
+    source: IdentifiedParameters | PlantModel, run: str | Experiment, *, catalogue: tuple[Effect, ...] = CATALOGUE
+) -> control.TransferFunction:
+    """Make the transfer function of one run (Eq. 11).
+
+    G(s) = K/((m/k)s² + (c/k)s + 1), with the run's mass, damping and static gain and its spring's stiffness. Effects
+    that keep the plant linear (actuator lag, viscoelastic spring, flexible coupling) raise its order.
+
+    Parameters
+    ----------
+    source : IdentifiedParameters or PlantModel
+        From `stepid.identify` or `stepid.solve`; or the model of a `stepid.fit` or `stepid.diagnose`.
+    run : str or Experiment
+        Name of the run, for example ``"case 4"``; for a PlantModel the run itself, ``campaign["case 4"]``, because the
+        model does not know its labels.
+    catalogue : tuple of Effect
+        Where a model's effects are looked up.
+
+    Returns
+    -------
+    control.TransferFunction
+        From voltage [V] to displacement from rest [m], so with K in m/V; named after the run.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If the run was not identified, the model lacks one of its labels, or has an effect that is not linear.
+    stepid.errors.IdentificationError
+        If the run has no static gain because it holds no step.
+    """
+    import control
+
+    a, b, name, _ = _matrices(source, run, catalogue)
+    numerator: Any
+    denominator: Any
+    if isinstance(source, IdentifiedParameters):
+        k = source.run_stiffness(name)
+        numerator, denominator = [source.static_gain[name]], [source.masses[name] / k, source.damping[name] / k, 1.0]
+    else:
+        numerator, denominator = _polynomials(a, b)
+    return control.tf(numerator, denominator, name=name, inputs="voltage", outputs="position")
+
+
+def state_space(
+    source: IdentifiedParameters | PlantModel, run: str | Experiment, *, catalogue: tuple[Effect, ...] = CATALOGUE
+) -> control.StateSpace:
+    """Make the state-space system of one run, x = (displacement [m] from rest, velocity [m/s], the effects' own).
+
+    Parameters
+    ----------
+    source, run, catalogue
+        As `transfer_function`.
+
+    Returns
+    -------
+    control.StateSpace
+        From voltage [V] to displacement from rest [m]; named after the run.
+
+    Raises
+    ------
+    stepid.errors.StepidError
+        As `transfer_function`.
+    """
+    import control
+
+    a, b, name, states = _matrices(source, run, catalogue)
+    seen = np.zeros((1, len(states)))
+    seen[0, 0] = 1.0
+    return control.ss(a, b, seen, [[0.0]], name=name, inputs="voltage", outputs="position", states=states)
+
+
+def _matrices(
+    source: IdentifiedParameters | PlantModel, run: str | Experiment, catalogue: tuple[Effect, ...]
+) -> tuple[Array, Array, str, list[str]]:
+    """System matrix (d, d), input matrix (d, 1), the run's name and the names of the states."""
+    name = run.name if isinstance(run, Experiment) else run
+    if isinstance(source, IdentifiedParameters):
+        k = source.run_stiffness(name)
+        if name not in source.static_gain:
+            raise IdentificationError(
+                f"run {name!r} has no static gain, because it holds no step of the input",
+                "Eq. 11 needs one: name a run with a voltage step.",
+            )
+        m, c = source.masses[name], source.damping[name]
+        matrix = np.array([[0.0, 1.0], [-k / m, -c / m]])
+        return matrix, np.array([[0.0], [source.static_gain[name] * k / m]]), name, ["displacement", "velocity"]
+    held: Any = run
+    plant = plant_of(source, held, catalogue=catalogue)
+    refuse(
+        plant.law.effects,
+        why_not_linear,
+        what=f"run {name!r}: a linear system",
+        remedy="Use stepid.nonlinear_system or stepid.simulate, or the model without effects (diagnosis.linear_model).",
+    )
+    unit = np.eye(plant.law.n_states)
+    still = plant.table(plant.parameters, time=0.0, volts=0.0)
+    driven = plant.table(plant.parameters, time=0.0, volts=1.0)
+    columns = [plant.rates(still, state) for state in unit]
+    return np.column_stack(columns), plant.rates(driven, 0.0 * unit[0])[:, None], name, plant.states
+
+
+def _polynomials(a: Array, b: Array) -> tuple[Array, Array]:
+    """Numerator and denominator of the first state, the denominator ending in 1.
+
+    By the Markov parameters C Aⁱ B, so that the numerator's leading zeros are exact.
+    """
+    denominator = np.atleast_1d(np.poly(a)).real
+    markov, state = [0.0], b[:, 0]
+    for _ in range(a.shape[0]):
+        markov.append(float(state[0]))
+        state = a @ state
+    numerator = np.convolve(denominator, markov)[: a.shape[0] + 1]
+    first = int(np.flatnonzero(numerator)[0]) if np.any(numerator) else a.shape[0]
+    return numerator[first:] / denominator[-1], denominator / denominator[-1]
+
+
+def held_response(
+    parameters: IdentifiedParameters, run: str, *, input: Array, sample_time: float, input_before: float
+) -> Array:
+    """Response of the identified model to a sampled and held input, from rest.
+
+    `control.forced_response` draws straight lines between the samples of a continuous system's input, which turns
+    a step into a ramp one sample long. So the system is first sampled with a zero-order hold, which is exact.
+
+    Parameters
+    ----------
+    parameters : IdentifiedParameters
+    run : str
+    input : array, shape (n,)
+        V, each value held from its sample to the next.
+    sample_time : float
+        s.
+    input_before : float
+        V, under which the plant rests before the first sample.
+
+    Returns
+    -------
+    array, shape (n,)
+        Displacement from that rest position, m.
+
+    Raises
+    ------
+    stepid.errors.StepidError
+        As `transfer_function`.
+    """
+    import control
+
+    model = control.ss(transfer_function(parameters, run))
+    response = control.forced_response(control.sample_system(model, sample_time, method="zoh"), U=input - input_before)
+    return np.asarray(response.outputs, dtype=np.float64)
+
+
+def free_responses(parameters: IdentifiedParameters, run: str, *, samples: int, sample_time: float) -> Array:
+    """Free responses of the identified model to a unit initial displacement and to a unit initial velocity.
+
+    Parameters
+    ----------
+    parameters : IdentifiedParameters
+    run : str
+    samples : int
+    sample_time : float
+        s.
+
+    Returns
+    -------
+    array, shape (samples, 2)
+        Displacement for 1 m, and for 1 m/s.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If the run was not identified.
+    """
+    import control
+
+    m, c, k = parameters.masses[run], parameters.damping[run], parameters.run_stiffness(run)
+    model = control.ss([[0.0, 1.0], [-k / m, -c / m]], [[0.0], [1.0 / m]], [[1.0, 0.0]], [[0.0]])
+    sampled = control.sample_system(model, sample_time, method="zoh")
+    still = np.zeros(samples)
+    columns = [control.forced_response(sampled, U=still, X0=start).outputs for start in ([1.0, 0.0], [0.0, 1.0])]
+    return np.column_stack(columns).astype(np.float64)

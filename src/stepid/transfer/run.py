@@ -1,0 +1,136 @@
+"""Run a python-control system on the held input of a record."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stepid._base import Array
+from stepid.engine.records import release_index, starts_in_motion
+from stepid.errors import ConvergenceError, InputError
+from stepid.experiment import Experiment
+
+if TYPE_CHECKING:
+    import control
+
+_RELATIVE, _ABSOLUTE = 1e-10, 1e-13  # tolerances of the states; m and m/s, or the effects' own units
+
+
+def simulate_system(
+    system: control.InputOutputSystem, run: Experiment, *, initial_state: npt.ArrayLike | None = None
+) -> control.TimeResponseData:
+    """Simulate a python-control system on a run's input, each value held from its sample to the next.
+
+    A linear system is sampled with a zero-order hold, which is exact; any other is integrated from one change of the
+    input to the next, where `control.input_output_response` over the whole record would turn each step into a ramp.
+
+    Parameters
+    ----------
+    system : control.InputOutputSystem
+        With one input [V]: from `transfer_function`, `state_space` or `nonlinear_system`, or your own.
+    run : Experiment
+        Its time and input are used; a release begins where the cart is free of the hand.
+    initial_state : array, shape (d,), optional
+        From `initial_state`; zero if not given.
+
+    Returns
+    -------
+    control.TimeResponseData
+        On the run's clock counted from its first sample, s; with inputs, states and outputs.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If the system has more than one input, a sample time that is not the run's, or another number of states; or the
+        run rests under an input before its first sample and no initial state is given.
+    stepid.errors.ConvergenceError
+        If the response runs away.
+    """
+    import control
+
+    _check(system, run, initial_state)
+    begin = release_index(run) if starts_in_motion(run) else 0
+    volts = run.input[begin:]
+    time: Array = run.sample_time * np.arange(begin, run.input.size, dtype=np.float64)
+    start: Array = np.zeros(system.nstates) if initial_state is None else np.asarray(initial_state, dtype=np.float64)
+    if isinstance(system, control.LTI):
+        sampled: Any = control.ss(system)
+        if sampled.isctime():
+            sampled = control.sample_system(sampled, run.sample_time, method="zoh")
+        response = control.forced_response(sampled, T=time - time[0], inputs=volts, initial_state=start)
+        states, outputs = response.x, response.y
+    else:
+        states, outputs = _integrate(system, time, volts, start)
+    return control.TimeResponseData(
+        time,
+        outputs,
+        states,
+        volts[None],
+        issiso=system.noutputs == 1,
+        output_labels=system.output_labels,
+        input_labels=system.input_labels,
+        state_labels=system.state_labels if len(system.state_labels) == len(states) else None,
+        title=f"{system.name}, held input of run {run.name!r}",
+        sysname=system.name,
+    )
+
+
+def _integrate(system: Any, time: Array, volts: Array, start: Array) -> tuple[Array, Array]:
+    """States (d, n) and outputs (p, n) of a nonlinear system, from one change of the input to the next."""
+    import control
+
+    last = time.size - 1
+    marks = [0, *(int(i) for i in np.flatnonzero(np.diff(volts)) + 1 if i < last), last]
+    options = {
+        "rtol": _RELATIVE,
+        "atol": _ABSOLUTE,
+        "max_step": float(time[1] - time[0]),
+    }  # so that no kink is leapt over
+    states, outputs = [], []
+    for i, j in pairwise(marks):
+        part = time[i : j + 1]
+        try:
+            response = control.input_output_response(
+                system,
+                part,
+                np.full(part.size, volts[i]),
+                start,
+                solve_ivp_method="DOP853",
+                solve_ivp_kwargs=options,
+            )
+        except (RuntimeError, FloatingPointError) as error:
+            raise ConvergenceError(
+                f"the simulation of {system.name!r} runs away after {part[0]:.4g} s ({error})",
+                "Check its parameters: a softening spring or a negative mass has no bounded response.",
+            ) from None
+        start = response.x[:, -1]
+        end = None if j == last else -1
+        states.append(response.x[:, :end])
+        outputs.append(response.y[:, :end])
+    return np.concatenate(states, axis=1), np.concatenate(outputs, axis=1)
+
+
+def _check(system: Any, run: Experiment, initial_state: npt.ArrayLike | None) -> None:
+    if system.ninputs != 1:
+        raise InputError(
+            f"system {system.name!r} has {system.ninputs} inputs, a run has one", "Choose one: system[:, 0]."
+        )
+    if system.isdtime(strict=True) and not np.isclose(system.dt, run.sample_time, rtol=1e-6):
+        raise InputError(
+            f"system {system.name!r} has sample time {system.dt} s, run {run.name!r} has {run.sample_time:.6g} s",
+            "Sample the continuous system with the run's sample time.",
+        )
+    if initial_state is None and run.input_before != 0:
+        raise InputError(
+            f"run {run.name!r} rests under {run.input_before:g} V before its first sample",
+            "Give that state: initial_state=stepid.initial_state(model, run).",
+        )
+    size = np.size(initial_state) if initial_state is not None else system.nstates
+    if system.nstates is not None and size != system.nstates:
+        raise InputError(
+            f"the initial state has {size} values, system {system.name!r} has {system.nstates} states",
+            f"Its states are {', '.join(system.state_labels)}.",
+        )
