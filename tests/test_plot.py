@@ -74,7 +74,7 @@ def test_verification_makes_its_own_figure_or_takes_axes() -> None:
     upper, lower = plot.verification(run())
     assert upper.figure is lower.figure
     assert upper.get_position().y0 > lower.get_position().y1
-    assert upper.figure.get_size_inches()[0] == pytest.approx(3.5)
+    assert upper.figure.get_size_inches()[0] == pytest.approx(85 / 25.4)
     _, mine = plt.subplots(2)
     assert plot.verification(run(), axes=(mine[0], mine[1])) == (mine[0], mine[1])
 
@@ -101,7 +101,7 @@ def test_save_writes_a_picture_and_closes_it(tmp_path: Path) -> None:
     upper, _ = plot.verification(run())
     path = plot.save(upper, tmp_path / "response.png")
     pixels = image.imread(path)
-    assert pixels.shape[1] == 700  # 3.5 inches at 200 dots an inch
+    assert pixels.shape[1] == 669  # 85 mm at 200 dots an inch
     assert pixels.std() > 0.05
     assert not plt.get_fignums()
 

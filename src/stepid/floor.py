@@ -12,6 +12,9 @@ from stepid.experiment import Experiment
 
 _ORDER = 8  # of the differences: a swing sampled 12 times a period leaves 1e-5 of itself
 _CLIP = 3.5  # kinks and jumps beyond so many standard deviations do not count
+_FEWEST = 20  # differences that make a spread
+_ALIKE = 0.1  # spread of repeated runs over their motion, beyond which they are no repeats
+_SCATTER = 1.5  # times the sensor's noise, by which repeated runs differ notably
 
 
 def _moving_differences(run: Experiment, begin: int) -> Array:
@@ -29,6 +32,12 @@ def _moving_differences(run: Experiment, begin: int) -> Array:
     return out
 
 
+def enough(records: Records) -> bool:
+    """Tell whether the noise can be told from the motion: by enough samples that move, or by the encoder's scale."""
+    moving = (_moving_differences(run, int(b)).size for run, b in zip(records.runs, records.begin, strict=True))
+    return all(run.resolution is not None for run in records.runs) or sum(moving) >= _FEWEST
+
+
 def sensor_noise(records: Records) -> float:
     """Standard deviation of the readings' noise, m.
 
@@ -39,7 +48,7 @@ def sensor_noise(records: Records) -> float:
     steps = [run.resolution for run in records.runs if run.resolution is not None]
     least = max(steps) / math.sqrt(12) if steps else 0.0
     d = np.concatenate(values)
-    if d.size < 20:
+    if d.size < _FEWEST:
         return max(least, 1e-12)
     spread = 1.4826 * float(np.median(np.abs(d)))
     if spread <= 0:
@@ -61,19 +70,48 @@ def repeats(records: Records) -> list[tuple[int, ...]]:
     return [tuple(group) for group in groups.values() if len(group) > 1]
 
 
-def repeatability(records: Records) -> float | None:
-    """Run-to-run spread of repeated runs, m: what no model of one plant can explain; None without repeats."""
-    groups = repeats(records)
-    if not groups:
-        return None
-    total, count = 0.0, 0
+def _spreads(records: Records) -> list[tuple[tuple[int, ...], float, float]]:
+    """Groups of repeated runs, each with the sum of squares of their spread and of their motion, m²."""
+    out = []
     pieces = records.pieces()
-    for group in groups:
+    for group in repeats(records):
         stack = np.array([records.position[pieces[i]] for i in group])
         stack = stack - stack.mean(axis=1, keepdims=True)
-        total += float(np.sum((stack - stack.mean(axis=0)) ** 2)) / (len(group) - 1) * len(group)
-        count += stack.size
-    return math.sqrt(total / count)
+        between = float(np.sum((stack - stack.mean(axis=0)) ** 2)) / (len(group) - 1) * len(group)
+        out.append((group, between, float(np.sum(stack**2))))
+    return out
+
+
+def repeatability(records: Records) -> float | None:
+    """Run-to-run spread of repeated runs, m: what no model of one plant can explain; None without repeats.
+
+    Runs under the same labels that differ by a tenth of their motion are no repeats: a label, scale or sign is wrong.
+    """
+    found = [(group, between) for group, between, motion in _spreads(records) if between <= _ALIKE**2 * motion]
+    if not found:
+        return None
+    counts = np.diff(records.bounds)
+    return math.sqrt(sum(between for _, between in found) / sum(int(counts[list(g)].sum()) for g, _ in found))
+
+
+def repeat_notes(records: Records) -> tuple[str, ...]:
+    """Say by how much repeated runs differ, where that is notable."""
+    out = []
+    for group, between, motion in _spreads(records):
+        if between > _ALIKE**2 * motion:
+            names = ", ".join(repr(records.runs[i].name) for i in group)
+            share = 100 * math.sqrt(between / motion)
+            out.append(
+                f"Runs {names} have the same labels and input but differ by {share:.0f} % of their motion: "
+                "a label, scale or sign is wrong."
+            )
+    spread, noise = repeatability(records), sensor_noise(records)
+    if spread is not None and spread > _SCATTER * noise:
+        out.append(
+            f"Repeated runs differ by {1e6 * spread:.3g} µm, {spread / noise:.2g} times the sensor's noise: "
+            "no model of one plant leaves less."
+        )
+    return tuple(out)
 
 
 def noise_floor(records: Records) -> float:

@@ -35,12 +35,16 @@ class RunState(Model):
         m/s at the first sample, zero unless the record starts in motion.
     phases : mapping
         The effects' parameters that are the run's own, for example ``"periodic_disturbance.phase"`` [rad].
+    states : mapping
+        Where a record starts in motion: how far the effects' own states are from those of a plant at rest there, for
+        example ``"flexible_coupling.1"`` [m].
     """
 
     rest: Finite = 0.0
     displacement: Finite = 0.0
     velocity: Finite = 0.0
     phases: Mapping[str, Finite] = {}
+    states: Mapping[str, Finite] = {}
 
 
 class PlantModel(Model):

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from stepid.effects.base import Effect
 from stepid.engine.displace import resettle
@@ -20,6 +21,7 @@ _FIELD = 8  # effects that race after the first scoring
 _CLOSE = 5.0  # times the best score's cost within which an effect races at once
 _PLAIN = 4.0  # times the cost of noise above which the linear gap is plain to see
 _HOPELESS = 6.0  # times the cost of one that reached the floor
+_ROOM = 6.0  # times the price of the starting displacements that holding them at zero may seem to cost
 _PROMISE = 3.0  # χ² that a more general effect must promise where a simpler one reached the floor
 
 
@@ -59,7 +61,7 @@ def candidate(ground: Ground, effects: tuple[Effect, ...], optimum: Optimum) -> 
 
 
 def polish(ground: Ground, contender: Contender) -> Candidate | None:
-    """Converge a contender on all samples, with the starting displacements free and at zero; keep the better."""
+    """Converge a contender on all samples, with the starting states free and at rest; keep the better."""
     tolerance = 0.002 * contender.excess if contender.excess > 0.4 * contender.cost else 0.0
     for _ in range(3):
         contender.polish(laps=15, tolerance=tolerance)
@@ -69,10 +71,13 @@ def polish(ground: Ground, contender: Contender) -> Candidate | None:
     if best is None:
         return None
     found = candidate(ground, contender.effects, best)
-    if any(e.rests_anywhere for e in contender.effects):
-        problem = best.problem
-        active = problem.active.copy()
-        active[0] = ground.records.moving
+    problem = best.problem
+    active = problem.active.copy()
+    active[0] = ground.records.moving
+    active[problem.simulator.own_states] = False
+    if not np.array_equal(active, problem.active):
+        if not _worth_holding(ground, best, active):
+            return found
         local = np.where(active, best.local, 0.0)
         held = minimize(
             replace(problem, active=active),
@@ -87,6 +92,22 @@ def polish(ground: Ground, contender: Contender) -> Candidate | None:
             if other.evidence < found.evidence:
                 found = other
     return found
+
+
+def _worth_holding(ground: Ground, best: Optimum, active: npt.NDArray[np.bool_]) -> bool:
+    """Tell whether starting states may be those at rest: by one linearized step, with room for its error."""
+    problem = best.problem
+    jacobian, residual = problem.jacobian(best.solved), problem.residual(best.solved)
+    where = np.argwhere(problem.active)
+    kept = np.concatenate([np.ones(int(problem.free.sum()), dtype=bool), active[where[:, 0], where[:, 1]]])
+    own = best.local[where[:, 0], where[:, 1]][~kept[-len(where) :]]
+    residual = residual + jacobian[:, ~kept] @ own
+    size = np.linalg.norm(jacobian, axis=0)
+    size[size == 0] = np.inf
+    q = np.linalg.qr((jacobian / size)[:, kept])[0]
+    left = residual - q @ (q.T @ residual)
+    price = own.size * math.log(ground.records.size)
+    return float(left @ left) - best.cost < _ROOM * price * ground.floor**2
 
 
 def singles(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
@@ -135,18 +156,32 @@ def generalized(
     by_name = {c.effects[0].name: c for c in contenders}
     best, done = contenders[0].cost, settled(ground, contenders[:1])
     limit = best + 60 * ground.unit if done else 4 * best
-    added = []
+    offers = []
     for effect in catalogue:
         inner = [by_name[n] for n in effect.contains if n in by_name]
         good = [c for c in inner if c.cost < limit or (c in contenders[:3] and not done)]
         if good and effect.name not in by_name:
-            starts = [s for c in good for s in _grown(ground, effect, c, picky=done)]
-            if starts:
-                added.append(_enter(ground, effect, starts, progress))
+            starts = [(*_promised(ground, effect, c, s), s) for c in good for s in _grown(ground, effect, c)]
+            offers.append((min(left for left, _, _ in starts), effect, starts))
+    added: list[Contender] = []
+    for _, effect, starts in sorted(offers, key=lambda offer: offer[0]):
+        if settled(ground, [*contenders, *added]) and not effect.affine:
+            # an affine one is quick, and may be as good without promising any gain
+            least = min(c.cost for c in [*contenders, *added]) + 60 * ground.unit
+            starts = [s for s in starts if s[1] > _PROMISE * ground.unit and s[0] - 3 * s[1] < least]
+        if starts:
+            added.append(_enter(ground, effect, [s for _, _, s in starts], progress))
     if added:
         contenders = [*contenders, *added]
         advance(ground, contenders)
     return contenders
+
+
+def _promised(ground: Ground, effect: Effect, inner: Contender, start: Start) -> tuple[float, float]:
+    """Cost that a more general effect promises to leave, and what it promises to gain on the simpler one."""
+    assert inner.best is not None
+    gain = promise(ground, inner.best, (effect,), start)
+    return inner.cost - gain, gain
 
 
 def _enter(ground: Ground, effect: Effect, starts: list[Start], progress: Progress, *, keep: int = 3) -> Contender:
@@ -156,16 +191,13 @@ def _enter(ground: Ground, effect: Effect, starts: list[Start], progress: Progre
     return contender
 
 
-def _grown(ground: Ground, effect: Effect, inner: Contender, *, picky: bool) -> list[Start]:
-    """Starts of an effect that contains a simpler one, at the simpler one's optimum; `picky`: the promising ones."""
+def _grown(ground: Ground, effect: Effect, inner: Contender) -> list[Start]:
+    """Starts of an effect that contains a simpler one, at the simpler one's optimum."""
     if inner.best is None:
         return []
     n = inner.coarse.simulator.n_linear
     linear, values = inner.best.shared[:n], inner.best.shared[n:]
-    starts = [Start(linear, (grown,)) for grown in effect.grow(tuple(float(v) for v in values), ground.scales)]
-    if not picky or effect.affine:  # the affine ones are quick, and may be as good without promising any gain
-        return starts
-    return [s for s in starts if promise(ground, inner.best, (effect,), s) > _PROMISE * ground.unit]
+    return [Start(linear, (grown,)) for grown in effect.grow(tuple(float(v) for v in values), ground.scales)]
 
 
 def advance(ground: Ground, contenders: list[Contender], laps: tuple[int, ...] = (5, 10, 20)) -> None:

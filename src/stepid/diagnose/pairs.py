@@ -154,6 +154,7 @@ def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
             at, row = at + n, row + q
         rest = tuple(e for place, e in enumerate(found.effects) if place != dropped)
         problem = build(ground.records, rest)
+        local.append(np.zeros((problem.simulator.law.n_states - 2, optimum.local.shape[1])))  # own states begin anew
         fewer = minimize(
             problem, np.concatenate(shared), np.concatenate(local), tolerance=ground.tolerance, iterations=20
         )

@@ -23,6 +23,7 @@ class ActuatorLag(Effect):
     advice = "faster amplifier, or keep it in the model"
     linear: ClassVar[bool] = True
     n_extra: ClassVar[int] = 1
+    settled: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         period = 2 * np.pi * np.sqrt(scales.mass / scales.stiffness)

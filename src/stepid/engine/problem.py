@@ -48,6 +48,9 @@ def build(records: Records, effects: tuple[Effect, ...], *, fineness: float = 1.
     active[0] = records.moving | any(e.rests_anywhere for e in effects)
     active[1] = records.moving
     active[2:] = True
+    unknown = [not e.settled for e in effects for _ in range(e.n_extra)]
+    unknown += [not e.settled for e in effects for _ in range(e.n_memory)]
+    active[sim.own_states] = records.moving & np.array(unknown, dtype=bool)[:, None]
     return Problem(sim, free, lower, upper, active)
 
 

@@ -93,19 +93,24 @@ def _difference(ground: Ground, effect: Effect, values: tuple[float, ...]) -> Ar
     shared = np.concatenate([linear.shared, values])
     states = np.zeros((sim.law.n_states, records.size))
     states[:2] = linear.solved.states
+    states = sim.remembered(shared, local, states)
     solved = sim.solve(shared, local, start=states)
     if solved is None or solved.shared is None or solved.local is None:
         return None
     parts = [(solved.reading - linear.solved.reading)[:, None]]
     if effect.run_parameters:  # a phase a run: both quadratures are free
-        parts.append(solved.shared[sim.n_linear :].T)
-        parts.extend([solved.local[2:].T])
         split = np.zeros((records.size, 2 * len(records.runs)))
         for r, piece in enumerate(records.pieces()):
             split[piece, 2 * r] = parts[0][piece, 0]
             split[piece, 2 * r + 1] = solved.local[2, piece]
         return split
-    return np.concatenate([parts[0], solved.shared[sim.n_linear :].T], axis=1)
+    parts.append(solved.shared[sim.n_linear :].T)
+    pieces = records.pieces()
+    for row, run in np.argwhere(problem.active[sim.own_states]):
+        started = np.zeros((records.size, 1))
+        started[pieces[run], 0] = solved.local[sim.own_states][row, pieces[run]]
+        parts.append(started)
+    return np.concatenate(parts, axis=1)
 
 
 def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
@@ -152,10 +157,14 @@ def promise(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], start: 
     shared = np.concatenate([start.linear, *start.values])
     states = np.zeros((sim.law.n_states, ground.sketch.size))
     states[:2] = inner.solved.states[:2]
-    solved = sim.solve(shared, inner.local, start=states, sensitive=False)
+    local = np.zeros((sim.n_local, inner.local.shape[1]))
+    known = inner.problem.simulator.own_states.start
+    local[:known] = inner.local[:known]
+    states = sim.remembered(shared, local, states)
+    solved = sim.solve(shared, local, start=states, sensitive=False)
     if solved is None:
-        marched = sim.march(shared[None], inner.local[None])[0]
-        solved = sim.solve(shared, inner.local, start=marched, sensitive=False)
+        marched = sim.march(shared[None], local[None])[0]
+        solved = sim.solve(shared, local, start=marched, sensitive=False)
     if solved is None or not np.isfinite(solved.reading).all():
         return np.inf  # cannot tell: let it race
     jacobian = inner.problem.jacobian(inner.solved)

@@ -120,7 +120,7 @@ class Contender:
             costs = [self._reach(z[0]) for z in states]
             order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
         for i in order:
-            near = self._near(like) if states is None else states[i]
+            near = self._near(like, shared[i], local) if states is None else states[i]
             found = minimize(
                 problem,
                 shared[i],
@@ -136,10 +136,10 @@ class Contender:
                 if found.converged and (again or found.cost < 1.02 * self.ground.noise_cost):
                     break  # at the floor, or where the start before it ended
 
-    def _near(self, like: Optimum) -> Array:
+    def _near(self, like: Optimum, shared: Array, local: Array) -> Array:
         states = np.zeros((self.coarse.simulator.law.n_states, self.ground.sketch.size))
         states[:2] = like.solved.states[:2]
-        return states
+        return self.coarse.simulator.remembered(shared, local, states)
 
     def _reach(self, reading: Array) -> float:
         """Cost that a trajectory would leave after the linear plant has adapted to it."""

@@ -29,7 +29,9 @@ class Tables:
         self.n_labels = (len(records.bases), len(records.springs), len(records.dampers))
         self.n_linear = sum(self.n_labels) + 1
         self.n_shared = self.n_linear + sum(len(e.parameters) for e in effects)
-        self.n_local = 2 + sum(len(e.run_parameters) for e in effects)  # displacement, velocity, the effects' own
+        # displacement and velocity at the start, the effects' run parameters, their own states at the start
+        self.own_states = slice(2 + sum(len(e.run_parameters) for e in effects), None)
+        self.n_local = self.own_states.start + self.law.n_states - 2
         self._scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), 1e-9)
 
     # ---- lane tables ------------------------------------------------------------------------------------------
@@ -121,6 +123,8 @@ class Tables:
         x = x + point.local[:, 0].ravel()
         z = self._still(flat, x)
         z[1] = np.where(moving, point.local[:, 1].ravel(), 0.0)
+        offsets = point.local[:, self.own_states].swapaxes(0, 1).reshape(law.n_states - 2, flat.shape[1])
+        z[2:] += np.where(moving, offsets, 0.0)
         return z.reshape(law.n_states, *table.shape[1:])
 
     def _sides(self, table: Array, z: Array) -> Array:

@@ -159,6 +159,24 @@ class Simulator(Tables):
             z[1, piece] = np.gradient(y, r.time[piece])
         return z
 
+    def remembered(self, shared: Array, local: Array, z: Array) -> Array:
+        """States with the memories that the path z[0] leaves behind, sample by sample, shape (d, S)."""
+        if self.law.n_rates == self.law.n_states:
+            return z
+        point = Point(shared[None], local[None])
+        table = self.run_table(point).reshape(self.law.n_rows, -1)
+        out, bounds = z.copy(), self.records.bounds
+        out[self.law.n_rates :, self.records.first] = self.initial(point)[self.law.n_rates :, 0]
+        lengths = np.diff(bounds)
+        for k in range(int(lengths.max()) - 1):
+            runs = np.flatnonzero(lengths > k + 1)
+            at = bounds[runs] + k
+            after = out[:, at + 1]
+            after[self.law.n_rates :] = out[self.law.n_rates :, at]
+            self.law.remember(table[:, runs], out[:, at], after, np.where(after[0] < out[0, at], -1.0, 1.0))
+            out[:, at + 1] = after
+        return out
+
     def solve(
         self, shared: Array, local: Array, *, start: Array | None = None, sensitive: bool = True
     ) -> Solved | None:
@@ -278,6 +296,8 @@ class Simulator(Tables):
         local = np.repeat(point.local, 1 + p + q, 0)
         steps = np.concatenate([self.steps(point.shared[0]), np.full(q, 1e-6)])
         steps[p : p + 2] = 1e-6 * self._scale, 1e-5 * self._scale
+        begin = p + self.own_states.start
+        steps[begin:] = 1e-6 * self._scale
         for j in range(p):
             shared[1 + j, j] += steps[j]
         for j in range(q):
@@ -285,7 +305,7 @@ class Simulator(Tables):
         many = Point(shared, local)
         start = self.initial(many)
         rhs = np.zeros((p + q, z.shape[0], self.records.size))
-        own = [0, *range(1, p + 1), *range(p + 3, 1 + p + q)]  # displacement and velocity act at the start only
+        own = [0, *range(1, p + 1), *range(p + 3, 1 + begin)]  # the starting state acts at the start only
         copies = np.repeat(z[:, None], len(own), axis=1).reshape(z.shape[0], -1)
         psi = self._step(self._stages(Point(shared[own], local[own])), copies).reshape(z.shape[0], len(own), -1)
         column = np.array(own[1:]) - 1

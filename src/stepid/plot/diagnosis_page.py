@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from stepid.diagnose.result import Diagnosis
 from stepid.diagnose.summary import answer
+from stepid.errors import InputError
 from stepid.plot.causes import candidates, force_against_position, force_against_velocity, phase_bars
 from stepid.plot.gap import gap_bars, gap_residual, gap_response
 from stepid.plot.style import PAGE, new_figure, stacked_axes, styled
 
 _RUNS = 3  # side by side
+_PANELS: dict[str, Callable[..., Axes]] = {
+    "gap": gap_bars,
+    "velocity": force_against_velocity,
+    "position": force_against_position,
+    "phases": phase_bars,
+    "candidates": candidates,
+}
 
 
-def diagnosis(d: Diagnosis, *, runs: Sequence[str] = ()) -> dict[str, Axes]:
+def diagnosis(d: Diagnosis, *, runs: Sequence[str] = (), axes: Mapping[str, Axes] | None = None) -> dict[str, Axes]:
     """Draw a whole diagnosis on one page.
 
     On top, runs as measured and as simulated before and after, with their residuals on one scale and the noise as a
@@ -29,6 +37,8 @@ def diagnosis(d: Diagnosis, *, runs: Sequence[str] = ()) -> dict[str, Axes]:
         From `stepid.diagnose`.
     runs : sequence of str
         Names of the runs to show, three look best; by default the runs with the largest, the middle and the least gap.
+    axes : mapping of str to matplotlib.axes.Axes or None
+        To draw into, by the names below, as ``figure.subplot_mosaic`` makes them; a new page if not given.
 
     Returns
     -------
@@ -39,8 +49,10 @@ def diagnosis(d: Diagnosis, *, runs: Sequence[str] = ()) -> dict[str, Axes]:
     Raises
     ------
     stepid.errors.InputError
-        If there is no such run.
+        If there is no such run, or no panel of the name of an axes.
     """
+    if axes is not None:
+        return {name: _panel(d, name, place) for name, place in axes.items()}
     names = tuple(runs) or _telling(d)
     figure = new_figure(width=PAGE, height=8.2)
     rows = figure.add_gridspec(3, 1, height_ratios=(3.2, 2.2, 2.0))
@@ -70,6 +82,21 @@ def diagnosis(d: Diagnosis, *, runs: Sequence[str] = ()) -> dict[str, Axes]:
             labels = [text for _, found in pairs for text in found]
             figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
     return drawn
+
+
+def _panel(d: Diagnosis, name: str, axes: Axes) -> Axes:
+    """Draw one panel by its name."""
+    if name in _PANELS:
+        return _PANELS[name](d, axes=axes)
+    runs = [run.name for run in d.runs]
+    if name in runs:
+        return gap_response(d, name, axes=axes)
+    if name.removesuffix(" residual") in runs:
+        return gap_residual(d, name.removesuffix(" residual"), axes=axes)
+    raise InputError(
+        f"the diagnosis of {d.campaign!r} has no panel {name!r}",
+        f"Its panels are {', '.join(map(repr, [*_PANELS, *runs]))}, and of each run its name with ' residual'.",
+    )
 
 
 def _telling(d: Diagnosis) -> tuple[str, ...]:

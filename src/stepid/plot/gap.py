@@ -165,7 +165,7 @@ def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     return axes
 
 
-def gap_runs(d: Diagnosis, *, columns: int = 3) -> npt.NDArray[np.object_]:
+def gap_runs(d: Diagnosis, *, columns: int = 3, axes: npt.NDArray[np.object_] | None = None) -> npt.NDArray[np.object_]:
     """Draw every run on one page: measured, before and after, each with its residual below on one common scale.
 
     Parameters
@@ -173,13 +173,20 @@ def gap_runs(d: Diagnosis, *, columns: int = 3) -> npt.NDArray[np.object_]:
     d : Diagnosis
         With at least one run.
     columns : int
-        Runs side by side, at most.
+        Runs side by side, at most, on a new page.
+    axes : array of matplotlib.axes.Axes, shape (runs, 2), or None
+        To draw into; a new page with one legend if not given.
 
     Returns
     -------
     array of matplotlib.axes.Axes, shape (runs, 2)
         Response and residual by run.
     """
+    if axes is not None:
+        for run, (upper, lower) in zip(d.runs, axes, strict=True):
+            gap_response(d, run.name, axes=upper)
+            gap_residual(d, run.name, axes=lower)
+        return axes
     bands = math.ceil(len(d.runs) / columns)
     columns = math.ceil(len(d.runs) / bands)
     figure = new_figure(width=PAGE, height=2.6 * bands + 0.3)

@@ -105,7 +105,9 @@ def verification(run: VerificationRun, *, axes: AxesPair | None = None) -> AxesP
     return axes
 
 
-def verification_grid(verified: Verification, *, columns: int = 3) -> npt.NDArray[np.object_]:
+def verification_grid(
+    verified: Verification, *, columns: int = 3, axes: npt.NDArray[np.object_] | None = None
+) -> npt.NDArray[np.object_]:
     """Draw all runs on one page, each with its residual below.
 
     Parameters
@@ -113,13 +115,19 @@ def verification_grid(verified: Verification, *, columns: int = 3) -> npt.NDArra
     verified : Verification
         From `stepid.verify`.
     columns : int
-        Runs side by side, at most.
+        Runs side by side, at most, on a new page.
+    axes : array of matplotlib.axes.Axes, shape (runs, 2), or None
+        To draw into; a new page with one legend if not given.
 
     Returns
     -------
     array of matplotlib.axes.Axes, shape (runs, 2)
         Response and residual by run.
     """
+    if axes is not None:
+        for run, pair in zip(verified.runs, axes, strict=True):
+            verification(run, axes=(pair[0], pair[1]))
+        return axes
     bands = math.ceil(len(verified.runs) / columns)
     columns = math.ceil(len(verified.runs) / bands)
     figure = new_figure(width=PAGE, height=2.6 * bands + 0.3)

@@ -16,7 +16,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from stepid._base import Array
 
-COLUMN = 3.5  # inches, one journal column
+COLUMN = 85 / 25.4  # inches, one journal column of 85 mm
 PAGE = 7.2  # inches, two columns
 # Okabe and Ito, "Color universal design" (2008)
 MEASURED, MODEL, OTHER, MARK = "#56B4E9", "#000000", "#D55E00", "#009E73"

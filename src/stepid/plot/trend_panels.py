@@ -64,21 +64,24 @@ def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
     return axes
 
 
-def trends(found: Trends) -> npt.NDArray[np.object_]:
+def trends(found: Trends, *, axes: npt.NDArray[np.object_] | None = None) -> npt.NDArray[np.object_]:
     """Draw all trends on one page, a row each.
 
     Parameters
     ----------
     found : Trends
         From `stepid.find_trends`, at least one trend.
+    axes : array of matplotlib.axes.Axes, shape (trends, 4), or None
+        To draw into; a new page if not given.
 
     Returns
     -------
     array of matplotlib.axes.Axes, shape (trends, 4)
     """
-    with styled():
-        figure = new_figure(width=PAGE, height=2.0 * len(found.trends))
-        grid: npt.NDArray[np.object_] = figure.subplots(len(found.trends), len(_QUANTITIES), squeeze=False)
-    for one, row in zip(found.trends, grid, strict=True):
+    if axes is None:
+        with styled():
+            figure = new_figure(width=PAGE, height=2.0 * len(found.trends))
+            axes = figure.subplots(len(found.trends), len(_QUANTITIES), squeeze=False)
+    for one, row in zip(found.trends, axes, strict=True):
         trend(one, axes=row.tolist())
-    return grid
+    return axes

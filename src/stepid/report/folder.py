@@ -1,49 +1,11 @@
-"""Write a folder of results all at once or not at all."""
+"""File names for results; `staged` writes them all at once or not at all."""
 
 from __future__ import annotations
 
-import os
 import re
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from collections.abc import Iterable
 
-from stepid.errors import InputError
-
-
-@contextmanager
-def staged(out: Path) -> Iterator[Path]:
-    """Offer an empty folder beside `out`, and move its files into `out` only if nothing went wrong.
-
-    Parameters
-    ----------
-    out : pathlib.Path
-        Where the files shall be; made if it does not exist, its other files stay.
-
-    Yields
-    ------
-    pathlib.Path
-        To write into.
-
-    Raises
-    ------
-    stepid.errors.InputError
-        If `out` is a file or cannot be written.
-    """
-    if out.exists() and not out.is_dir():
-        raise InputError(f"{out} is a file, not a folder", "Name a folder for the results with --out.")
-    anchor = next(p for p in (out, *out.absolute().parents) if p.is_dir())  # on the file system of `out`
-    try:
-        with TemporaryDirectory(dir=anchor, prefix=".stepid-") as scratch:
-            yield Path(scratch)
-            out.mkdir(parents=True, exist_ok=True)
-            for path in sorted(Path(scratch).iterdir()):
-                os.replace(path, out / path.name)
-    except OSError as error:
-        raise InputError(
-            f"cannot write to {out} ({error.strerror or error})", "Choose another folder with --out."
-        ) from error
+from stepid.staging import staged as staged
 
 
 def file_names(runs: Iterable[str]) -> dict[str, str]:

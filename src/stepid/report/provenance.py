@@ -95,11 +95,11 @@ def of_data(diagnosis: Diagnosis) -> Provenance:
     Provenance
         For each run the hash of its times [s], then its measured positions [m], as little-endian 64-bit floats.
     """
-    sources = tuple(
-        Source(name=run.name, sha256=hashlib.sha256(np.array([run.time, run.measured], dtype="<f8")).hexdigest())
-        for run in diagnosis.runs
-    )
-    return _today(sources, of_files=False)
+    sources = []
+    for run in diagnosis.runs:
+        numbers = np.array([run.time, run.measured], dtype="<f8").tobytes()
+        sources.append(Source(name=run.name, sha256=hashlib.sha256(numbers).hexdigest()))
+    return _today(tuple(sources), of_files=False)
 
 
 def _today(sources: tuple[Source, ...], *, of_files: bool) -> Provenance:
