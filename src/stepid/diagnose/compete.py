@@ -146,20 +146,25 @@ def widen(
     more = [_enter(ground, e, race_starts(ground, e, scored), progress) for e in ranked[: _FIELD - len(known) + 2]]
     contenders = [*contenders, *more]
     advance(ground, contenders)
-    return contenders
+    return generalized(ground, contenders, catalogue, progress, every=True)
 
 
 def generalized(
-    ground: Ground, contenders: list[Contender], catalogue: tuple[Effect, ...], progress: Progress
+    ground: Ground,
+    contenders: list[Contender],
+    catalogue: tuple[Effect, ...],
+    progress: Progress,
+    *,
+    every: bool = False,
 ) -> list[Contender]:
-    """Add the effects that contain a good candidate, started from it; the best first."""
+    """Add the effects that contain a good candidate (or any, where `every` is wanted), started from it; best first."""
     by_name = {c.effects[0].name: c for c in contenders}
     best, done = contenders[0].cost, settled(ground, contenders[:1])
     limit = best + 60 * ground.unit if done else 4 * best
     offers = []
     for effect in catalogue:
         inner = [by_name[n] for n in effect.contains if n in by_name]
-        good = [c for c in inner if c.cost < limit or (c in contenders[:3] and not done)]
+        good = [c for c in inner if c.cost < limit or ((every or c in contenders[:3]) and not done)]
         if good and effect.name not in by_name:
             starts = [(*_promised(ground, effect, c, s), s) for c in good for s in _grown(ground, effect, c)]
             offers.append((min(left for left, _, _ in starts), effect, starts))

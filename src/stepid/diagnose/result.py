@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -178,6 +180,52 @@ class Diagnosis(Model):
     def summary(self) -> str:
         """Return the answers to the five questions: noise floor, where, which, is it, what next; with tables."""
         return as_text(self)
+
+    def to_html(self, path: str | os.PathLike[str]) -> Path:
+        """Write the whole story as one page with pictures to point into, which needs no network.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        pathlib.Path
+            Where it was written.
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If the file cannot be written.
+        stepid.errors.StepidError
+            If a package that it needs is not installed.
+        """
+        from stepid.report.write import write_html
+
+        return write_html(self, path)
+
+    def to_markdown(self, path: str | os.PathLike[str]) -> Path:
+        """Write the whole story as Markdown for a lab notebook, with its pictures as PNG files beside it.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        pathlib.Path
+            Where the text was written.
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If a file cannot be written.
+        stepid.errors.StepidError
+            If a package that it needs is not installed.
+        """
+        from stepid.report.write import write_markdown
+
+        return write_markdown(self, path)
 
     def __repr__(self) -> str:
         return one_line(self)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -121,10 +122,15 @@ class Contender:
             order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
         for i in order:
             near = self._near(like, shared[i], local) if states is None else states[i]
+            own = start_phases(problem, shared[i], local, near)
+            if problem.active[sim.own_states].any():  # from wrong own states the shared parameters go astray
+                alone = replace(problem, free=np.zeros_like(problem.free))
+                begun = minimize(alone, shared[i], own, start=near, iterations=3)
+                own, near = (begun.local, begun.solved.states) if begun else (own, near)
             found = minimize(
                 problem,
                 shared[i],
-                start_phases(problem, shared[i], local, near),
+                own,
                 start=near,
                 tolerance=max(self.ground.tolerance, 0.003 * self.cost if np.isfinite(self.cost) else 0.0),
                 iterations=laps,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -9,10 +11,10 @@ from stepid._base import Array
 from stepid.diagnose.result import Diagnosis, Where
 from stepid.diagnose.wording import effect_names
 from stepid.plot.gap import AFTER, BEFORE, NOISE
-from stepid.plot.style import SERIES, plain_logarithm, styled
+from stepid.plot.style import SERIES, dress, plain_logarithm, styled
 
 _SHOWN = 6  # candidates
-_WIDE = 34  # letters of a candidate's name
+_WIDE = 60  # letters of a candidate's name on one line
 
 
 def force_against_velocity(d: Diagnosis | Where, *, axes: Axes) -> Axes:
@@ -55,6 +57,7 @@ def force_against_position(d: Diagnosis | Where, *, axes: Axes) -> Axes:
 
 def _force(axes: Axes, levels: Array, force: Array, label: str, factor: float, *, parted: bool) -> Axes:
     with styled():
+        dress(axes)
         axes.axhline(0.0, color=AFTER, linewidth=0.6)
         axes.axvline(0.0, color=AFTER, linewidth=0.6)
         # no line across zero velocity: what happens there is the point of the picture
@@ -83,12 +86,14 @@ def phase_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     """
     names, values = list(d.where.phases), [1e6 * rms for rms in d.where.phases.values()]
     with styled():
+        dress(axes)
         axes.bar(range(len(names)), values, 0.6, color=BEFORE, hatch="//", edgecolor="white", zorder=2)
         axes.axhline(1e6 * d.gap.noise, color=NOISE, linestyle="--", label="noise", zorder=3)
         axes.set_xticks(range(len(names)), names, rotation=30, ha="right", rotation_mode="anchor")
         axes.grid(axis="x", visible=False)
         axes.set_ylabel("RMS, linear [µm]")
         axes.set_title("where: by phase")
+        axes.legend()
     return axes
 
 
@@ -109,36 +114,47 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
     shown = [one for one in d.ranking if one.effects][:_SHOWN] + [one for one in d.ranking if not one.effects][:1]
     tied = {d.effects, *d.alternatives} if d.effects else {()}
     with styled():
+        dress(axes)
         for place, one in enumerate(shown):
             color, hatch = (AFTER, "") if one.effects in tied else (BEFORE, "//")
-            axes.barh(place, 1e6 * one.rms, 0.65, color=color, hatch=hatch, edgecolor="white", zorder=2)
+            axes.barh(place, 1e6 * one.rms, 0.42, color=color, hatch=hatch, edgecolor="white", zorder=2)
             said = f" {1e6 * one.rms:.3g}"
             if one.evidence >= 0.5:
                 said += f"  (−{_short(one.evidence)})"
             axes.text(1e6 * one.rms, place, said, va="center", fontsize=7)
+            # above its bar: beside it, long names would leave no room in a column
+            axes.text(
+                0.01,
+                place - 0.26,
+                _candidate(one.effects),
+                transform=axes.get_yaxis_transform(),
+                va="bottom",
+                fontsize=7,
+            )
         axes.axvline(1e6 * d.gap.noise, color=NOISE, linestyle="--", zorder=3)
         if not shown:
             axes.text(0.5, 0.5, "none was needed", transform=axes.transAxes, ha="center")
         values = [1e6 * v for v in (d.gap.noise, *(one.rms for one in shown)) if v > 0]
         if values:
             axes.set_xscale("log")
-            plain_logarithm(axes.xaxis)
             axes.set_xlim(0.5 * min(values), max(values) ** 1.5 / min(values) ** 0.5 * 1.6)
-        axes.set_yticks(range(len(shown)), [_candidate(one.effects) for one in shown])
-        axes.invert_yaxis()
+            plain_logarithm(axes.xaxis)
+        axes.set_yticks([])
+        axes.set_ylim(max(len(shown), 1) - 0.7, -0.85)
         axes.grid(axis="y", visible=False)
-        axes.set_xlabel("RMS left [µm] (in brackets: evidence lost to the best)")
+        axes.set_xlabel("RMS left [µm] (in brackets: evidence lost)")
         axes.set_title("candidates")
     return axes
 
 
 def _short(value: float) -> str:
-    """Write a large number briefly: ``"870"``, ``"3e5"``."""
-    return f"{value:.3g}" if value < 1e4 else f"{value:.0e}".replace("e+0", "e").replace("e+", "e")
+    """Write a number briefly: ``"2.5"``, ``"870"``, ``"3e5"``."""
+    if value < 1e4:
+        return f"{value:.1f}" if value < 9.95 else f"{value:.0f}"
+    return f"{value:.0e}".replace("e+0", "e").replace("e+", "e")
 
 
 def _candidate(effects: tuple[str, ...]) -> str:
     if not effects:
         return "linear"
-    name = effect_names(effects)
-    return name if len(name) <= _WIDE else name.replace(" and ", "\nand ")
+    return textwrap.fill(effect_names(effects), _WIDE)

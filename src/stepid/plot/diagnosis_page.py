@@ -12,7 +12,7 @@ from stepid.diagnose.result import Diagnosis
 from stepid.diagnose.summary import answer
 from stepid.errors import InputError
 from stepid.plot.causes import candidates, force_against_position, force_against_velocity, phase_bars
-from stepid.plot.gap import gap_bars, gap_residual, gap_response
+from stepid.plot.gap import gap_bars, gap_residual, gap_response, one_legend
 from stepid.plot.style import PAGE, new_figure, stacked_axes, styled
 
 _RUNS = 3  # side by side
@@ -76,11 +76,8 @@ def diagnosis(d: Diagnosis, *, runs: Sequence[str] = (), axes: Mapping[str, Axes
         drawn["candidates"] = candidates(d, axes=figure.add_subplot(bottom[1:]))
         title = textwrap.fill(f"{d.campaign}: {answer(d)}", 100)
         figure.suptitle(title, x=0.01, ha="left", fontsize=9)
-        if names:
-            pairs = [drawn[key].get_legend_handles_labels() for key in (names[0], f"{names[0]} residual")]
-            handles = [h for found, _ in pairs for h in found]
-            labels = [text for _, found in pairs for text in found]
-            figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    shown = [names[0], f"{names[0]} residual"] if names else ["gap"]
+    one_legend([drawn[key] for key in shown], list(drawn.values()), loc="outside lower center")
     return drawn
 
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from stepid.diagnose.result import Diagnosis, RunGap
@@ -17,6 +20,7 @@ from stepid.plot.style import (
     MODEL,
     OTHER,
     PAGE,
+    dress,
     length_unit,
     new_figure,
     plain_logarithm,
@@ -61,12 +65,14 @@ def gap_response(d: Diagnosis, name: str, *, axes: Axes) -> Axes:
     """
     run = _run(d, name)
     with styled():
+        dress(axes)
         axes.plot(run.time, 1e3 * run.measured, ".", color=MEASURED, markersize=3.5, label="measured", rasterized=True)
         axes.plot(run.time, 1e3 * run.linear, "--", color=BEFORE, linewidth=1.1, label="linear model")
         if d.effects:
             axes.plot(run.time, 1e3 * run.model, "-", color=AFTER, linewidth=0.9, label="with the effect added")
         axes.set_ylabel("position [mm]")
         axes.set_title(_title(d, run))
+        axes.legend()
     return axes
 
 
@@ -104,13 +110,24 @@ def gap_residual(d: Diagnosis, name: str, *, axes: Axes, largest: float | None =
     scale, unit = length_unit(np.array([reach]))
     band = 2 * scale * d.gap.noise
     with styled():
+        dress(axes)
         axes.axhspan(-band, band, color=NOISE, alpha=0.35, linewidth=0, label="noise, ±2σ")
-        axes.plot(run.time, scale * (run.measured - run.linear), "--", color=BEFORE, linewidth=0.9)
+        axes.plot(
+            run.time, scale * (run.measured - run.linear), "--", color=BEFORE, linewidth=0.9, label="linear model"
+        )
         if d.effects:
-            axes.plot(run.time, scale * (run.measured - run.model), "-", color=AFTER, linewidth=0.6)
+            axes.plot(
+                run.time,
+                scale * (run.measured - run.model),
+                "-",
+                color=AFTER,
+                linewidth=0.6,
+                label="with the effect added",
+            )
         axes.set_ylim(-1.05 * scale * reach, 1.05 * scale * reach)
         axes.set_ylabel(f"residual [{unit}]")
         axes.set_xlabel("time [s]")
+        axes.legend(loc="upper right")
     return axes
 
 
@@ -136,13 +153,23 @@ def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     if d.gap.held_out_before is not None and d.gap.held_out_after is not None:
         groups.append(("held out", d.gap.held_out_before, d.gap.held_out_after))
     with styled():
+        dress(axes)
         for at, (_, before, after) in enumerate(groups):
             bars = [("linear", before, BEFORE, "//")]
             bars += [("with the effect", after, AFTER, "")] if d.effects else []
             bars += [("noise", d.gap.noise, NOISE, "..")]
             for i, (label, value, color, hatch) in enumerate(bars):
                 place = at + 0.27 * (i - (len(bars) - 1) / 2)
-                axes.bar(place, 1e6 * value, 0.25, color=color, hatch=hatch, edgecolor="white", label=label, zorder=2)
+                axes.bar(
+                    place,
+                    1e6 * value,
+                    0.25,
+                    color=color,
+                    hatch=hatch,
+                    edgecolor="white",
+                    label="" if at else label,
+                    zorder=2,
+                )
                 axes.annotate(
                     f"{1e6 * value:.3g}",
                     (place, 1e6 * value),
@@ -155,13 +182,14 @@ def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
         values = [1e6 * v for _, before, after in groups for v in (before, after, d.gap.noise) if v > 0]
         if values:
             axes.set_yscale("log")
+            axes.set_ylim(0.3 * min(values), 10 * max(values))  # with room for the legend
             plain_logarithm(axes.yaxis)
-            axes.set_ylim(0.3 * min(values), 2.5 * max(values))
         axes.set_xticks(range(len(groups)), [name for name, _, _ in groups])
         axes.set_xlim(-0.6, len(groups) - 0.4)
         axes.grid(axis="x", visible=False)
         axes.set_ylabel("RMS gap [µm]")
         axes.set_title("gap")
+        axes.legend(loc="upper left", ncols=3, columnspacing=1.0, handlelength=1.4)
     return axes
 
 
@@ -199,15 +227,23 @@ def gap_runs(d: Diagnosis, *, columns: int = 3, axes: npt.NDArray[np.object_] | 
         if column:
             upper.set_ylabel("")
             lower.set_ylabel("")
-    _legend_above(drawn)
+    one_legend(drawn[0].tolist(), drawn.ravel().tolist(), loc="outside upper center")
     return drawn
 
 
-def _legend_above(drawn: npt.NDArray[np.object_]) -> None:
-    """Put one legend on top of the page for all its runs."""
-    handles, labels = drawn[0, 0].get_legend_handles_labels()
-    more, names = drawn[0, 1].get_legend_handles_labels()
+def one_legend(
+    first: Sequence[Axes], drawn: Sequence[Axes], *, loc: Literal["outside upper center", "outside lower center"]
+) -> None:
+    """Put one legend, of what the first axes show, on the page in the place of those of all axes."""
+    known: dict[str, Artist] = {}
+    for one in first:
+        for handle, label in zip(*one.get_legend_handles_labels(), strict=True):
+            known.setdefault(label, handle)
+    for one in drawn:
+        legend = one.get_legend()
+        if legend is not None:
+            legend.remove()
+    figure = first[0].get_figure(root=True)
+    assert figure is not None  # axes on a page belong to a figure
     with styled():
-        drawn[0, 0].figure.legend(
-            [*handles, *more], [*labels, *names], loc="outside upper center", ncols=len(labels) + len(names)
-        )
+        figure.legend(list(known.values()), list(known), loc=loc, ncols=len(known))

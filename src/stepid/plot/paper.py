@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 
 from stepid.paper import PaperResponse
-from stepid.plot.style import MARK, MODEL, OTHER, column_axes, length_unit, styled
+from stepid.plot.style import MARK, MODEL, OTHER, column_axes, dress, length_unit, styled
 
 
 def paper_figure(run: PaperResponse, *, axes: tuple[Axes, Axes] | None = None) -> tuple[Axes, Axes]:
@@ -29,6 +29,7 @@ def paper_figure(run: PaperResponse, *, axes: tuple[Axes, Axes] | None = None) -
     difference = run.rebuilt - run.printed
     scale, unit = length_unit(difference)
     with styled():
+        dress(upper, lower)
         upper.plot(
             run.time, 1e3 * run.printed, "-", color=OTHER, linewidth=3, alpha=0.6, label="model, printed Table 2"
         )

@@ -15,6 +15,7 @@ from stepid.plot.style import (
     MODEL,
     PAGE,
     column_axes,
+    dress,
     length_unit,
     new_figure,
     stacked_axes,
@@ -40,6 +41,7 @@ def response(run: VerificationRun, *, axes: Axes) -> Axes:
         The same axes.
     """
     with styled():
+        dress(axes)
         axes.plot(run.time, 1e3 * run.measured, ".", color=MEASURED, markersize=3, label="measured", rasterized=True)
         axes.plot(run.time, 1e3 * run.simulated, "-", color=MODEL, label="model")
         _mark_peak(run, axes)
@@ -66,6 +68,7 @@ def residual(run: VerificationRun, *, axes: Axes) -> Axes:
     difference = run.measured - run.simulated
     scale, unit = length_unit(difference)
     with styled():
+        dress(axes)
         axes.axhline(0.0, color=MODEL, linewidth=0.8)
         axes.plot(run.time, scale * difference, ".", color=MEASURED, markersize=2.5, rasterized=True)
         _mark_peak(run, axes)

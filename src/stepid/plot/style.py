@@ -49,6 +49,17 @@ def styled() -> Iterator[None]:
         yield
 
 
+def dress(*axes: Axes) -> None:
+    """Bring axes into the style that were made outside it: the user's own."""
+    for one in axes:
+        one.spines[["top", "right"]].set_visible(False)
+        one.grid(visible=True, color=STYLE["grid.color"], linewidth=STYLE["grid.linewidth"])
+        one.set_axisbelow("line")
+        one.tick_params(labelsize=STYLE["xtick.labelsize"])
+        for text in (one.xaxis.label, one.yaxis.label):
+            text.set_fontsize(STYLE["axes.labelsize"])
+
+
 def new_figure(*, width: float, height: float) -> Figure:
     """Make an empty figure, sizes in inches."""
     with styled():
@@ -78,8 +89,10 @@ def length_unit(values: Array) -> tuple[float, str]:
 
 
 def plain_logarithm(axis: Axis) -> None:
-    """Mark a logarithmic axis at 1, 2 and 5 times the powers of ten, in plain numbers."""
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    """Mark a logarithmic axis, its limits set, in plain numbers: 1, 2 and 5 times the powers of ten where they fit."""
+    low, high = axis.get_view_interval()
+    crowded = axis.axis_name == "x" and high > 50 * low
+    axis.set_major_locator(LogLocator(subs=(1.0,) if crowded else (1.0, 2.0, 5.0)))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
 

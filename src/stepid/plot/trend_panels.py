@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 
-from stepid.plot.style import MARKERS, PAGE, SERIES, new_figure, styled
+from stepid.plot.style import MARKERS, PAGE, SERIES, dress, new_figure, styled
 from stepid.trends import Trend, Trends
 
 _QUANTITIES = (  # field, label, factor from SI
@@ -37,7 +37,7 @@ def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
     """
     if axes is None:
         with styled():
-            axes = new_figure(width=PAGE, height=2.0).subplots(1, len(_QUANTITIES)).tolist()
+            axes = new_figure(width=PAGE, height=2.2).subplots(1, len(_QUANTITIES)).tolist()
     places = np.arange(len(one.runs))
     settings = [one.setting(run).removesuffix(" kg") for run in one.runs]
     crowded = sum(map(len, settings)) > _ROOM
@@ -45,6 +45,7 @@ def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
     marker = MARKERS[("damping", "mass", "stiffness").index(one.varies)]
     with styled():
         for ax, (field, label, factor) in zip(axes, _QUANTITIES, strict=True):
+            dress(ax)
             values = [getattr(run, field) for run in one.runs]
             spread = [getattr(run.uncertainty, field) or 0.0 for run in one.runs]
             known = [i for i, value in enumerate(values) if value is not None]
@@ -61,6 +62,7 @@ def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
             ax.set_xlim(-0.4, len(one.runs) - 0.6)
             ax.set_xlabel("added mass [kg]" if one.varies == "mass" else f"more {one.varies} →")
             ax.set_ylabel(label)
+        axes[0].set_title(f"What {one.varies} does ({one.held})")
     return axes
 
 
@@ -80,7 +82,7 @@ def trends(found: Trends, *, axes: npt.NDArray[np.object_] | None = None) -> npt
     """
     if axes is None:
         with styled():
-            figure = new_figure(width=PAGE, height=2.0 * len(found.trends))
+            figure = new_figure(width=PAGE, height=2.2 * len(found.trends))
             axes = figure.subplots(len(found.trends), len(_QUANTITIES), squeeze=False)
     for one, row in zip(found.trends, axes, strict=True):
         trend(one, axes=row.tolist())
