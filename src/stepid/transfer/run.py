@@ -34,7 +34,7 @@ def simulate_system(
     run : Experiment
         Its time and input are used; a release begins where the cart is free of the hand.
     initial_state : array, shape (d,), optional
-        From `initial_state`; zero if not given.
+        From `stepid.initial_state`; zero if not given.
 
     Returns
     -------
@@ -44,20 +44,23 @@ def simulate_system(
     Raises
     ------
     stepid.errors.InputError
-        If the system has more than one input, a sample time that is not the run's, or another number of states; or the
-        run rests under an input before its first sample and no initial state is given.
+        If the system has more than one input, a sample time that is not the run's, or another number of states than the
+        initial state; or the run rests under an input before its first sample and no initial state is given.
     stepid.errors.ConvergenceError
         If the response runs away.
     """
     import control
 
     _check(system, run, initial_state)
+    name = system.name
+    if isinstance(system, control.LTI):
+        system = control.ss(system)  # a transfer function has no states to begin in
     begin = release_index(run) if starts_in_motion(run) else 0
     volts = run.input[begin:]
     time: Array = run.sample_time * np.arange(begin, run.input.size, dtype=np.float64)
     start: Array = np.zeros(system.nstates) if initial_state is None else np.asarray(initial_state, dtype=np.float64)
     if isinstance(system, control.LTI):
-        sampled: Any = control.ss(system)
+        sampled: Any = system
         if sampled.isctime():
             sampled = control.sample_system(sampled, run.sample_time, method="zoh")
         response = control.forced_response(sampled, T=time - time[0], inputs=volts, initial_state=start)
@@ -72,9 +75,9 @@ def simulate_system(
         issiso=system.noutputs == 1,
         output_labels=system.output_labels,
         input_labels=system.input_labels,
-        state_labels=system.state_labels if len(system.state_labels) == len(states) else None,
-        title=f"{system.name}, held input of run {run.name!r}",
-        sysname=system.name,
+        state_labels=system.state_labels,
+        title=f"{name}, held input of run {run.name!r}",
+        sysname=name,
     )
 
 
@@ -126,11 +129,15 @@ def _check(system: Any, run: Experiment, initial_state: npt.ArrayLike | None) ->
     if initial_state is None and run.input_before != 0:
         raise InputError(
             f"run {run.name!r} rests under {run.input_before:g} V before its first sample",
-            "Give that state: initial_state=stepid.initial_state(model, run).",
+            "Take a state space or nonlinear system and give initial_state=stepid.initial_state(model, run).",
         )
-    size = np.size(initial_state) if initial_state is not None else system.nstates
-    if system.nstates is not None and size != system.nstates:
+    if initial_state is not None and system.nstates is None:
         raise InputError(
-            f"the initial state has {size} values, system {system.name!r} has {system.nstates} states",
+            f"system {system.name!r} is a transfer function, which has no states to begin in",
+            "Take stepid.state_space in its place.",
+        )
+    if initial_state is not None and np.size(initial_state) != system.nstates:
+        raise InputError(
+            f"initial state has {np.size(initial_state)} values, system {system.name!r} has {system.nstates} states",
             f"Its states are {', '.join(system.state_labels)}.",
         )
