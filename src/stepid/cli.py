@@ -16,6 +16,8 @@ from stepid.identification import characterize_campaign
 from stepid.parameters import IdentifiedParameters
 from stepid.report import Section, as_text, diagnosis_report, identify_report, paper_report
 from stepid.report.folder import file_names, staged
+from stepid.report.provenance import of_files
+from stepid.report.write import write_all
 
 app = typer.Typer(
     name="stepid",
@@ -122,7 +124,8 @@ def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
             (folder / "diagnosis.txt").write_text(as_text(sections), encoding="utf-8")
             _write_json(folder / "diagnosis.json", values)
             plot.save(plot.diagnosis(found)["gap"], folder / "diagnosis.png")
-            plot.save(plot.gap_runs(found)[0, 0], folder / "runs.png")
+            with Console(stderr=True).status("writing the report"):
+                write_all(found, of_files(campaign), folder)
             written = sorted(out / path.name for path in folder.iterdir())
     if as_json:
         del values["data"]

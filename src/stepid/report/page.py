@@ -1,0 +1,106 @@
+"""The report as one page that needs nothing else: no network, no other file."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+import re
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup, escape
+from plotly.offline import get_plotlyjs
+
+from stepid.diagnose.result import Diagnosis
+from stepid.diagnose.summary import answer
+from stepid.diagnose.wording import digits, effect_names, length
+from stepid.plot import save
+from stepid.report.frame import run_line
+from stepid.report.hand import HandMethod
+from stepid.report.pictures import pictures
+from stepid.report.provenance import Provenance
+from stepid.report.still import Stills, stills
+from stepid.report.story import Hand, tell
+
+
+def html_page(d: Diagnosis, hand: Hand, provenance: Provenance) -> str:
+    """Write a diagnosis as one self-contained page.
+
+    Parameters
+    ----------
+    d : Diagnosis
+    hand : HandMethod, IdentificationError or None
+    provenance : Provenance
+
+    Returns
+    -------
+    str
+        HTML with its style, script and pictures inside.
+    """
+    verified = hand.verified if isinstance(hand, HandMethod) else None
+    environment = Environment(
+        loader=PackageLoader("stepid.report", "."),
+        autoescape=select_autoescape(enabled_extensions=("j2", "html")),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["typeset"] = _typeset
+    drawn = json.dumps(pictures(d, verified.runs if verified else ()), separators=(",", ":"))
+    return environment.get_template("page.html.j2").render(
+        d=d,
+        answer=answer(d),
+        chapters=tell(d, hand, provenance),
+        tiles=_tiles(d),
+        stills=_inlined(stills(d, verified)),
+        places={run.name: i for i, run in enumerate(d.runs)},
+        run_line=run_line,
+        plotly=_packed(get_plotlyjs()),
+        pictures=_packed(drawn),
+        provenance=provenance,
+    )
+
+
+def _typeset(text: str) -> Markup:
+    """Escape, keep a number and its unit on one line, and set ω_d with a low d."""
+    kept = re.sub(r"(?<=\d) (?=(?:µm|mm|kg|ms|s|V|N|%)(?:\W|$))", "\u00a0", str(escape(text)))
+    return Markup(kept.replace("ω_d", "ω<sub>d</sub>"))
+
+
+def _packed(text: str) -> str:
+    return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode()
+
+
+class _Inlined(NamedTuple):
+    url: str
+    width: int  # CSS pixels, 96 an inch
+
+
+def _inlined(drawn: Stills) -> dict[str, _Inlined]:
+    """Still pictures as data URLs."""
+    found = {}
+    with TemporaryDirectory() as folder:
+        for name, draw in drawn.items():
+            axes = draw()
+            width = round(96 * axes.get_figure(root=True).get_size_inches()[0])
+            path = save(axes, Path(folder) / "still.webp")
+            found[name] = _Inlined(f"data:image/webp;base64,{base64.b64encode(path.read_bytes()).decode()}", width)
+    return found
+
+
+def _tiles(d: Diagnosis) -> list[tuple[str, str, str]]:
+    """The figures to remember: what, how much, and beside what."""
+
+    def times(rms: float) -> str:
+        return f"{digits(rms / d.gap.noise)} × noise" if d.gap.noise else ""
+
+    tiles = [("Gap, linear model", length(d.gap.before), times(d.gap.before))]
+    if d.effects:
+        tiles.append((f"Gap, with {effect_names(d.effects)}", length(d.gap.after), times(d.gap.after)))
+        if d.gap.held_out_before is not None and d.gap.held_out_after is not None:
+            before = f"{length(d.gap.held_out_before)} before"
+            tiles.append(("On runs held out", length(d.gap.held_out_after), before))
+    return [*tiles, ("Noise", length(d.gap.noise), f"{len(d.runs)} runs")]

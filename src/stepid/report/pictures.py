@@ -1,0 +1,232 @@
+"""The interactive pictures, drawn by plotly; colors are named, so that the page can show them light or dark."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+
+from stepid._base import Array
+from stepid.diagnose.result import Diagnosis, RunGap
+from stepid.diagnose.wording import effect_names
+from stepid.report.frame import BAR, NOISE, bars, framed, own_line, paired, run_line
+from stepid.report.thin import kept_samples
+from stepid.verification import VerificationRun
+
+_SHOWN = 8  # candidates
+_MARKED = 9  # markers on a curve
+
+
+def pictures(d: Diagnosis, verified: Sequence[VerificationRun]) -> dict[str, Any]:
+    """Draw all interactive pictures of a report.
+
+    Parameters
+    ----------
+    d : Diagnosis
+    verified : sequence of VerificationRun
+        Of the hand method; empty where it has none.
+
+    Returns
+    -------
+    dict of str to dict
+        By name, as plotly's JSON; a picture of one run is called ``"run-3"`` by the run's place in the diagnosis.
+    """
+    place = {run.name: i for i, run in enumerate(d.runs)}
+    reach = max((float(np.abs(run.measured - run.linear).max()) for run in d.runs), default=0.0) or 1e-6
+    drawn = {
+        "records": _overlay(d, [1e3 * run.measured for run in d.runs], "position [mm]", "mm"),
+        "residuals": _residuals(d),
+        "phases": _phases(d),
+        "velocity": _force(d.where.velocity_levels, d.where.velocity_force, "velocity [m/s]", "m/s", parted=True),
+        "position": _force(1e3 * d.where.position_levels, d.where.position_force, "from rest [mm]", "mm", parted=False),
+        "gap": _gap(d),
+    }
+    if d.ranking:
+        drawn["candidates"] = _candidates(d)
+    if d.effects:
+        drawn["pull"] = _pull(d)
+    left = max((float(np.abs(run.measured - run.simulated).max()) for run in verified), default=0.0) or 1e-6
+    for run in verified:
+        if run.name in place:
+            drawn[f"verification-{place[run.name]}"] = _verification(run, left)
+    for i, gap in enumerate(d.runs):
+        drawn[f"run-{i}"] = _run(d, gap, reach)
+    return {name: figure.to_plotly_json() for name, figure in drawn.items()}
+
+
+def unit(reach: float) -> tuple[float, str]:
+    """Factor from meters and name of the unit in which `reach` reads well."""
+    return (1e3, "mm") if reach >= 1e-3 else (1e6, "µm")
+
+
+def _listed(values: Array) -> list[float]:
+    """Five digits are more than a screen shows, and an eighth of the size."""
+    return [float(f"{v:.5g}") for v in values]
+
+
+def _overlay(d: Diagnosis, curves: Sequence[Array], label: str, what: str) -> go.Figure:
+    figure = framed(go.Figure(), x="time [s]", y=label)
+    for i, (run, curve) in enumerate(zip(d.runs, curves, strict=True)):
+        kept = kept_samples(curve)
+        color, symbol, dash = run_line(i)
+        figure.add_scatter(
+            x=_listed(run.time[kept]),
+            y=_listed(curve[kept]),
+            name=escape(run.name),
+            meta={"run": i, "at": " s", "unit": what},
+            mode="lines+markers",
+            line={"color": color, "width": 1.4, "dash": dash},
+            marker={"symbol": symbol, "size": 7, "maxdisplayed": _MARKED},
+            hovertemplate=f"%{{fullData.name}}<br>%{{x:.3f}} s<br>%{{y:.4g}} {what}<extra></extra>",
+        )
+    return figure
+
+
+def _residuals(d: Diagnosis) -> go.Figure:
+    left = [run.measured - run.linear for run in d.runs]
+    scale, what = unit(max((float(np.abs(one).max()) for one in left), default=0.0))
+    figure = _overlay(d, [scale * one for one in left], f"measured − linear [{what}]", what)
+    _noise_band(figure, 2 * scale * d.gap.noise, "y")
+    return figure
+
+
+def _noise_band(figure: go.Figure, reach: float, axis: str) -> None:
+    figure.add_shape(
+        type="rect", xref="paper", x0=0, x1=1, yref=axis, y0=-reach, y1=reach,
+        fillcolor="var(--noise)", opacity=0.3, line_width=0, layer="below",
+    )  # fmt: skip
+
+
+def _verification(run: VerificationRun, reach: float) -> go.Figure:
+    scale, what = unit(reach)
+    left = scale * (run.measured - run.simulated)
+    kept = kept_samples(run.measured, left)
+    time = _listed(run.time[kept])
+    figure = paired(what, 1.05 * scale * reach)
+    figure.add_scatter(x=time, y=_listed(1e3 * run.measured[kept]), **own_line("measured", "measured", "mm"))
+    figure.add_scatter(x=time, y=_listed(1e3 * run.simulated[kept]), **own_line("after", "model", "mm"))
+    figure.add_scatter(x=time, y=_listed(left[kept]), yaxis="y2", **own_line("left", "residual", what))
+    if run.peak_time is not None:
+        figure.add_shape(
+            type="line", x0=run.peak_time, x1=run.peak_time, y0=0, y1=1, yref="paper",
+            line={"color": "var(--mark)", "dash": "dash", "width": 1.2},
+        )  # fmt: skip
+    return figure
+
+
+def _run(d: Diagnosis, run: RunGap, reach: float) -> go.Figure:
+    scale, what = unit(reach)
+    before, after = scale * (run.measured - run.linear), scale * (run.measured - run.model)
+    kept = kept_samples(run.measured, before)
+    time = _listed(run.time[kept])
+    figure = paired(what, 1.05 * scale * reach)
+    figure.add_scatter(x=time, y=_listed(1e3 * run.measured[kept]), **own_line("measured", "measured", "mm"))
+    figure.add_scatter(x=time, y=_listed(1e3 * run.linear[kept]), **own_line("before", "linear", "mm"))
+    if d.effects:
+        figure.add_scatter(x=time, y=_listed(1e3 * run.model[kept]), **own_line("after", "with effect", "mm"))
+    figure.add_scatter(x=time, y=_listed(before[kept]), yaxis="y2", **own_line("before", "linear residual", what))
+    if d.effects:
+        figure.add_scatter(x=time, y=_listed(after[kept]), yaxis="y2", **own_line("after", "effect residual", what))
+    _noise_band(figure, 2 * scale * d.gap.noise, "y2")
+    return figure
+
+
+def _force(levels: Array, force: Array, label: str, what: str, *, parted: bool) -> go.Figure:
+    figure = framed(go.Figure(), x=label, y="residual force [N]")
+    # no line across zero velocity: what happens there is the point of the picture
+    for part in (levels < 0, levels >= 0) if parted else (np.ones(levels.size, dtype=bool),):
+        figure.add_scatter(
+            x=_listed(levels[part]),
+            y=_listed(force[part]),
+            mode="lines+markers",
+            line={"color": "var(--run-0)", "width": 1.5},
+            marker={"size": 6},
+            meta={"at": f" {what}", "unit": "N"},
+            hovertemplate=f"%{{x:.3g}} {what}<br>%{{y:.3g}} N<extra></extra>",
+        )
+    figure.update_xaxes(zeroline=True)
+    figure.update_yaxes(zeroline=True)
+    return figure
+
+
+def _phases(d: Diagnosis) -> go.Figure:
+    figure = framed(go.Figure(), x="", y="RMS, linear [µm]")
+    figure.add_bar(x=list(d.where.phases), y=[1e6 * v for v in d.where.phases.values()], **bars("before", "linear"))
+    figure.add_hline(y=1e6 * d.gap.noise, **NOISE)
+    return figure
+
+
+def _gap(d: Diagnosis) -> go.Figure:
+    groups = [("fitted", d.gap.before, d.gap.after)]
+    if d.gap.held_out_before is not None and d.gap.held_out_after is not None:
+        groups.append(("held out", d.gap.held_out_before, d.gap.held_out_after))
+    names = [name for name, _, _ in groups]
+    figure = framed(go.Figure(), x="", y="RMS gap [µm]")
+    figure.add_bar(x=names, y=[1e6 * before for _, before, _ in groups], **bars("before", "linear model"))
+    if d.effects:
+        figure.add_bar(x=names, y=[1e6 * after for _, _, after in groups], **bars("after", "with the effect"))
+    figure.add_bar(x=names, y=[1e6 * d.gap.noise] * len(groups), **bars("noise", "noise"))
+    values = [1e6 * v for _, before, after in groups for v in (before, after, d.gap.noise) if v > 0] or [1.0]
+    figure.update_yaxes(type="log", range=[np.log10(0.3 * min(values)), np.log10(3 * max(values))], dtick=1)
+    figure.update_layout(showlegend=True, barmode="group", bargap=0.4, bargroupgap=0.08)
+    return figure
+
+
+def _candidates(d: Diagnosis) -> go.Figure:
+    shown = [one for one in d.ranking if one.effects][:_SHOWN] + [one for one in d.ranking if not one.effects][:1]
+    names = [_broken(effect_names(one.effects) or "nothing (linear)") for one in shown]
+    tied = {d.effects, *d.alternatives} if d.effects else set()
+    figure = framed(go.Figure(), x="RMS left [µm]", y="")
+    for kind, title in (("after", "not told apart from the best"), ("before", "worse")):
+        part = [i for i, one in enumerate(shown) if (one.effects in tied) == (kind == "after")]
+        style = bars(kind, title) | {
+            "orientation": "h",
+            "texttemplate": "%{x:.3s}",
+            "hovertemplate": "%{y}<br>%{x:.4g} µm<br>evidence lost: %{customdata:.4g}<extra></extra>",
+        }
+        figure.add_bar(
+            y=[names[i] for i in part],
+            x=[1e6 * shown[i].rms for i in part],
+            customdata=[shown[i].evidence for i in part],
+            **style,
+        )
+    figure.add_vline(x=1e6 * d.gap.noise, **NOISE)
+    values = [1e6 * v for v in (d.gap.noise, *(one.rms for one in shown)) if v > 0] or [1.0]
+    figure.update_xaxes(type="log", range=[np.log10(0.5 * min(values)), np.log10(2.5 * max(values))], dtick=1)
+    figure.update_yaxes(categoryorder="array", categoryarray=names[::-1], showgrid=False, automargin=True)
+    figure.update_layout(barmode="overlay", height=110 + BAR * len(shown))
+    return figure
+
+
+def _broken(name: str) -> str:
+    """A long name on lines of its own."""
+    return escape(name).replace(" and ", " and<br>")
+
+
+def _pull(d: Diagnosis) -> go.Figure:
+    figure = framed(go.Figure(), x="linear fit against the final model [%]", y="")
+    names, off, reach = [], [], []
+    for name, final in d.parameters.items():
+        linear = d.linear_parameters.get(name)
+        if linear is not None and final.value:
+            names.append(escape(name))
+            off.append(100 * (linear.value / final.value - 1))
+            reach.append(196 * (linear.uncertainty or 0.0) / abs(final.value))
+    figure.add_scatter(
+        x=_listed(np.array(off)),
+        y=names,
+        mode="markers",
+        marker={"color": "var(--before)", "size": 9, "symbol": "diamond"},
+        error_x={"array": reach, "color": "var(--before)", "thickness": 1.5, "width": 4},
+        customdata=reach,
+        orientation="h",
+        meta={"at": "", "unit": "%"},
+        hovertemplate="%{y}<br>%{x:+.2f} % ± %{customdata:.2g} % (95 %)<extra></extra>",
+    )
+    figure.update_yaxes(categoryorder="array", categoryarray=names[::-1], automargin=True)
+    figure.update_xaxes(zeroline=True)
+    figure.update_layout(height=110 + BAR * len(names))
+    return figure

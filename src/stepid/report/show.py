@@ -1,0 +1,128 @@
+"""The pictures of a report in words: titles, what they show, and what their lines mean."""
+
+from __future__ import annotations
+
+from stepid.diagnose.result import Diagnosis
+from stepid.diagnose.wording import digits, effect_names, length
+from stepid.report.chapter import Picture
+from stepid.verification import Verification
+
+_MEASURED = ("measured", "measured")
+_NOISE = ("noise", "noise, ±2σ")
+
+
+def records(d: Diagnosis) -> Picture:
+    """All records in one picture."""
+    return Picture(
+        name="records",
+        title="All records",
+        alt=f"Measured position against time, one curve for each of {len(d.runs)} runs.",
+        still="records",
+    )
+
+
+def verification(d: Diagnosis, verified: Verification) -> Picture:
+    """The hand method's models against the records."""
+    said = "; ".join(f"{run.name} fit {run.fit_percent:.1f} %" for run in verified.runs)
+    return Picture(
+        name="verification",
+        title="Measured and simulated, what is left below",
+        alt=f"For each run the measured position, the identified model's, and their difference below. {said}.",
+        still="verification",
+        runs=tuple(run.name for run in verified.runs),
+        beside=tuple(f"fit {run.fit_percent:.1f} %" for run in verified.runs),
+        said=tuple(
+            f"{run.name}: measured and identified model, fit {run.fit_percent:.1f} %, RMS left {length(run.rms)}."
+            for run in verified.runs
+        ),
+        key=(_MEASURED, ("after", "identified model"), ("peak", "first peak")),
+    )
+
+
+def where(d: Diagnosis) -> tuple[Picture, ...]:
+    """Where the linear joint fit disagrees."""
+    phases = ", ".join(f"{name} {length(rms)}" for name, rms in d.where.phases.items())
+    return (
+        Picture(
+            name="residuals",
+            title="What the linear joint fit leaves, against time",
+            alt="Measured minus linear joint fit against time, one curve a run, with the noise as a band.",
+            still="where",
+        ),
+        Picture(name="phases", title="By phase of the response", alt=f"Bars of the RMS left: {phases}.", wide=False),
+        Picture(
+            name="velocity",
+            title="As a force, against velocity",
+            alt="Residual force against velocity; a step at zero velocity is Coulomb friction.",
+            wide=False,
+        ),
+        Picture(
+            name="position",
+            title="As a force, against position",
+            alt="Residual force against position from rest; a cubic curve is a cubic spring.",
+            wide=False,
+        ),
+    )
+
+
+def candidates(d: Diagnosis) -> Picture:
+    """What each candidate leaves."""
+    best = d.ranking[0]
+    name = effect_names(best.effects) or "nothing added"
+    return Picture(
+        name="candidates",
+        title="What each candidate leaves",
+        alt=f"Bars of the RMS that each candidate leaves; the best is {name} with {length(best.rms)}, the noise "
+        f"{length(d.gap.noise)}. All values are in the table.",
+        still="candidates",
+    )
+
+
+def gap(d: Diagnosis) -> Picture:
+    """The gap as bars."""
+    bars = [f"linear model {length(d.gap.before)}"]
+    if d.effects:
+        bars.append(f"with the effect {length(d.gap.after)}")
+    if d.gap.held_out_before is not None and d.gap.held_out_after is not None:
+        held = f"{length(d.gap.held_out_before)} and {length(d.gap.held_out_after)}"
+        bars.append(f"on runs held out {held if d.effects else length(d.gap.held_out_before)}")
+    bars.append(f"noise {length(d.gap.noise)}")
+    return Picture(name="gap", title="RMS gap and noise", alt=f"Bars: {'; '.join(bars)}.", still="gap")
+
+
+def gap_runs(d: Diagnosis) -> Picture:
+    """Run by run, before and after."""
+    said = "; ".join(f"{run.name} {length(run.before)} → {length(run.after)}" for run in d.runs)
+    key = [_MEASURED, ("before", "linear joint fit")]
+    if d.effects:
+        key.append(("after", "with the effect"))
+    return Picture(
+        name="run",
+        title="Run by run, residuals below on one scale",
+        alt=f"For each run the measured position, the models', and what they leave. RMS: {said}.",
+        still="runs",
+        runs=tuple(run.name for run in d.runs),
+        beside=tuple(length(run.before) + (f" → {length(run.after)}" if d.effects else "") for run in d.runs),
+        said=tuple(
+            f"{run.name}: measured and models; the linear one leaves {length(run.before)} RMS"
+            + (f", with the effect {length(run.after)}." if d.effects else ".")
+            for run in d.runs
+        ),
+        key=(*key, _NOISE),
+    )
+
+
+def pull(d: Diagnosis) -> Picture:
+    """How far the missing effect pulled the linear fit's numbers."""
+    said = []
+    for name, final in d.parameters.items():
+        linear = d.linear_parameters.get(name)
+        if linear is not None and final.value:
+            off = 100 * (linear.value / final.value - 1)
+            said.append(f"{name} {'+' if off >= 0 else '−'}{digits(abs(off))} %")
+    return Picture(
+        name="pull",
+        title="How far the linear fit is off without the effect",
+        alt=f"Linear joint fit against the final model, with 95 % intervals: {'; '.join(said) or 'none in common'}.",
+        still="",
+    )

@@ -1,0 +1,217 @@
+"""The story of a diagnosis in chapters, in the order in which it happened."""
+
+from __future__ import annotations
+
+from stepid.diagnose.result import Diagnosis
+from stepid.diagnose.summary import (
+    GAP_HEADER,
+    RANKING_HEADER,
+    answer,
+    gap_rows,
+    next_steps,
+    parameter_header,
+    parameter_rows,
+    ranking_rows,
+)
+from stepid.diagnose.wording import digits, effect_names, length
+from stepid.errors import IdentificationError
+from stepid.report import show
+from stepid.report.chapter import Chapter, Table
+from stepid.report.hand import HandMethod
+from stepid.report.hand_method import hand_method_rows
+from stepid.report.provenance import Provenance
+from stepid.report.tables import (
+    characteristics_table,
+    found_tables,
+    phase_table,
+    runs_table,
+    system_table,
+    verification_table,
+)
+from stepid.report.thin import MOST
+
+Hand = HandMethod | IdentificationError | None  # None: the diagnosis does not know its campaign
+
+
+def tell(d: Diagnosis, hand: Hand, provenance: Provenance) -> tuple[Chapter, ...]:
+    """Tell what was measured, how the hand method and the linear fit fare, what is missing, and what next.
+
+    Parameters
+    ----------
+    d : Diagnosis
+    hand : HandMethod, IdentificationError or None
+        From `stepid.report.hand.by_hand`.
+    provenance : Provenance
+
+    Returns
+    -------
+    tuple of Chapter
+    """
+    return (
+        _runs(d),
+        _by_hand(hand),
+        _verification(d, hand),
+        _where(d),
+        _missing(d),
+        _gap(d),
+        _parameters(d, hand),
+        _next(d),
+        _notes(d),
+        _provenance(provenance),
+    )
+
+
+def _runs(d: Diagnosis) -> Chapter:
+    samples = sum(run.time.size for run in d.runs)
+    return Chapter(
+        name="runs",
+        title="The runs",
+        lead=f"{len(d.runs)} records of one plant, {samples} samples in all.",
+        pictures=(show.records(d),),
+        tables=(runs_table(d),),
+    )
+
+
+def _refusal(hand: IdentificationError | None) -> str:
+    if hand is None:
+        return "The diagnosis was made without its campaign at hand, so the hand method cannot be shown."
+    return f"The hand method cannot use this campaign: {hand.cause}. {hand.remedy}".rstrip()
+
+
+def _by_hand(hand: Hand) -> Chapter:
+    if not isinstance(hand, HandMethod):
+        return Chapter(name="by-hand", title="The hand method", lead=_refusal(hand))
+    return Chapter(
+        name="by-hand",
+        title="The hand method",
+        lead="The paper's way. From the first peak of each record come its damped frequency ω_d and damping ratio ζ. "
+        "Each run gives a row m·ω_d² − k·(1 − ζ²) = 0 (Eq. 6), each known weight a row for a difference of masses "
+        "(Eq. 9). "
+        f"Stacked, they fix every mass and stiffness (Eq. 10); solved by {hand.found.solver or 'least squares'}.",
+        tables=(
+            characteristics_table(hand.system),
+            system_table(hand.system, hand.found),
+            *found_tables(hand.found),
+        ),
+    )
+
+
+def _verification(d: Diagnosis, hand: Hand) -> Chapter:
+    name, title = "verification", "Verification responses"
+    if not isinstance(hand, HandMethod):
+        return Chapter(name=name, title=title, lead="There are none without the hand method's models.")
+    fits = [run.fit_percent for run in hand.verified.runs]
+    return Chapter(
+        name=name,
+        title=title,
+        lead="Each identified model, simulated on the input that was measured, against the record, as in the paper's "
+        f"Figs. 3 and 6 to 8. The fit is {min(fits):.1f} to {max(fits):.1f} %; 100 % is perfect.",
+        pictures=(show.verification(d, hand.verified),),
+        tables=(verification_table(hand.verified),),
+    )
+
+
+def _where(d: Diagnosis) -> Chapter:
+    times = f": {digits(d.gap.before / d.gap.noise)} times the noise" if d.gap.noise else ""
+    return Chapter(
+        name="where",
+        title="Where they part",
+        lead="One linear plant fitted to all runs together is the best that any linear model can do. It leaves "
+        f"{length(d.gap.before)} RMS where noise alone would leave {length(d.gap.noise)}{times}.",
+        points=tuple(_sentence(s) for s in d.where.sentences),
+        pictures=show.where(d),
+        tables=(phase_table(d),),
+    )
+
+
+def _sentence(words: str) -> str:
+    return words[:1].upper() + words[1:].rstrip(".") + "."
+
+
+def _missing(d: Diagnosis) -> Chapter:
+    ranking = Table(caption="Candidates, best first", header=RANKING_HEADER, rows=tuple(ranking_rows(d)))
+    return Chapter(
+        name="missing",
+        title="What is missing",
+        lead=answer(d),
+        points=d.reasons,
+        pictures=(show.candidates(d),) if d.ranking else (),
+        tables=(ranking,) if d.ranking else (),
+    )
+
+
+def _gap(d: Diagnosis) -> Chapter:
+    if d.effects:
+        lead = (
+            f"The linear model leaves {length(d.gap.before)} RMS over all samples, the model with "
+            f"{effect_names(d.effects)} {length(d.gap.after)}, noise {length(d.gap.noise)}."
+        )
+    else:
+        lead = f"Nothing was added: the linear model leaves {length(d.gap.before)} RMS, noise {length(d.gap.noise)}."
+    if d.gap.held_out_before is not None and d.gap.held_out_after is not None:
+        lead += (
+            " On runs held out, each predicted by a fit that did not see it, the gap is "
+            f"{length(d.gap.held_out_before)} before and {length(d.gap.held_out_after)} after."
+        )
+    return Chapter(
+        name="gap",
+        title="The gap, before and after",
+        lead=lead,
+        pictures=(show.gap(d), show.gap_runs(d)),
+        tables=(Table(caption="The gap by run", header=GAP_HEADER, rows=tuple(gap_rows(d))),),
+    )
+
+
+def _parameters(d: Diagnosis, hand: Hand) -> Chapter:
+    tables = [
+        Table(
+            caption="The joint fit",
+            header=parameter_header(d),
+            words=(len(parameter_header(d)) - 1,),
+            rows=tuple(parameter_rows(d)),
+        )
+    ]
+    if isinstance(hand, HandMethod):
+        header, rows = hand_method_rows(d, hand.found)
+        tables.append(
+            Table(caption="The hand method beside it", header=header, rows=tuple(rows), words=(header.index("unit"),))
+        )
+    missing = f" Without {effect_names(d.effects)} the linear plant bends its own numbers to make up for it."
+    return Chapter(
+        name="parameters",
+        title="Parameters",
+        lead="Value ± standard uncertainty, of one fit to all runs together." + missing * bool(d.effects),
+        pictures=(show.pull(d),) if d.effects else (),
+        tables=tuple(tables),
+    )
+
+
+def _next(d: Diagnosis) -> Chapter:
+    steps = next_steps(d)
+    lead = "" if steps else "There is nothing to advise."
+    return Chapter(name="next", title="What to measure next", lead=lead, points=steps)
+
+
+def _notes(d: Diagnosis) -> Chapter:
+    thinned = [run.name for run in d.runs if run.time.size > MOST]
+    said = list(d.notes)
+    if thinned:
+        said.append(
+            f"The interactive pictures of {', '.join(thinned)} show at most {MOST} samples of a curve, those at its "
+            "extremes included. The numbers, the tables and the printed pictures rest on all samples."
+        )
+    return Chapter(name="notes", title="Notes", lead="" if said else "None.", points=tuple(said))
+
+
+def _provenance(provenance: Provenance) -> Chapter:
+    what = "file" if provenance.of_files else "run (times, then positions, 64-bit)"
+    sources = Table(
+        caption="What was read",
+        header=(what, "SHA-256"),
+        words=(1,),
+        rows=tuple((source.name, source.sha256) for source in provenance.sources),
+    )
+    versions = Table(caption="What computed it", header=("package", "version"), rows=provenance.versions, words=(1,))
+    return Chapter(
+        name="provenance", title="Provenance", lead=f"Written {provenance.written}.", tables=(sources, versions)
+    )
