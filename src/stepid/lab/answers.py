@@ -1,0 +1,120 @@
+"""What is hidden: one group's answer and those of the class."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+
+from stepid._base import Finite, Label, Model, NonNegative, Positive
+from stepid._table import html_table, text_table
+from stepid.errors import InputError
+from stepid.experiment import Campaign
+
+_TITLE = "Answers"
+_HEADER = ("group", "hidden", "r0", "parameters")
+
+
+def digest(campaign: Campaign) -> str:
+    """SHA-256 of a campaign's records, hexadecimal; the same after writing and reading."""
+    return hashlib.sha256(campaign.model_dump_json().encode()).hexdigest()
+
+
+class Answer(Model):
+    """What was put into one group's campaign.
+
+    Parameters
+    ----------
+    group : str
+    effects : tuple of str
+        Canonical names of what is hidden; () where nothing is.
+    parameters, units : mapping
+        The true values by the names that `stepid.fit` gives them, SI units.
+    attainable : mapping
+        Standard uncertainties that a joint fit with the right effects attains on these records; None where the records
+        do not determine the value.
+    visibility : float
+        r0: RMS that the best joint linear fit of the records leaves, over `noise`. About 1 where nothing is hidden.
+    noise : float
+        m, RMS of all that is random in the records: the reading's noise, its rounding, and what the amplifier's noise
+        moves.
+    records : str
+        SHA-256 of the group's records.
+    nonce : str
+        Random text that keeps the commitment from being guessed.
+    """
+
+    group: Label
+    effects: tuple[str, ...]
+    parameters: Mapping[str, Finite]
+    units: Mapping[str, str]
+    attainable: Mapping[str, NonNegative | None]
+    visibility: NonNegative
+    noise: Positive
+    records: Label
+    nonce: Label
+
+    @property
+    def commitment(self) -> str:
+        """SHA-256 of this answer, hexadecimal: students may have it, and it holds the instructor to the answer."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
+
+    @property
+    def names(self) -> str:
+        """What is hidden, in words."""
+        return " and ".join(e.replace("_", " ") for e in self.effects) or "nothing"
+
+    def __repr__(self) -> str:
+        return f"Answer(group {self.group!r}: {self.names} hidden, r0 {self.visibility:.3g})"
+
+    __str__ = __repr__
+
+
+class Answers(Model):
+    """The answers of a class, from `open_answers` or `Assignment.answers`.
+
+    Parameters
+    ----------
+    seed : int or str
+        What they were made from.
+    answers : tuple of Answer
+    """
+
+    seed: int | str
+    answers: tuple[Answer, ...]
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Names of the groups."""
+        return tuple(answer.group for answer in self.answers)
+
+    def __getitem__(self, group: str) -> Answer:
+        """Return a group's answer; InputError names the groups there are."""
+        for answer in self.answers:
+            if answer.group == group:
+                return answer
+        raise InputError(
+            f"there is no answer for group {group!r}", f"The groups are {', '.join(map(repr, self.groups))}."
+        )
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        return [
+            (
+                a.group,
+                a.names,
+                f"{a.visibility:.3g}",
+                ", ".join(f"{name} = {value:.4g} {a.units[name]}".rstrip() for name, value in a.parameters.items()),
+            )
+            for a in self.answers
+        ]
+
+    def summary(self) -> str:
+        """Return the table of what is hidden in whose campaign."""
+        return text_table(_HEADER, self._rows(), title=_TITLE)
+
+    def __repr__(self) -> str:
+        return f"Answers({len(self.answers)} groups: {', '.join(self.groups)})"
+
+    __str__ = summary
+
+    def _repr_html_(self) -> str:
+        return html_table(_HEADER, self._rows(), title=_TITLE)
