@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 from rich.console import Console
@@ -16,6 +17,7 @@ from stepid.identification import characterize_campaign
 from stepid.parameters import IdentifiedParameters
 from stepid.report import Section, as_text, diagnosis_report, identify_report, paper_report
 from stepid.report.folder import file_names, staged
+from stepid.report.plain import diagnosis_values, identify_values, paper_values
 from stepid.report.provenance import of_files
 from stepid.report.write import write_all
 
@@ -36,6 +38,10 @@ Out = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 
 
+def _examples(*lines: str) -> str:
+    return "\n\n".join(["Examples:", *(f"[bold]{line}[/bold]" for line in lines)])
+
+
 def _version(wanted: bool) -> None:
     if wanted:
         typer.echo(f"stepid {stepid.__version__}")
@@ -51,8 +57,8 @@ def _root(
     """Identify a mass-spring-damper from its step responses."""
 
 
-@app.command(epilog="Example:  [bold]stepid paper --out out[/bold]")
-def paper(out: Out = None) -> None:
+@app.command(epilog=_examples("stepid paper", "stepid paper --out out"))
+def paper(out: Out = None, as_json: Json = False) -> None:
     """Rebuild Burchett's Table 2 and Eqs. 12 to 15 beside the printed ones, name the misprints, draw the figures."""
     rebuilt = stepid.rebuild_paper()
     sections = paper_report(rebuilt)
@@ -66,10 +72,15 @@ def paper(out: Out = None) -> None:
                 upper, _ = plot.paper_figure(run)
                 plot.save(upper, folder / f"{run.figure.lower().replace('. ', '-')}.png")
             written = sorted(out / path.name for path in folder.iterdir())
-    _show(sections, written)
+    if as_json:
+        _print_json(paper_values(rebuilt))
+    else:
+        _show(sections, written)
 
 
-@app.command(epilog="Example:  [bold]stepid identify lab/campaign.toml --out results[/bold]")
+@app.command(
+    epilog=_examples("stepid identify lab/campaign.toml --out results", "stepid identify lab/campaign.toml --json")
+)
 def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> None:
     """Find masses, stiffness and damping by the paper's method, and verify them against the records."""
     read = stepid.read_campaign(campaign)
@@ -77,13 +88,7 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
     verified = stepid.verify(parameters, read)
     trends = stepid.find_trends(characterize_campaign(read)[0].values())
     sections = identify_report(read, parameters, verified, trends)
-    values = {
-        "campaign": read.name,
-        "parameters": parameters.model_dump(mode="json"),
-        "verification": [
-            run.model_dump(mode="json", exclude={"time", "measured", "simulated"}) for run in verified.runs
-        ],
-    }
+    values = identify_values(read.name, parameters, verified)
     written: list[Path] = []
     if out is not None:
         from stepid import plot
@@ -98,16 +103,18 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
                 plot.save(plot.trends(trends)[0, 0], folder / "trends.png")
             written = sorted(out / path.name for path in folder.iterdir())
     if as_json:
-        typer.echo(json.dumps(values, indent=2, ensure_ascii=False))
+        _print_json(values)
     else:
         _show(sections, written)
 
 
-@app.command(epilog="Example:  [bold]stepid diagnose lab/campaign.toml --out results[/bold]")
+@app.command(
+    epilog=_examples("stepid diagnose lab/campaign.toml --out results", "stepid diagnose lab/campaign.toml --json")
+)
 def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> None:
     """Say whether a linear model is adequate, and if not, which effect is missing; show the gap before and after."""
     read = stepid.read_campaign(campaign)
-    with Console(stderr=True).status("reading") as status:
+    with _console(stderr=True).status("reading") as status:
         found = stepid.diagnose(read, progress=lambda stage: status.update(f"diagnosing: {stage.replace('_', ' ')}"))
     by_hand: IdentifiedParameters | StepidError
     try:
@@ -115,23 +122,19 @@ def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
     except IdentificationError as error:
         by_hand = error
     sections = diagnosis_report(found, by_hand)
-    values = found.model_dump(mode="json")
     written: list[Path] = []
     if out is not None:
         from stepid import plot
 
         with staged(out) as folder:
             (folder / "diagnosis.txt").write_text(as_text(sections), encoding="utf-8")
-            _write_json(folder / "diagnosis.json", values)
+            _write_json(folder / "diagnosis.json", found.to_dict())
             plot.save(plot.diagnosis(found)["gap"], folder / "diagnosis.png")
             with Console(stderr=True).status("writing the report"):
                 write_all(found, of_files(campaign), folder)
             written = sorted(out / path.name for path in folder.iterdir())
     if as_json:
-        del values["data"]
-        records = {"time", "measured", "linear", "model"}  # the samples are in the file, not on the screen
-        values["runs"] = [{k: v for k, v in run.items() if k not in records} for run in values["runs"]]
-        typer.echo(json.dumps(values, indent=2, ensure_ascii=False))
+        _print_json(diagnosis_values(found))
     else:
         _show(sections, written)
 
@@ -140,8 +143,18 @@ def _write_json(path: Path, values: Any) -> None:
     path.write_text(json.dumps(values, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
+def _print_json(values: Any) -> None:
+    typer.echo(json.dumps(values, indent=2, ensure_ascii=False))
+
+
+def _console(*, stderr: bool = False) -> Console:
+    # soft_wrap: tables keep their lines, also in a pipe; NO_COLOR: no bold either
+    colors: Literal["auto"] | None = None if os.environ.get("NO_COLOR") else "auto"
+    return Console(stderr=stderr, color_system=colors, highlight=False, soft_wrap=True)
+
+
 def _show(sections: Iterable[Section], written: Sequence[Path]) -> None:
-    console = Console(highlight=False, soft_wrap=True)  # tables keep their lines, also in a pipe
+    console = _console()
     for section in sections:
         console.print(section.title, style="bold", markup=False)
         console.print(f"{section.body}\n", markup=False)
@@ -167,6 +180,6 @@ def run(arguments: Sequence[str]) -> int:
     except SystemExit as done:
         return done.code if isinstance(done.code, int) else int(done.code is not None)
     except StepidError as error:
-        Console(stderr=True, highlight=False, soft_wrap=True).print(f"stepid: {error}", style="red", markup=False)
+        _console(stderr=True).print(f"stepid: {error}", style="red", markup=False)
         return 2
     return 0
