@@ -13,7 +13,7 @@ from stepid.diagnose.advise import next_experiment
 from stepid.diagnose.compete import Candidate
 from stepid.diagnose.held_out import held_out_residuals
 from stepid.diagnose.locate import locate, phases_of
-from stepid.diagnose.notes import notes_on, wrong_mass
+from stepid.diagnose.notes import notes_on
 from stepid.diagnose.result import Diagnosis, Gap, Ranked, RunGap
 from stepid.diagnose.verdict import Judgment, judge
 from stepid.effects import CATALOGUE, Effect
@@ -23,7 +23,9 @@ from stepid.errors import UndeterminedError
 from stepid.estimates import estimates, parameter_names
 from stepid.experiment import Campaign
 from stepid.fit import ground_of
+from stepid.screen import screen
 from stepid.simulate import unpack
+from stepid.suspects import Suspect
 
 Progress = Callable[[str], None]
 
@@ -67,13 +69,26 @@ def diagnose(
         )
     tell("linear fit")
     _, ground = ground_of(campaign)
+    if len(ground.records.runs) < 2:
+        raise UndeterminedError(
+            f"campaign {campaign.name!r} has one usable run. {' '.join(screen(campaign).notes)}",
+            "Record the others again: a model that fits one run cannot be checked on another.",
+        )
     judgment = judge(ground, catalogue, tell)
-    mass = None
-    if judgment.verdict != "adequate":
-        tell("added masses")
-        mass = wrong_mass(ground)
+    if judgment.suspect is not None:
+        return _diagnose_without(judgment.suspect, campaign, catalogue, tell)
     tell("runs held out")
-    return _report(campaign, ground, judgment, mass)
+    return _report(campaign, ground, judgment)
+
+
+def _diagnose_without(
+    suspect: Suspect, campaign: Campaign, catalogue: tuple[Effect, ...], progress: Progress
+) -> Diagnosis:
+    """Leave out a run whose labels or scale are plainly wrong, and say so."""
+    rest = tuple(e for e in campaign.experiments if e.name != suspect.run)
+    found = diagnose(campaign.model_copy(update={"experiments": rest}), catalogue=catalogue, progress=progress)
+    notes = (f"{suspect.words} It is left out of this diagnosis.", *found.notes)
+    return found.model_copy(update={"notes": notes, "data": campaign})
 
 
 def _rms(values: Array) -> float:
@@ -84,7 +99,7 @@ def _pooled(residuals: dict[int, Array]) -> float | None:
     return _rms(np.concatenate(list(residuals.values()))) if residuals else None
 
 
-def _report(campaign: Campaign, ground: Ground, judgment: Judgment, mass: str | None) -> Diagnosis:
+def _report(campaign: Campaign, ground: Ground, judgment: Judgment) -> Diagnosis:
     records, floor = ground.records, ground.floor
     linear = ground.linear
     final = judgment.chosen.optimum if judgment.verdict in ("named", "ambiguous") else linear
@@ -113,8 +128,6 @@ def _report(campaign: Campaign, ground: Ground, judgment: Judgment, mass: str | 
             "Then a free release and a step the other way."
         )
     verdict, reasons = judgment.verdict, judgment.reasons
-    if mass is not None and verdict != "adequate":
-        reasons = (*reasons, mass)
     return Diagnosis(
         campaign=campaign.name,
         verdict=verdict,

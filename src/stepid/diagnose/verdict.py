@@ -16,6 +16,7 @@ from stepid.effects.base import Effect
 from stepid.engine.search import Contender, Ground
 from stepid.estimates import estimates
 from stepid.floor import repeats, sensor_noise
+from stepid.suspects import Suspect, find_suspect
 
 _WHITE = 6.0  # standard deviations of structure that noise may show
 _GATE = 5.0  # below this the linear residual is white and nothing is searched
@@ -35,6 +36,7 @@ class Judgment:
     alternatives: tuple[Candidate, ...]
     ranking: tuple[Candidate, ...]
     reasons: tuple[str, ...]
+    suspect: Suspect | None = None
 
 
 def at_floor(ground: Ground, found: Candidate) -> bool:
@@ -67,6 +69,9 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
     if not ranked:
         return Judgment("unexplained", linear, (), (linear,), (*reasons, "No effect of the catalogue could be fitted."))
     best = ranked[0]
+    suspect = find_suspect(ground, [linear.optimum, *(c.optimum for c in ranked[:2])])
+    if suspect is not None and suspect.sure and (not at_floor(ground, best) or suspect.evidence < best.evidence - _TIE):
+        return Judgment("unexplained", linear, (), (*ranked, linear), (*reasons, suspect.words), suspect)
     if best.optimum.rms > _SURE * floor or best.structure > _GATE:  # nearly right is not right: let more compete
         alone = widen(ground, alone, catalogue, progress)
         ranked = final(ground, alone, count=4)
@@ -82,6 +87,8 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         reasons.append(f"The best candidate, {_title(best)}, gains too little evidence ({gain:.0f}) to be believed.")
         verdict: Verdict = "adequate" if at_floor(ground, linear) else "unexplained"
         return Judgment(verdict, linear, (), everything, tuple(reasons))
+    if suspect is not None and suspect.mistake is not None and suspect.evidence < best.evidence - _TIE:
+        return Judgment("unexplained", linear, (), everything, (*reasons, suspect.words))
     rivals = _rivals(ground, ranked)
     if not _believable(ground, linear, best):
         partial = _partial(ground, linear, ranked)
@@ -96,6 +103,7 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
             f"Even the best, {_title(best)}, leaves {best.optimum.rms / floor:.3g} times the floor: "
             "what is missing is not in the catalogue, or is more than it can combine."
         )
+        reasons += [suspect.words] if suspect is not None else []
         return Judgment("unexplained", linear, (), everything, tuple(reasons))
     reasons.append(f"With {_title(best)} it leaves {best.optimum.rms / floor:.3g} times the floor.")
     foreign = [c for c in rivals if not _contains(c, best) and c not in _same(ground, best, ranked)]

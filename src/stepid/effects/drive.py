@@ -97,7 +97,7 @@ class ActuatorSaturation(Effect):
         return [(0.97 * scales.volts,), (0.75 * scales.volts,)]
 
     def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
-        return (values[0] * (1.0 - share),)
+        return (0.95 * values[0],)  # from above the largest input there is no way down
 
     def drive(self, p: Values, m: Motion) -> Array:
         out: Array = np.clip(m.volts, -p[0], p[0])

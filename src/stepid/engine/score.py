@@ -71,7 +71,7 @@ def columns(ground: Ground, effects: tuple[Effect, ...], scales: Scales | None =
             for values in effect.starts(scales):
                 response = _difference(ground, effect, tuple(values))
                 if response is not None:
-                    found.append(_Column(effect, response, _constant(tuple(values))))
+                    found.append(_Column(effect, response, _scaled(effect, tuple(values))))
     if forces:
         responses = force_responses(ground, forces)
         at = 0
@@ -81,8 +81,16 @@ def columns(ground: Ground, effects: tuple[Effect, ...], scales: Scales | None =
     return found
 
 
-def _constant(values: tuple[float, ...]) -> Callable[[Array], tuple[float, ...] | None]:
-    return lambda _: values
+def _scaled(effect: Effect, values: tuple[float, ...]) -> Callable[[Array], tuple[float, ...] | None]:
+    """Values at which the effect is as strong as the coefficient of its response says, a factor of 20 at most."""
+
+    def convert(coefficients: Array) -> tuple[float, ...]:
+        share = float(coefficients[0])
+        if effect.run_parameters:  # a cosine and a sine a run
+            share = float(np.sqrt(np.mean(np.square(coefficients)) * 2))
+        return effect.faint(values, min(max(share, 0.05), 20.0))
+
+    return convert
 
 
 def _difference(ground: Ground, effect: Effect, values: tuple[float, ...]) -> Array | None:

@@ -132,11 +132,12 @@ class Contender:
                 shared[i],
                 own,
                 start=near,
-                tolerance=max(self.ground.tolerance, 0.003 * self.cost if np.isfinite(self.cost) else 0.0),
+                tolerance=max(self.ground.tolerance, 0.003 * (min(self.cost, like.cost) - self.ground.noise_cost)),
                 iterations=laps,
             )
             if found is not None:
-                again = self.best is not None and found.converged and abs(found.cost - self.cost) < 0.01 * self.cost
+                same = 0.01 * self.excess + self.ground.unit
+                again = self.best is not None and found.converged and abs(found.cost - self.cost) < same
                 if found.cost < self.cost:
                     self.best = found
                 if found.converged and (again or found.cost < 1.02 * self.ground.noise_cost):

@@ -130,6 +130,8 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
                 transform=axes.get_yaxis_transform(),
                 va="bottom",
                 fontsize=7,
+                zorder=4,
+                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
             )
         axes.axvline(1e6 * d.gap.noise, color=NOISE, linestyle="--", zorder=3)
         if not shown:
@@ -137,8 +139,9 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
         values = [1e6 * v for v in (d.gap.noise, *(one.rms for one in shown)) if v > 0]
         if values:
             axes.set_xscale("log")
-            axes.set_xlim(0.5 * min(values), max(values) ** 1.5 / min(values) ** 0.5 * 1.6)
-            plain_logarithm(axes.xaxis)
+            low, high = 0.5 * min(values), max(values) ** 1.5 / min(values) ** 0.5 * 1.6  # with room for the numbers
+            axes.set_xlim(low, high)
+            plain_logarithm(axes.xaxis, marks=(1.0,) if high > 50 * low else (1.0, 2.0, 5.0))
         axes.set_yticks([])
         axes.set_ylim(max(len(shown), 1) - 0.7, -0.85)
         axes.grid(axis="y", visible=False)

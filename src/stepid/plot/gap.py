@@ -21,6 +21,7 @@ from stepid.plot.style import (
     OTHER,
     PAGE,
     dress,
+    figure_of,
     length_unit,
     new_figure,
     plain_logarithm,
@@ -243,7 +244,5 @@ def one_legend(
         legend = one.get_legend()
         if legend is not None:
             legend.remove()
-    figure = first[0].get_figure(root=True)
-    assert figure is not None  # axes on a page belong to a figure
     with styled():
-        figure.legend(list(known.values()), list(known), loc=loc, ncols=len(known))
+        figure_of(first[0]).legend(list(known.values()), list(known), loc=loc, ncols=len(known))

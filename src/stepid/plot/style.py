@@ -88,13 +88,18 @@ def length_unit(values: Array) -> tuple[float, str]:
     return (1e3, "mm") if largest >= 1e-3 else (1e6, "µm")
 
 
-def plain_logarithm(axis: Axis) -> None:
-    """Mark a logarithmic axis, its limits set, in plain numbers: 1, 2 and 5 times the powers of ten where they fit."""
-    low, high = axis.get_view_interval()
-    crowded = axis.axis_name == "x" and high > 50 * low
-    axis.set_major_locator(LogLocator(subs=(1.0,) if crowded else (1.0, 2.0, 5.0)))
+def plain_logarithm(axis: Axis, *, marks: tuple[float, ...] = (1.0, 2.0, 5.0)) -> None:
+    """Mark a logarithmic axis at `marks` times the powers of ten, in plain numbers."""
+    axis.set_major_locator(LogLocator(subs=marks))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
+
+
+def figure_of(axes: Axes) -> Figure:
+    """Return the whole figure that holds the axes, subfigures or not."""
+    figure = axes.figure.figure  # get_figure(root=True) is of matplotlib 3.10
+    assert isinstance(figure, Figure)
+    return figure
 
 
 def save(axes: Axes, path: str | Path) -> Path:
@@ -112,8 +117,7 @@ def save(axes: Axes, path: str | Path) -> Path:
     pathlib.Path
         Where it was written.
     """
-    figure = axes.get_figure(root=True)
-    assert figure is not None  # axes that were drawn into belong to a figure
+    figure = figure_of(axes)
     with styled():
         figure.savefig(path)
     plt.close(figure)

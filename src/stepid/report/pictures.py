@@ -180,9 +180,9 @@ def _candidates(d: Diagnosis) -> go.Figure:
     names = [_broken(effect_names(one.effects) or "nothing (linear)") for one in shown]
     tied = {d.effects, *d.alternatives} if d.effects else set()
     figure = framed(go.Figure(), x="RMS left [µm]", y="")
-    for kind, title in (("after", "not told apart from the best"), ("before", "worse")):
+    for kind in ("after", "before"):  # not told apart from the best, and worse
         part = [i for i, one in enumerate(shown) if (one.effects in tied) == (kind == "after")]
-        style = bars(kind, title) | {
+        style = bars(kind, "") | {
             "orientation": "h",
             "texttemplate": "%{x:.3s}",
             "hovertemplate": "%{y}<br>%{x:.4g} µm<br>evidence lost: %{customdata:.4g}<extra></extra>",
@@ -207,7 +207,7 @@ def _broken(name: str) -> str:
 
 
 def _pull(d: Diagnosis) -> go.Figure:
-    figure = framed(go.Figure(), x="linear fit against the final model [%]", y="")
+    figure = framed(go.Figure(), x="linear fit off by [%]", y="")
     names, off, reach = [], [], []
     for name, final in d.parameters.items():
         linear = d.linear_parameters.get(name)

@@ -77,11 +77,7 @@ def _gap(d: Diagnosis) -> Any:
     figure = new_figure(width=PAGE * 0.6, height=2.6)
     with styled():
         axes = figure.add_subplot()
-        plot.gap_bars(d, axes=axes)
-        handles, labels = axes.get_legend_handles_labels()
-        once = dict(zip(labels, handles, strict=True))  # each label comes with every group
-        figure.legend(once.values(), once.keys(), loc="outside lower center", ncols=len(once))
-    return axes
+    return plot.gap_bars(d, axes=axes)
 
 
 def _candidates(d: Diagnosis) -> Any:
