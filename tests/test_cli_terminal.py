@@ -1,0 +1,178 @@
+"""The command line among other programs: completion, help, colors, exit status."""
+
+from __future__ import annotations
+
+import os
+import pty
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.main import get_command
+
+import diagnosis_example as example
+import stepid
+from stepid.cli import app, run
+
+STEPID = [sys.executable, "-m", "stepid"]
+COMMANDS = sorted(get_command(app).commands)  # type: ignore[attr-defined]
+PLAIN = {key: value for key, value in os.environ.items() if key not in {"NO_COLOR", "FORCE_COLOR", "PY_COLORS"}}
+
+
+def ask(variables: dict[str, str], *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*STEPID, *arguments], env=PLAIN | variables, capture_output=True, text=True, check=False, timeout=60
+    )
+
+
+def on_terminal(arguments: list[str], variables: dict[str, str]) -> str:
+    """What the command writes where both its streams are a terminal."""
+    leader, follower = pty.openpty()
+    environment = PLAIN | {"TERM": "xterm-256color", "COLUMNS": "200"} | variables
+    child = subprocess.Popen([*STEPID, *arguments], env=environment, stdout=follower, stderr=follower)
+    os.close(follower)
+    chunks = []
+    while True:
+        try:
+            chunk = os.read(leader, 65536)
+        except OSError:  # how Linux says that the other end is closed
+            break
+        if not chunk:
+            break
+        chunks.append(chunk)
+    os.close(leader)
+    child.wait(timeout=60)
+    return b"".join(chunks).decode()
+
+
+# ---- completion -------------------------------------------------------------------------------------------------
+
+WORDS = {
+    "bash": lambda line: {"_STEPID_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(line.count(" "))},
+    "zsh": lambda line: {"_STEPID_COMPLETE": "complete_zsh", "_TYPER_COMPLETE_ARGS": line},
+    "fish": lambda line: {
+        "_STEPID_COMPLETE": "complete_fish",
+        "_TYPER_COMPLETE_FISH_ACTION": "get-args",
+        "_TYPER_COMPLETE_ARGS": line,
+    },
+}
+
+
+@pytest.mark.parametrize("shell", WORDS)
+def test_commands_and_options_are_completed(shell: str) -> None:
+    commands = ask(WORDS[shell]("stepid di")).stdout
+    assert "diagnose" in commands
+    assert "paper" not in commands
+    options = ask(WORDS[shell]("stepid diagnose --")).stdout
+    assert all(option in options for option in ("--out", "--json", "--help"))
+
+
+@pytest.mark.parametrize("shell", WORDS)
+def test_the_completion_script_is_shown(shell: str) -> None:
+    done = ask({"_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}, "--show-completion", shell)
+    assert done.returncode == 0
+    assert "_STEPID_COMPLETE" in done.stdout
+    assert f"complete_{shell}" in done.stdout or "_TYPER_COMPLETE_ARGS" in done.stdout
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
+def test_bash_takes_the_script(tmp_path: Path) -> None:
+    script = ask({"_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}, "--show-completion", "bash").stdout
+    command = tmp_path / "stepid"
+    command.write_text(f'#!/bin/sh\nexec {sys.executable} -m stepid "$@"\n')
+    command.chmod(0o755)
+    asked = 'COMP_WORDS=(stepid id); COMP_CWORD=1; _stepid_completion stepid; printf "%s\\n" "${COMPREPLY[@]}"'
+    done = subprocess.run(
+        ["bash", "--norc", "-c", f"{script}\n{asked}"],
+        env=PLAIN | {"PATH": f"{tmp_path}:{os.environ['PATH']}"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.split() == ["identify"]
+
+
+def test_completion_can_be_installed() -> None:
+    assert "--install-completion" in ask({}, "--help").stdout
+
+
+# ---- help ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_shows_two_examples(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run([command, "--help"]) == 0
+    lines = [line.strip() for line in capsys.readouterr().out.split("Examples:")[1].splitlines()]
+    shown = [line for line in lines if line]
+    assert len(shown) >= 2
+    assert all(line.startswith(f"stepid {command}") for line in shown)
+
+
+# ---- colors -------------------------------------------------------------------------------------------------------
+
+
+def test_colors_are_on_at_a_terminal_and_off_with_no_color() -> None:
+    bad = ["identify", "nowhere.toml"]
+    colored = on_terminal(bad, {})
+    assert "\x1b[31m" in colored
+    plain = on_terminal(bad, {"NO_COLOR": "1"})
+    assert "nowhere.toml" in plain
+    assert "\x1b[" not in plain
+
+
+def test_results_are_plain_in_a_pipe_and_with_no_color() -> None:
+    piped = ask({"TERM": "xterm-256color"}, "paper")
+    assert (piped.returncode, piped.stderr) == (0, "")
+    assert "\x1b" not in piped.stdout
+    assert "\x1b[1m" in on_terminal(["paper"], {})
+    plain = on_terminal(["paper"], {"NO_COLOR": "1"})
+    assert "\x1b" not in plain
+    assert plain.replace("\r\n", "\n") == piped.stdout
+
+
+# ---- exit status --------------------------------------------------------------------------------------------------
+
+
+def test_status_0_where_it_is_done() -> None:
+    assert run(["--help"]) == run(["--version"]) == run(["paper", "--json"]) == 0
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["nonsense"],
+        ["identify"],
+        ["identify", "--nonsense"],
+        ["identify", "nowhere.toml"],
+        ["diagnose", "nowhere.toml"],
+    ],
+    ids=" ".join,
+)
+def test_status_2_where_the_input_is_wrong(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err
+    assert "Traceback" not in err
+
+
+def test_status_130_where_it_is_interrupted(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(stepid, "diagnose", interrupt)
+    stepid.write_campaign(example.campaign(), tmp_path / "lab")
+    out = tmp_path / "out"
+    assert run(["diagnose", str(tmp_path / "lab" / "campaign.toml"), "--out", str(out)]) == 130
+    assert "Traceback" not in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_no_arguments_shows_the_help() -> None:
+    done = ask({})
+    assert done.returncode == 2
+    assert "Usage: stepid" in done.stdout + done.stderr
