@@ -94,6 +94,13 @@ def test_bash_takes_the_script(tmp_path: Path) -> None:
     assert done.stdout.split() == ["identify"]
 
 
+def test_completion_and_help_load_nothing_that_takes_long() -> None:
+    code = "import sys, stepid.cli; print(*{name.partition('.')[0] for name in sys.modules})"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "typer" in loaded
+    assert not {"numpy", "scipy", "pydantic", "control", "matplotlib", "pandas", "jinja2", "plotly"} & set(loaded)
+
+
 def test_completion_can_be_installed() -> None:
     assert "--install-completion" in ask({}, "--help").stdout
 

@@ -6,20 +6,17 @@ import json
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 from rich.console import Console
 
-import stepid
+import stepid  # what takes long to load is loaded by the command that needs it: completion and help are quick
 from stepid.errors import IdentificationError, StepidError
-from stepid.identification import characterize_campaign
-from stepid.parameters import IdentifiedParameters
-from stepid.report import Section, as_text, diagnosis_report, identify_report, paper_report
-from stepid.report.folder import file_names, staged
-from stepid.report.plain import diagnosis_values, identify_values, paper_values
-from stepid.report.provenance import of_files
-from stepid.report.write import write_all
+
+if TYPE_CHECKING:
+    from stepid.parameters import IdentifiedParameters
+    from stepid.report import Section
 
 app = typer.Typer(
     name="stepid",
@@ -60,6 +57,10 @@ def _root(
 @app.command(epilog=_examples("stepid paper", "stepid paper --out out"))
 def paper(out: Out = None, as_json: Json = False) -> None:
     """Rebuild Burchett's Table 2 and Eqs. 12 to 15 beside the printed ones, name the misprints, draw the figures."""
+    from stepid.report import as_text, paper_report
+    from stepid.report.folder import staged
+    from stepid.report.plain import paper_values
+
     rebuilt = stepid.rebuild_paper()
     sections = paper_report(rebuilt)
     written: list[Path] = []
@@ -83,6 +84,11 @@ def paper(out: Out = None, as_json: Json = False) -> None:
 )
 def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> None:
     """Find masses, stiffness and damping by the paper's method, and verify them against the records."""
+    from stepid.identification import characterize_campaign
+    from stepid.report import as_text, identify_report
+    from stepid.report.folder import file_names, staged
+    from stepid.report.plain import identify_values
+
     read = stepid.read_campaign(campaign)
     parameters = stepid.identify(read)
     verified = stepid.verify(parameters, read)
@@ -113,6 +119,12 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
 )
 def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> None:
     """Say whether a linear model is adequate, and if not, which effect is missing; show the gap before and after."""
+    from stepid.report import as_text, diagnosis_report
+    from stepid.report.folder import staged
+    from stepid.report.plain import diagnosis_values
+    from stepid.report.provenance import of_files
+    from stepid.report.write import write_all
+
     read = stepid.read_campaign(campaign)
     with _console(stderr=True).status("reading") as status:
         found = stepid.diagnose(read, progress=lambda stage: status.update(f"diagnosing: {stage.replace('_', ' ')}"))
