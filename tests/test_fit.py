@@ -139,8 +139,10 @@ def test_an_unknown_effect_is_named_with_the_catalogue() -> None:
 
 
 @pytest.mark.parametrize("route", [stepid.fit, stepid.diagnose])
-def test_a_run_that_never_moves_is_refused(route: Any) -> None:
+def test_a_run_that_never_moves_is_left_out_by_name(route: Any) -> None:
     experiments = linear_campaign().experiments
-    still = experiments[1].model_copy(update={"position": np.zeros(220)})
-    with pytest.raises(InputError, match=r"nothing moves in run 'case 1'.*leave the run out"):
-        route(stepid.Campaign(name="still", experiments=(experiments[0], still, experiments[2])))
+    still = [e.model_copy(update={"position": np.zeros(220)}) for e in experiments]
+    found = route(stepid.Campaign(name="one still", experiments=(experiments[0], still[1], experiments[2])))
+    assert any("Run 'case 1' is left out: nothing moves" in note for note in found.notes)
+    with pytest.raises(InputError, match=r"'all still': no run can be used.*'case 2' is left out.*drive was on"):
+        route(stepid.Campaign(name="all still", experiments=tuple(still)))
