@@ -85,6 +85,15 @@ def test_held_input_is_not_drawn_as_a_ramp() -> None:
     assert np.max(np.abs(held - ramped)) > 1e-4  # half a sample late: a third of a millimeter
 
 
+def test_a_run_whose_name_has_a_dot_is_a_system_too() -> None:
+    lab = stepid.datasets.lab_campaign()
+    runs = [stepid.Experiment(**lab[name].model_dump() | {"name": f"{name}, 1.5 kg"}) for name in ("case 4", "case 5")]
+    campaign = stepid.Campaign(name="dots", experiments=tuple(runs))
+    found = stepid.identify(campaign)
+    assert stepid.transfer_function(found, "case 4, 1.5 kg").name == "case 4, 1,5 kg"
+    assert [run.name for run in stepid.verify(found, campaign).runs] == ["case 4, 1.5 kg", "case 5, 1.5 kg"]
+
+
 def test_free_responses_match_the_closed_form() -> None:
     m, c, k, dt = 1.5, 4.0, 300.0, 0.005
     t = dt * np.arange(400)

@@ -43,3 +43,8 @@ def refuse(effects: tuple[Effect, ...], why_not: Callable[[Effect], str | None],
     lost = [f"{name} ({reason})" for name, reason in reasons if reason is not None]
     if lost:
         raise InputError(f"{what} cannot express {'; '.join(lost)}", remedy)
+
+
+def system_name(run: str) -> str:
+    """Name a system after a run; python-control refuses a dot, as in "1.5 kg"."""
+    return run.replace(".", ",")

@@ -12,7 +12,7 @@ from stepid.errors import IdentificationError
 from stepid.experiment import Experiment
 from stepid.model import PlantModel
 from stepid.parameters import IdentifiedParameters
-from stepid.transfer.express import refuse, why_not_linear
+from stepid.transfer.express import refuse, system_name, why_not_linear
 from stepid.transfer.plant import plant_of
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def transfer_function(
         numerator, denominator = [source.static_gain[name]], [source.masses[name] / k, source.damping[name] / k, 1.0]
     else:
         numerator, denominator = _polynomials(a, b)
-    return control.tf(numerator, denominator, name=name, inputs="voltage", outputs="position")
+    return control.tf(numerator, denominator, name=system_name(name), inputs="voltage", outputs="position")
 
 
 def state_space(
@@ -87,7 +87,7 @@ def state_space(
     a, b, name, states = _matrices(source, run, catalogue)
     seen = np.zeros((1, len(states)))
     seen[0, 0] = 1.0
-    return control.ss(a, b, seen, [[0.0]], name=name, inputs="voltage", outputs="position", states=states)
+    return control.ss(a, b, seen, [[0.0]], name=system_name(name), inputs="voltage", outputs="position", states=states)
 
 
 def _matrices(

@@ -10,7 +10,7 @@ from stepid._base import Array
 from stepid.effects import CATALOGUE, Effect
 from stepid.experiment import Experiment
 from stepid.model import PlantModel
-from stepid.transfer.express import refuse, why_not_nonlinear
+from stepid.transfer.express import refuse, system_name, why_not_nonlinear
 from stepid.transfer.plant import plant_of
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def nonlinear_system(
     made: Any = control.nlsys(
         rates,
         reading,
-        name=run.name,
+        name=system_name(run.name),
         inputs="voltage",
         outputs="position",
         states=plant.states,
