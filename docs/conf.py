@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.metadata import version as _version
+from typing import Any
 
 project = "stepid"
 author = "The stepid developers"
@@ -42,3 +43,12 @@ napoleon_google_docstring = False
 napoleon_use_param = False
 napoleon_use_rtype = False
 napoleon_use_ivar = True
+
+
+def _keep_bars(app: object, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
+    """Keep |x| an absolute value: reStructuredText takes it for a substitution."""
+    lines[:] = [line.replace("|", "\\|") for line in lines]
+
+
+def setup(app: Any) -> None:
+    app.connect("autodoc-process-docstring", _keep_bars, priority=900)
