@@ -21,10 +21,10 @@ RUNS = ("case 4", "case 5", "case 6", "case 7")
 LEVEL = 0.3  # N, hidden in the campaign
 
 
-def campaign() -> stepid.Campaign:
-    """Four runs with different added masses."""
+def campaign(*, runs: tuple[str, ...] = RUNS) -> stepid.Campaign:
+    """Four runs with different added masses, or others."""
     lab = stepid.datasets.lab_campaign()
-    return stepid.Campaign(name="cases 4 to 7", experiments=tuple(lab[name] for name in RUNS))
+    return stepid.Campaign(name="cases 4 to 7", experiments=tuple(lab[name] for name in runs))
 
 
 def rms(values: np.ndarray) -> float:
@@ -32,9 +32,10 @@ def rms(values: np.ndarray) -> float:
 
 
 @cache
-def named() -> Diagnosis:
+def named(*, runs: tuple[str, ...] = RUNS) -> Diagnosis:
     """Coulomb friction named, without a search: fitted from its true level."""
-    records = lay_out(campaign())
+    measured = campaign(runs=runs)
+    records = lay_out(measured)
     floor = noise_floor(records)
     linear = fit_linear(records)
     assert linear is not None
@@ -43,10 +44,10 @@ def named() -> Diagnosis:
     final = minimize(problem, np.append(linear.shared, LEVEL), start_local(problem, linear))
     assert final is not None
     phases = phases_of(records, linear)
-    runs = []
+    gaps = []
     for run, piece in zip(records.runs, records.pieces(), strict=True):
         y, before, after = records.position[piece], linear.residual[piece], final.residual[piece]
-        runs.append(
+        gaps.append(
             RunGap(
                 name=run.name,
                 time=records.time[piece],
@@ -61,7 +62,7 @@ def named() -> Diagnosis:
             )
         )
     return Diagnosis(
-        campaign=campaign().name,
+        campaign=measured.name,
         verdict="named",
         effects=("coulomb_friction",),
         gap=Gap(
@@ -80,10 +81,10 @@ def named() -> Diagnosis:
             Ranked(effects=("quadratic_damping", "input_delay"), rms=0.4 * linear.rms, evidence=870.4),
             Ranked(effects=(), rms=linear.rms, evidence=123456.0),
         ),
-        runs=tuple(runs),
+        runs=tuple(gaps),
         model=unpack(final, effects),
         linear_model=unpack(linear, ()),
-        data=campaign(),
+        data=measured,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 from typing import Any
@@ -70,7 +71,9 @@ def test_writes_text_json_and_figures(
 ) -> None:
     out = tmp_path / "deep" / "out"
     assert run(["diagnose", str(manifest), "--out", str(out)]) == 0
-    names = ["diagnosis.json", "diagnosis.png", "diagnosis.txt", "runs.png"]
+    stills = [f"report-{name}.png" for name in ("candidates", "gap", "records", "runs", "verification", "where")]
+    names = ["diagnosis.json", "diagnosis.png", "diagnosis.txt", "report-pictures.pdf", "report.html", "report.md"]
+    names = sorted([*names, *stills])
     assert sorted(p.name for p in out.iterdir()) == names
     printed = capsys.readouterr().out
     assert all(str(out / name) in printed for name in names)
@@ -79,6 +82,8 @@ def test_writes_text_json_and_figures(
     text = (out / "diagnosis.txt").read_text(encoding="utf-8")
     assert example.named().summary() in text
     assert all((out / name).read_bytes().startswith(b"\x89PNG") for name in names if name.endswith("png"))
+    manifest_hash = hashlib.sha256(manifest.read_bytes()).hexdigest()
+    assert all(manifest_hash in (out / name).read_text(encoding="utf-8") for name in ("report.html", "report.md"))
     assert stages
 
 

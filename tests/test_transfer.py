@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import stepid
 from stepid.errors import IdentificationError, InputError
 from stepid.parameters import IdentifiedParameters
 from stepid.transfer import free_responses, held_response, transfer_function

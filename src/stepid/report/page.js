@@ -85,8 +85,17 @@
   });
 
   const showRuns = () => {
-    for (const figure of document.querySelectorAll(".facets > figure")) figure.hidden = !isShown(+figure.dataset.run);
-    for (const plot of drawn) if (plot.offsetParent) draw(plot);
+    for (const figure of document.querySelectorAll(".facets > figure")) {
+      const back = figure.hidden && isShown(+figure.dataset.run);
+      figure.hidden = !isShown(+figure.dataset.run);
+      const place = figure.querySelector(".drawn");
+      if (back && place.data) Plotly.Plots.resize(place); // the window may have changed meanwhile
+    }
+    for (const plot of drawn) {
+      const place = plot.querySelector(".drawn");
+      const runs = place.data.map((trace) => trace.meta?.run);
+      if (runs.some((run) => run !== undefined)) Plotly.restyle(place, { visible: runs.map(isShown) });
+    }
   };
   for (const box of boxes) box.addEventListener("change", showRuns);
   for (const button of document.querySelectorAll("[data-every]"))

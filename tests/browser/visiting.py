@@ -1,0 +1,45 @@
+"""A page in a window of the browser."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+
+class Visit:
+    """A page that was opened, with everything it complained of and asked the network for."""
+
+    def __init__(self, page: Any) -> None:
+        self.page = page
+        self.complaints: list[str] = []
+        self.requests: list[str] = []
+        page.on("console", lambda m: self.complaints.append(m.text) if m.type in ("error", "warning") else None)
+        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.on("request", lambda request: self.requests.append(request.url))
+
+    def open(self, path: Path) -> Visit:
+        self.page.goto(path.as_uri())
+        self.page.wait_for_selector("html[data-ready]")
+        return self
+
+    def plot(self, name: str) -> Any:
+        """Return a picture, scrolled to and drawn."""
+        found = self.page.locator(f'.plot[data-picture="{name}"]')
+        found.scroll_into_view_if_needed()
+        found.locator(".main-svg").first.wait_for()
+        return found
+
+    def draw_all(self) -> None:
+        """Scroll through the page, so that every picture is drawn."""
+        for plot in self.page.locator(".plot:visible").all():
+            plot.scroll_into_view_if_needed()
+            plot.locator(".main-svg").first.wait_for(state="attached")
+
+    def becomes(self, expression: str, wanted: Callable[[Any], bool]) -> bool:
+        """Wait until a JavaScript expression has a wanted value; Playwright's own way needs what the page forbids."""
+        for _ in range(100):
+            if wanted(self.page.evaluate(expression)):
+                return True
+            self.page.wait_for_timeout(50)
+        return False

@@ -1,0 +1,301 @@
+"""The report as a page: the whole story in order, nothing from outside, no name can break it, all or nothing."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import json
+import re
+import sys
+from html import unescape
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import diagnosis_example as example
+import report_example
+import stepid
+from report_example import changed
+from stepid.diagnose.result import Diagnosis, RunGap
+from stepid.diagnose.wording import length
+from stepid.report import provenance
+from stepid.report.hand import HandMethod
+from stepid.report.story import tell
+from stepid.report.thin import MOST, kept_samples
+from stepid.report.write import hand_of
+
+TITLES = [
+    "The runs",
+    "The hand method",
+    "Verification responses",
+    "Where they part",
+    "What is missing",
+    "The gap, before and after",
+    "Parameters",
+    "What to measure next",
+    "Notes",
+    "Provenance",
+]
+EVIL = '</script><script>alert(1)</script><img src="http://x.test/a" onerror="alert(2)"> %{x} {{ 7*7 }} <b>'
+
+
+class Tags(HTMLParser):
+    """Collects the tags, their attributes and the text outside of scripts and styles."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.said: list[str] = []
+        self.quiet = False
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        self.quiet = tag in {"script", "style"}
+
+    def handle_endtag(self, tag: str) -> None:
+        self.quiet = False
+
+    def handle_data(self, data: str) -> None:
+        if not self.quiet:
+            self.said.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.said).replace("\u00a0", " ").split())
+
+
+def packed(page: str, name: str) -> str:
+    found = re.search(rf'id="packed-{name}">([^<]*)<', page)
+    assert found
+    return gzip.decompress(base64.b64decode(found[1])).decode()
+
+
+@pytest.fixture(autouse=True)
+def _no_windows() -> None:
+    mpl.use("Agg")
+
+
+@pytest.fixture
+def page() -> str:
+    return report_example.page().read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def no_stills(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Still pictures take the time; where a test is not about them, leave them out."""
+    import stepid.report.page  # so that there is something to replace
+
+    blank = stepid.report.page._Inlined("data:,", 1)
+    monkeypatch.setattr("stepid.report.page._inlined", lambda drawn: dict.fromkeys(drawn, blank))
+
+
+def test_the_story_is_told_in_order(page: str) -> None:
+    titles = re.findall(r"<h2[^>]*><span[^>]*>(\d+)</span> ([^<]+)</h2>", page)
+    assert titles == [(str(i), title) for i, title in enumerate(TITLES, 1)]
+
+
+def test_what_the_diagnosis_says_stands_in_the_page(page: str) -> None:
+    d, text = example.named(), Tags(page).text
+    for sentence in (*d.reasons, "A linear model is not adequate: Coulomb friction is missing."):
+        assert sentence in text
+    for rms in (d.gap.before, d.gap.after, d.gap.noise, d.gap.held_out_before, d.gap.held_out_after):
+        assert rms is not None
+        assert length(rms) in text
+    for name in d.parameters:
+        assert name in text
+    assert "clean and align the rails" in text
+
+
+def test_the_stacked_system_and_its_solution_are_shown(page: str) -> None:
+    d, text = example.named(), Tags(page).text
+    hand = hand_of(d)
+    assert isinstance(hand, HandMethod)
+    rows = re.findall(r'<tr><th scope="row">([^<]*)</th>(.*?)</tr>', page)
+    cells = {unescape(name): re.findall(r"<td[^>]*>([^<]*)</td>", rest) for name, rest in rows}
+    for label, row, right in zip(hand.system.row_labels, hand.system.matrix, hand.system.rhs, strict=True):
+        shown = [float(cell.replace("−", "-")) for cell in cells[label]]
+        assert shown == pytest.approx([*row, right], rel=1e-4)
+    solution = [float(cell) for cell in cells["solution"][:-1]]
+    assert solution == pytest.approx([*hand.found.masses.values(), *hand.found.stiffness.values()], rel=1e-4)
+    residual = hand.system.matrix @ np.array(solution) - hand.system.rhs
+    assert np.abs(residual).max() < 20  # N/m: the columns are those of the labels
+    for label in (*hand.system.column_labels, *(f"fit {run.fit_percent:.1f} %" for run in hand.verified.runs)):
+        assert label in text
+
+
+def test_nothing_comes_from_outside(page: str) -> None:
+    tags = Tags(page).tags
+    assert not [tag for tag, _ in tags if tag in {"iframe", "object", "embed", "base"}]
+    linked = [a[key] or "" for _, a in tags for key in ("src", "href", "srcset", "action") if key in a]
+    assert linked
+    assert all(link.startswith(("data:", "#")) for link in linked)
+    (policy,) = [a["content"] for tag, a in tags if tag == "meta" and a.get("http-equiv")]
+    assert policy is not None
+    assert policy.startswith("default-src 'none'")
+    assert "@import" not in page
+    assert not re.search(r"url\(\s*['\"]?http", page)
+
+
+def test_pictures_hold_what_was_measured(page: str) -> None:
+    d, drawn = example.named(), json.loads(packed(page, "pictures"))
+    wanted = {"records", "residuals", "phases", "velocity", "position", "gap", "candidates", "pull"}
+    wanted |= {f"{name}-{i}" for name in ("run", "verification") for i in range(len(d.runs))}
+    assert set(drawn) == wanted
+    assert set(re.findall(r'data-picture="([^"]+)"', page)) == wanted
+    for i, run in enumerate(d.runs):
+        measured, linear, model = drawn[f"run-{i}"]["data"][:3]
+        assert measured["x"] == pytest.approx(run.time, rel=1e-4)
+        assert measured["y"] == pytest.approx(1e3 * run.measured, rel=1e-4, abs=1e-9)
+        assert linear["y"] == pytest.approx(1e3 * run.linear, rel=1e-4, abs=1e-9)
+        assert model["y"] == pytest.approx(1e3 * run.model, rel=1e-4, abs=1e-9)
+        assert drawn["records"]["data"][i]["name"] == run.name
+    assert "plotly.js" in packed(page, "plotly")[:200]
+
+
+def test_every_picture_says_what_it_shows(page: str) -> None:
+    tags = Tags(page).tags
+    plots = [a for tag, a in tags if tag == "div" and a.get("class") == "plot"]
+    assert len(plots) == 8 + 2 * len(example.RUNS)
+    assert all(a["tabindex"] == "0" and len(a["aria-label"] or "") > 30 for a in plots)
+    stills = [a for tag, a in tags if tag == "img"]
+    assert len(stills) == 6
+    assert all((a["src"] or "").startswith("data:image/webp;base64,") and len(a["alt"] or "") > 30 for a in stills)
+
+
+def called(name: str) -> Diagnosis:
+    """The example with a name put before all of its names."""
+    d = example.named()
+    assert d.data is not None
+    runs = tuple(type(r)(**r.model_dump() | {"name": f"{name} {r.name}"}) for r in d.data.experiments)
+    return changed(
+        d,
+        campaign=name,
+        runs=tuple(RunGap(**r.model_dump() | {"name": f"{name} {r.name}"}) for r in d.runs),
+        data=stepid.Campaign(name=name, experiments=runs),
+        notes=(name,),
+    )
+
+
+@pytest.mark.usefixtures("no_stills")
+def test_no_name_can_break_the_page(tmp_path: Path) -> None:
+    page = called(EVIL).to_html(tmp_path / "evil.html").read_text(encoding="utf-8")
+    harmless = Tags(called("good").to_html(tmp_path / "good.html").read_text(encoding="utf-8"))
+    told = Tags(page)
+    assert [tag for tag, _ in told.tags] == [tag for tag, _ in harmless.tags]
+    assert [sorted(a) for _, a in told.tags] == [sorted(a) for _, a in harmless.tags]
+    assert told.text.count(EVIL) == harmless.text.count("good") > 20
+    for figure in json.loads(packed(page, "pictures")).values():  # plotly reads tags in names, and %{…} in templates
+        for trace in figure["data"]:
+            assert "<" not in trace.get("name", "")
+            assert "%{x} {{" not in trace.get("hovertemplate", "")
+
+
+@pytest.mark.usefixtures("no_stills")
+@pytest.mark.parametrize("kind", ["adequate", "ambiguous", "unexplained"])
+def test_other_verdicts(kind: str, tmp_path: Path) -> None:
+    if kind == "unexplained":
+        d = changed(example.adequate(), verdict="unexplained", next_experiment="Repeat one run.")
+    else:
+        d = getattr(example, kind)()
+    text = Tags(d.to_html(tmp_path / "page.html").read_text(encoding="utf-8")).text
+    said = {
+        "adequate": "Less noise or larger steps would show smaller effects.",
+        "ambiguous": "record with more mass",
+        "unexplained": "Repeat one run.",
+    }
+    assert said[kind] in text
+    assert "Gap, linear model" in text
+
+
+@pytest.mark.usefixtures("no_stills")
+def test_without_its_campaign_the_page_says_so(tmp_path: Path) -> None:
+    d = changed(example.named(), data=None)
+    text = Tags(d.to_html(tmp_path / "page.html").read_text(encoding="utf-8")).text
+    assert "made without its campaign at hand" in text
+    assert "Stacked system" not in text
+    again = Diagnosis.model_validate_json(example.named().model_dump_json())
+    assert hand_of(again) == hand_of(example.named())  # what went to JSON and back still knows its campaign
+
+
+def test_a_hand_method_that_refuses_says_why() -> None:
+    d = example.named()
+    error = stepid.errors.UndeterminedError("too few runs", "Add one.")
+    chapters = {chapter.name: chapter for chapter in tell(d, error, provenance.of_data(d))}
+    assert chapters["by-hand"].lead == "The hand method cannot use this campaign: too few runs. Add one."
+    assert not chapters["by-hand"].tables
+    assert not chapters["verification"].pictures
+
+
+def test_thinning_keeps_the_extremes_and_is_said() -> None:
+    d = example.named()
+    first = d.runs[0]
+    time = np.linspace(0.0, 1.0, 5000)
+    y = np.sin(300 * time)
+    y[1234], y[4321] = 9.0, -9.0
+    kept = kept_samples(y)
+    assert kept.size <= MOST
+    assert {0, 1234, 4321, 4999} <= set(kept.tolist())
+    assert np.all(np.diff(kept) > 0)
+    assert kept_samples(y[:MOST]).tolist() == list(range(MOST))
+    long = RunGap(**first.model_dump() | {"time": time, "measured": y, "linear": y, "model": y})
+    (notes,) = [c for c in tell(changed(d, runs=(long,)), None, provenance.of_data(d)) if c.name == "notes"]
+    assert any(f"{first.name} show at most {MOST} samples" in point for point in notes.points)
+    (notes,) = [c for c in tell(d, None, provenance.of_data(d)) if c.name == "notes"]
+    assert not [point for point in notes.points if "samples of a curve" in point]
+
+
+def test_hashes_are_those_of_the_files(tmp_path: Path) -> None:
+    manifest = stepid.write_campaign(example.campaign(), tmp_path / "lab")
+    for given in (manifest, manifest.parent):
+        found = provenance.of_files(given)
+        files = sorted(manifest.parent.iterdir())
+        assert {s.name for s in found.sources} == {f.name for f in files}
+        assert {s.sha256 for s in found.sources} == {hashlib.sha256(f.read_bytes()).hexdigest() for f in files}
+    assert dict(found.versions)["stepid"] == stepid.__version__
+    assert {"Python", "numpy", "scipy", "control"} < dict(found.versions).keys()
+
+
+def test_hashes_of_data_change_with_the_data() -> None:
+    d = example.named()
+    sources = provenance.of_data(d).sources
+    assert [s.name for s in sources] == list(example.RUNS)
+    assert len({s.sha256 for s in sources}) == len(example.RUNS)
+    first = d.runs[0]
+    moved = RunGap(**first.model_dump() | {"measured": first.measured + 1e-9})
+    other = provenance.of_data(changed(d, runs=(moved, *d.runs[1:]))).sources
+    assert other[0].sha256 != sources[0].sha256
+    assert other[1:] == sources[1:]
+
+
+def test_a_page_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    target = tmp_path / "report.html"
+    target.write_text("before", encoding="utf-8")
+
+    def fail(*_: Any) -> None:
+        raise stepid.errors.InputError("the picture cannot be drawn", "Try again.")
+
+    monkeypatch.setattr("stepid.report.page._inlined", fail)
+    with pytest.raises(stepid.errors.InputError, match="cannot be drawn"):
+        example.named().to_html(target)
+    assert target.read_text(encoding="utf-8") == "before"
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+
+
+def test_a_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in [name for name in sys.modules if name.startswith(("stepid.report.p", "plotly"))]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, "plotly", None)
+    with pytest.raises(stepid.errors.StepidError, match=re.escape("pip install 'stepid[report]'")):
+        example.named().to_html(tmp_path / "report.html")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_nine_runs_stay_below_three_megabytes() -> None:
+    assert report_example.page_of_nine().stat().st_size <= 3_000_000
