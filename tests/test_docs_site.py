@@ -5,8 +5,10 @@ from __future__ import annotations
 import ast
 import importlib
 import re
+import runpy
 from pathlib import Path
 
+import matplotlib as mpl
 import pytest
 
 import stepid
@@ -43,6 +45,37 @@ def resolve(name: str) -> object:
             item = getattr(item, part)
         return item
     raise AssertionError(f"there is no {name}")
+
+
+def same_but_for_last_digits(one: str, two: str) -> bool:
+    """Tell whether texts agree: words exactly, numbers within 1 %, uncertainties within 15 %; widths do not count."""
+    pattern = re.compile(r"(±\s*)?(-?\d+\.?\d*(?:e[+-]?\d+)?)")
+    plain = [" ".join(re.sub(r"-{3,}", " ", pattern.sub(r"\1#", text)).split()) for text in (one, two)]
+    numbers = [pattern.findall(text) for text in (one, two)]
+    if plain[0] != plain[1] or len(numbers[0]) != len(numbers[1]):
+        return False
+    return all(
+        float(a) == pytest.approx(float(b), rel=0.15 if plus else 0.01, abs=1e-9)
+        for (plus, a), (_, b) in zip(*numbers, strict=True)
+    )
+
+
+def test_outputs_on_the_pages_are_what_the_code_prints(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    mpl.use("Agg")
+    made = runpy.run_path(str(DOCS / "make_outputs.py"))
+    for page in made["PAGES"]:
+        said = page.read_text(encoding="utf-8")
+        assert said.count(made["MARK"]) >= 5
+        assert not re.search(r"```text\n```", said)
+        assert same_but_for_last_digits(made["fill"](said), said), "run python docs/make_outputs.py"
+
+
+def test_comparison_of_outputs_sees_what_matters() -> None:
+    assert same_but_for_last_digits("mass 1.000 ± 0.010 kg\n-----", "mass  1.004 ± 0.011 kg\n------")
+    assert not same_but_for_last_digits("mass 1.000 ± 0.010 kg", "mass 1.020 ± 0.010 kg")
+    assert not same_but_for_last_digits("mass 1.000 kg", "mass 1.000 g")
+    assert not same_but_for_last_digits("1 2", "1 2 3")
 
 
 def test_theory_has_every_equation_of_the_paper() -> None:
