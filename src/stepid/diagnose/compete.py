@@ -22,6 +22,7 @@ _CLOSE = 5.0  # times the best score's cost within which an effect races at once
 _PLAIN = 4.0  # times the cost of noise above which the linear gap is plain to see
 _HOPELESS = 6.0  # times the cost of one that reached the floor
 _ROOM = 6.0  # times the price of the starting displacements that holding them at zero may seem to cost
+_WORTH = 0.05  # share of what a simpler effect leaves that a costly general one must promise to take away
 _PROMISE = 3.0  # χ² that a more general effect must promise where a simpler one reached the floor
 
 
@@ -170,6 +171,8 @@ def generalized(
             offers.append((min(left for left, _, _ in starts), effect, starts))
     added: list[Contender] = []
     for _, effect, starts in sorted(offers, key=lambda offer: offer[0]):
+        if not effect.affine and not done:
+            starts = [s for s in starts if s[1] > _WORTH * max(s[0] + s[1] - ground.noise_cost, 0.0)]
         if settled(ground, [*contenders, *added]) and not effect.affine:
             # an affine one is quick, and may be as good without promising any gain
             least = min(c.cost for c in [*contenders, *added]) + 60 * ground.unit

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from stepid._base import Array
-from stepid.diagnose.compete import Candidate, Progress, advance, candidate, final
+from stepid.diagnose.compete import Candidate, Progress, advance, candidate, final, settled
 from stepid.effects.base import Effect
 from stepid.engine.least_squares import minimize
-from stepid.engine.problem import build, resonances
+from stepid.engine.problem import build, resonances, start_local
 from stepid.engine.score import columns, score
 from stepid.engine.search import Contender, Ground, Scored, Start
 from stepid.engine.sketch import full_residual
@@ -16,6 +18,9 @@ from stepid.engine.sketch import full_residual
 STRONG = 20.0  # evidence that a further effect must bring
 _BASES = 4  # fits on which a further effect is tried
 _TRIED = 5  # additions that are raced on each
+_NEAR = 3.0  # times the floor's cost at which a combination runs on at once
+_TWIN = 4.0  # times the floor's cost that a twin may leave by its score
+_SWAPS = 3  # twins that are raced for each effect of a combination
 
 
 def _related(one: Effect, other: Effect) -> bool:
@@ -34,14 +39,20 @@ def _values(contender: Contender, shared: Array | None) -> Start:
     return Start(shared[: sim.n_linear], tuple(values))
 
 
+class _Offer(NamedTuple):
+    """A combination to race: the base it adds to, what it may leave, the starts of the effect added."""
+
+    base: Contender
+    left: float
+    additions: list[Scored]
+
+
 def extend(
     ground: Ground, bases: list[Contender], catalogue: tuple[Effect, ...], progress: Progress, *, tried: int = _TRIED
 ) -> list[Contender]:
-    """Race every base with one effect more, the most promising by their scores; best first."""
+    """Race every base with one effect more, the most promising first, until one reaches the floor; best first."""
     simple = tuple(e for e in catalogue if not e.contains)
-    table = columns(ground, simple)
-    offers: dict[frozenset[str], tuple[float, Contender, list[Scored]]] = {}
-    wanted: list[frozenset[str]] = []
+    offers: dict[frozenset[str], _Offer] = {}
     for base in bases:
         base.run(laps=20, tolerance=0.002 * base.excess)
         if base.best is None:
@@ -50,38 +61,80 @@ def extend(
         left_over = full_residual(base.best, ground.linear, ground.outline)
         heard = ground.scales._replace(resonances=resonances(ground.records, left_over))
         ringing = {e for e in simple if e.starts(heard) != e.starts(ground.scales)}
-        offered = [c for c in table if c.effect not in ringing] + columns(ground, tuple(ringing), heard)
-        own: list[frozenset[str]] = []
-        for scored in score(ground, base.best, offered):
-            if any(_related(scored.effect, e) for e in base.effects):
-                continue
-            key = frozenset([scored.effect.name, *(e.name for e in base.effects)])
-            left = base.best.cost - scored.gain
-            known = offers.get(key)
-            if known is None or (left < known[0] and known[1] is not base):
-                offers[key] = (left, base, [scored])
-            elif known[1] is base and len(known[2]) < 2:
-                known[2].append(scored)
-            if key not in own:
-                own.append(key)
-        wanted += own[:tried]
-    contenders = []
-    for key in dict.fromkeys(wanted):
-        _, base, additions = offers[key]
-        effect = additions[0].effect
-        here = _values(base, None)
-        progress(" + ".join([*(e.name for e in base.effects), effect.name]))
-        contender = Contender(ground, (*base.effects, effect))
-        assert base.best is not None
-        starts = []
-        for scored in additions:  # where the linearized step leads, and from the base with hardly any of the effect
-            there = _values(base, scored.shared)
-            starts.append(Start(there.linear, (*there.values, scored.values)))
-            starts.append(Start(here.linear, (*here.values, effect.faint(scored.values, 0.03))))
-        contender.begin(starts, like=base.best)
+        table = columns(ground, tuple(e for e in simple if e not in ringing)) + columns(ground, tuple(ringing), heard)
+        own: dict[frozenset[str], list[Scored]] = {}
+        for scored in score(ground, base.best, table):
+            if not any(_related(scored.effect, e) for e in base.effects):
+                own.setdefault(frozenset([scored.effect.name, *(e.name for e in base.effects)]), []).append(scored)
+        for key, found in list(own.items())[:tried]:
+            left = base.best.cost - found[0].gain
+            if key not in offers or left < offers[key].left:
+                offers[key] = _Offer(base, left, found[:2])
+    contenders: list[Contender] = []
+    for offer in sorted(offers.values(), key=lambda o: o.left):
+        contender = _added(ground, offer, progress)
         contenders.append(contender)
+        if contender.cost < _NEAR * ground.floored:
+            contender.run(laps=12)
+            if settled(ground, [contender]):
+                break
     advance(ground, contenders)
     return contenders
+
+
+def _added(ground: Ground, offer: _Offer, progress: Progress) -> Contender:
+    """Race a base with one effect more: from where the linearized step leads, and from the base with hardly any of it."""
+    base, effect = offer.base, offer.additions[0].effect
+    progress(" + ".join([*(e.name for e in base.effects), effect.name]))
+    contender = Contender(ground, (*base.effects, effect))
+    here = _values(base, None)
+    starts = []
+    for scored in offer.additions:
+        there = _values(base, scored.shared)
+        starts.append(Start(there.linear, (*there.values, scored.values)))
+        starts.append(Start(here.linear, (*here.values, effect.faint(scored.values, 0.03))))
+    assert base.best is not None
+    contender.begin(starts, like=base.best)
+    return contender
+
+
+def swap(ground: Ground, winner: Contender, catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
+    """Race a combination with each of its effects replaced by what may do as well; best first."""
+    assert winner.best is not None
+    simple = tuple(e for e in catalogue if not e.contains)
+    found: list[Contender] = []
+    for place, effect in enumerate(winner.effects):
+        base = _without(ground, winner, place)
+        if base is None or base.best is None:
+            continue
+        offers: dict[Effect, list[Scored]] = {}
+        for scored in score(ground, base.best, columns(ground, simple)):
+            if not any(_related(scored.effect, e) for e in winner.effects):
+                offers.setdefault(scored.effect, []).append(scored)
+        good = [s for s in offers.values() if base.best.cost - s[0].gain < _TWIN * ground.floored][:_SWAPS]
+        for additions in good:
+            found.append(_added(ground, _Offer(base, base.best.cost - additions[0].gain, additions[:2]), progress))
+    advance(ground, [winner, *found])
+    return found
+
+
+def _without(ground: Ground, contender: Contender, place: int) -> Contender | None:
+    """The combination with one effect dropped and all else where it stands."""
+    assert contender.best is not None
+    here = _values(contender, None)
+    effects = (*contender.effects[:place], *contender.effects[place + 1 :])
+    rest = Contender(ground, effects)
+    shared = np.concatenate([here.linear, *(v for i, v in enumerate(here.values) if i != place)])
+    local = start_local(rest.coarse, contender.best)
+    at = 2
+    rows = []
+    for i, effect in enumerate(contender.effects):
+        q = len(effect.run_parameters)
+        rows += range(at, at + q) if i != place else []
+        at += q
+    local[2 : rest.coarse.simulator.own_states.start] = contender.best.local[rows]
+    rest.best = minimize(rest.coarse, shared, local, tolerance=np.inf, iterations=1)
+    return rest
 
 
 def pairs(ground: Ground, alone: list[Contender], catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
@@ -99,7 +152,7 @@ def pairs(ground: Ground, alone: list[Contender], catalogue: tuple[Effect, ...],
         if e.name in by_name and by_name[e.name] not in alone[:_BASES]
     ]
     fresh = list(dict.fromkeys(fresh))[:1]
-    if fresh:
+    if fresh and not settled(ground, found[:1]):
         found += extend(ground, fresh, catalogue, progress, tried=4)
         found.sort(key=lambda c: c.cost)
     return found

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepid.diagnose.compete import Candidate, Progress, final, linear_candidate, singles, widen
+from stepid.diagnose.compete import Candidate, Progress, final, linear_candidate, settled, singles, widen
 from stepid.diagnose.held_out import held_out_residuals
-from stepid.diagnose.pairs import STRONG, extend, finish, generalize, pairs, simplify
+from stepid.diagnose.pairs import STRONG, extend, finish, generalize, pairs, simplify, swap
 from stepid.diagnose.result import Verdict
 from stepid.diagnose.wording import effect_names
 from stepid.effects.base import Effect
@@ -134,6 +134,8 @@ def _combine(
 ) -> list[Candidate]:
     """Try two effects, then three, while the floor is not reached."""
     twos = pairs(ground, alone, catalogue, progress)
+    if twos and settled(ground, twos[:1]):
+        twos = sorted([*twos, *swap(ground, twos[0], catalogue, progress)], key=lambda c: c.cost)
     done = finish(ground, twos)
     ranked = _accept(ranked, done)
     if done and not at_floor(ground, ranked[0]):

@@ -57,7 +57,15 @@ def _means(force: Array, records: Records) -> Array:
 
 def columns(ground: Ground, effects: tuple[Effect, ...], scales: Scales | None = None) -> list[_Column]:
     """Responses of the linear plant to every effect at each of its starts."""
-    scales = ground.scales if scales is None else scales
+    if scales is not None:
+        return _columns(ground, effects, scales)
+    new = tuple(e for e in effects if e not in ground.columns)
+    fresh = _columns(ground, new, ground.scales)
+    ground.columns |= {e: [c for c in fresh if c.effect is e] for e in new}
+    return [c for e in effects for c in ground.columns[e]]
+
+
+def _columns(ground: Ground, effects: tuple[Effect, ...], scales: Scales) -> list[_Column]:
     found: list[_Column] = []
     motion: Motion = ground.motion
     forces: list[Array] = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -43,6 +43,7 @@ class Ground:
     def __init__(self, records: Records, linear: Optimum, floor: float) -> None:
         self.records, self.linear, self.floor = records, linear, floor
         self.scales: Scales = scales(records, linear, floor)
+        self.columns: dict[Effect, list[Any]] = {}  # of `stepid.engine.score`, kept for the next race
         self.period = period = strongest_period(records)
         self.motion: Motion = measured_motion(records, linear.shared, floor, period)
         if linear.rms < 4 * floor:  # the fit is better known than the noisy velocity
