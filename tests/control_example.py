@@ -7,7 +7,7 @@ import numpy as np
 import stepid
 from stepid.effects import CATALOGUE
 
-PERIOD, SAMPLES, REST = 0.008, 240, 0.01
+PERIOD, SAMPLES, REST = 0.012, 160, 0.01
 VALUES = {
     "coulomb_friction": (0.2,),
     "load_proportional_friction": (0.02,),
@@ -34,7 +34,7 @@ VALUES = {
 
 def step_run(*, input_before: float = 0.0) -> stepid.Experiment:
     """A step up, a step down to the other side, a step back to zero."""
-    inputs = np.repeat([input_before, 1.0, -0.6, 0.0], [5, 115, 80, SAMPLES - 200])
+    inputs = np.repeat([input_before, 1.0, -0.6, 0.0], [5, 75, 55, SAMPLES - 135])
     return stepid.Experiment(
         name="steps",
         time=3.0 + PERIOD * np.arange(SAMPLES),

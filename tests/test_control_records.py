@@ -144,7 +144,7 @@ def test_combined_responses_are_chosen_by_trace() -> None:
 
 def test_what_cannot_be_right_is_refused() -> None:
     run = example.step_run()
-    with pytest.raises(InputError, match="has 240 samples, the position handed over has shape"):
+    with pytest.raises(InputError, match="has 160 samples, the position handed over has shape"):
         stepid.to_time_response(run, position=np.zeros(7))
     data = stepid.to_time_response(run)
     with pytest.raises(InputError, match="have no traces"):

@@ -63,7 +63,7 @@ def simulate_system(
         sampled: Any = system
         if sampled.isctime():
             sampled = control.sample_system(sampled, run.sample_time, method="zoh")
-        response = control.forced_response(sampled, T=time - time[0], inputs=volts, initial_state=start)
+        response = control.forced_response(sampled, T=time - time[0], U=volts, X0=start)
         states, outputs = response.x, response.y
     else:
         states, outputs = _integrate(system, time, volts, start)
