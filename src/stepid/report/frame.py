@@ -35,7 +35,7 @@ def framed(figure: go.Figure, *, x: str, y: str) -> go.Figure:
     figure.update_layout(
         template="none",
         height=_HEIGHT,
-        margin={"l": 62, "r": 12, "t": 12, "b": 46},
+        margin={"l": 62, "r": 12, "t": 12, "b": 46 if x else 28},
         paper_bgcolor="rgba(0,0,0,0)",
         plot_bgcolor="rgba(0,0,0,0)",
         font={"color": "var(--ink)", "size": 12.5, "family": "system-ui, sans-serif"},
@@ -45,8 +45,8 @@ def framed(figure: go.Figure, *, x: str, y: str) -> go.Figure:
         hovermode="closest",
     )
     line = {"gridcolor": "var(--grid)", "zerolinecolor": "var(--line)", "linecolor": "var(--line)", "zeroline": False}
-    figure.update_xaxes(title={"text": x, "standoff": 8}, **line)
-    figure.update_yaxes(title={"text": y, "standoff": 6}, **line)
+    figure.update_xaxes(title={"text": x, "standoff": 8, "font": {"size": 12.5}}, **line)
+    figure.update_yaxes(title={"text": y, "standoff": 6, "font": {"size": 12.5}}, **line)
     return figure
 
 
@@ -62,7 +62,7 @@ def paired(what: str, reach: float) -> go.Figure:
         yaxis={"domain": [0.42, 1.0]},
         yaxis2=upper
         | {"domain": [0.0, 0.34], "anchor": "x", "range": [-reach, reach], "zeroline": True}
-        | {"title": {"text": f"residual [{what}]", "font": {"size": 11}}},
+        | {"title": {"text": f"residual [{what}]", "font": {"size": 11.5}}},
     )
     return figure
 
