@@ -24,6 +24,7 @@ from stepid.cli import run
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+DIAGNOSING = {"why-your-model-does-not-fit.ipynb", "your-own-rig.ipynb"}  # a diagnosis each: slow
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -117,7 +118,11 @@ def test_notebooks_carry_no_output(path: Path) -> None:
             assert cell.execution_count is None
 
 
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.name)
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(p, marks=pytest.mark.slow if p.name in DIAGNOSING else ()) for p in NOTEBOOKS],
+    ids=lambda p: p.name,
+)
 @pytest.mark.filterwarnings("ignore::DeprecationWarning:jupyter_client.*", "ignore::DeprecationWarning:zmq.*")
 def test_notebooks_run(path: Path, tmp_path: Path) -> None:
     notebook = nbformat.read(path, as_version=4)
@@ -126,6 +131,10 @@ def test_notebooks_run(path: Path, tmp_path: Path) -> None:
     outputs = [o for cell in done.cells if cell.cell_type == "code" for o in cell.outputs]
     assert any("image/png" in o.get("data", {}) for o in outputs), "the notebook draws nothing"
     assert not [o for o in outputs if o.output_type == "stream" and o.name == "stderr"]
+
+
+def test_slow_notebooks_exist() -> None:
+    assert {p.name for p in NOTEBOOKS} >= DIAGNOSING
 
 
 @pytest.mark.slow

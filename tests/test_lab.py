@@ -131,13 +131,16 @@ def test_the_records_are_a_labs(coulomb, tmp_path):
         assert abs(truth.parameters[name] / value - 1) <= middle.spread
 
 
-def test_a_fit_with_the_right_effect_passes_and_without_it_fails(coulomb):
-    answer = coulomb.answers["A"]
-    fit = stepid.fit(coulomb["A"], effects=answer.effects)
+def test_a_fit_with_the_right_effect_passes_and_without_it_fails():
+    made = small()
+    answer = made.answers["A"]
+    fit = stepid.fit(made["A"], effects=answer.effects)
     right = lab.check(answer, lab.Submission(group="A", parameters=fit.parameters, effects=answer.effects))
     assert right.passed, right.summary()
     assert fit.rms == pytest.approx(answer.noise, rel=0.05)
-    linear = stepid.fit(coulomb["A"])
+    for name, estimate in fit.parameters.items():
+        assert estimate.uncertainty == pytest.approx(answer.attainable[name], rel=0.25)
+    linear = stepid.fit(made["A"])
     wrong = lab.check(answer, lab.Submission(group="A", parameters=linear.parameters))
     assert not wrong.passed
     assert wrong.naming == "wrong"

@@ -24,7 +24,7 @@ def test_a_class_in_one_table():
     assert not results["B"].passed
     lines = results.summary().splitlines()
     assert [" ".join(line.split()) for line in lines[3:]] == [
-        "A coulomb friction coulomb friction 5/5 5/5 passed",
+        "A coulomb friction coulomb friction 5/5 5/5 passed, naming right",
         "B coulomb friction nothing 4/5 4/5 not passed, naming wrong",
         "C – – – – nothing handed in",
     ]

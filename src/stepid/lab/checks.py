@@ -73,19 +73,26 @@ class Check(Model):
     tolerance: NonNegative
 
     @property
+    def counted(self) -> tuple[ParameterCheck, ...]:
+        """What counts: all parameters, but where several effects could not be told apart only those of both plants."""
+        if self.naming != "among":
+            return self.parameters
+        return tuple(p for p in self.parameters if p.value is not None and p.truth is not None)
+
+    @property
     def close(self) -> int:
-        """How many values are within the tolerance."""
-        return sum(p.close for p in self.parameters)
+        """How many values are within the tolerance, of those counted."""
+        return sum(p.close for p in self.counted)
 
     @property
     def inside(self) -> int:
-        """How many intervals hold the truth."""
-        return sum(p.inside for p in self.parameters)
+        """How many intervals hold the truth, of those counted."""
+        return sum(p.inside for p in self.counted)
 
     @property
     def misses_allowed(self) -> int:
         """How many intervals may miss by chance: more would do so in less than 1 % of perfect submissions."""
-        n, left, k = len(self.parameters), 1.0, -1
+        n, left, k = len(self.counted), 1.0, -1
         while left > _CHANCE:
             k += 1
             left -= math.comb(n, k) * 0.05**k * 0.95 ** (n - k)
@@ -94,7 +101,7 @@ class Check(Model):
     @property
     def passed(self) -> bool:
         """Naming right (or among several), all values close, and no more intervals missed than chance allows."""
-        n = len(self.parameters)
+        n = len(self.counted)
         named = self.naming in ("right", "among")
         return named and self.close == n and n - self.inside <= self.misses_allowed
 
@@ -126,7 +133,7 @@ class Check(Model):
 
     @property
     def _counts(self) -> str:
-        n = len(self.parameters)
+        n = len(self.counted)
         return (
             f"{self.close} of {n} values within the tolerance ({100 * self.tolerance:.3g} %), {self.inside} of {n} "
             f"intervals hold the truth ({n - self.misses_allowed} needed: of right ones, one in twenty misses)."
@@ -138,7 +145,7 @@ class Check(Model):
         return f"{self._title}\n{self.words}\n{table}\n{self._counts}"
 
     def __repr__(self) -> str:
-        n = len(self.parameters)
+        n = len(self.counted)
         return f"Check({self._title}, naming {self.naming}, {self.close} of {n} close, {self.inside} of {n} inside)"
 
     __str__ = summary

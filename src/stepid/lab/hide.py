@@ -168,6 +168,8 @@ def _solve(excess: Callable[[float], float]) -> tuple[float, float]:
             break
         step = float(np.clip(-off / slope, -2.0, 2.0))
         new = excess(math.exp(at + step))
+        if new == off:  # the strength has met its bound
+            break
         slope = float(np.clip((new - off) / step, 0.5, 4.0))
         at, off = at + step, new
         if abs(off) < abs(best[1]):

@@ -55,7 +55,7 @@ class Results(Model):
                 "naming": one.naming,
                 "close": one.close,
                 "inside": one.inside,
-                "parameters": len(one.parameters),
+                "parameters": len(one.counted),
                 "passed": one.passed,
             }
             for one, hidden, named in zip(self.checks, self.hidden, self.named, strict=True)
@@ -68,9 +68,9 @@ class Results(Model):
                 one.group,
                 hidden,
                 named,
-                f"{one.close}/{len(one.parameters)}",
-                f"{one.inside}/{len(one.parameters)}",
-                "passed" if one.passed else f"not passed, naming {one.naming}",
+                f"{one.close}/{len(one.counted)}",
+                f"{one.inside}/{len(one.counted)}",
+                f"{'passed' if one.passed else 'not passed'}, naming {one.naming}",
             )
             for one, hidden, named in zip(self.checks, self.hidden, self.named, strict=True)
         ]

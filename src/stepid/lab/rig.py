@@ -41,7 +41,7 @@ class RunPlan(Model):
 RUNS = (
     RunPlan(name="run 1", added_mass=0.0, level=0.5),
     RunPlan(name="run 2", added_mass=0.5, level=-0.5),
-    RunPlan(name="run 3", added_mass=1.5, level=0.5),
+    RunPlan(name="run 3", added_mass=1.5, level=0.4),
     RunPlan(name="run 4", added_mass=2.0, level=0.3),
 )
 
@@ -50,7 +50,7 @@ class Rig(Model):
     """A rig: the plant's usual values, how much groups differ, what is recorded and how noisy it is.
 
     All groups make the same runs, whatever is hidden. The defaults are of the size of the plant in Burchett's Table 2;
-    four masses, two step sizes, both directions and a step back let as many effects as possible be told apart.
+    four masses, three step sizes, both directions and a step back let as many effects as possible be told apart.
 
     Parameters
     ----------
