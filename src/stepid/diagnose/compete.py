@@ -99,6 +99,8 @@ def _worth_holding(ground: Ground, best: Optimum, active: npt.NDArray[np.bool_])
     """Tell whether starting states may be those at rest: by one linearized step, with room for its error."""
     problem = best.problem
     jacobian, residual = problem.jacobian(best.solved), problem.residual(best.solved)
+    if not np.isfinite(jacobian).all():  # at a runaway's edge nothing is linear
+        return True
     where = np.argwhere(problem.active)
     kept = np.concatenate([np.ones(int(problem.free.sum()), dtype=bool), active[where[:, 0], where[:, 1]]])
     own = best.local[where[:, 0], where[:, 1]][~kept[-len(where) :]]

@@ -11,6 +11,7 @@ from stepid._base import Array
 from stepid.engine.trajectory import Simulator, Solved
 
 _MOST_DAMPING = 1e12
+_STEEPEST = 1e120
 
 
 @dataclass(frozen=True)
@@ -29,12 +30,13 @@ class Problem:
         return r.weighted(r.position - solved.reading)
 
     def jacobian(self, solved: Solved) -> Array:
-        """Derivative of the simulated reading by the free parameters, shape (S, columns)."""
+        """Derivative of the simulated reading by the free parameters, shape (S, columns); ±inf at a runaway's edge."""
         assert solved.shared is not None
         assert solved.local is not None
         r = self.simulator.records
-        parts = [r.weighted(solved.shared[self.free]).T]
-        local = r.weighted(solved.local)
+        with np.errstate(all="ignore"):
+            parts = [r.weighted(solved.shared[self.free]).T]
+            local = r.weighted(solved.local)
         where = np.argwhere(self.active)
         if where.size:
             block = np.zeros((r.size, len(where)))
@@ -42,7 +44,9 @@ class Problem:
             for column, (q, run) in enumerate(where):
                 block[pieces[run], column] = local[q, pieces[run]]
             parts.append(block)
-        return np.concatenate(parts, axis=1)
+        out: Array = np.concatenate(parts, axis=1)
+        out[np.abs(out) > _STEEPEST] = np.inf  # its square would overflow
+        return out
 
 
 @dataclass(frozen=True)

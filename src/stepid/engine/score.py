@@ -184,6 +184,8 @@ def promise(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], start: 
     if solved is None or not np.isfinite(solved.reading).all():
         return np.inf  # cannot tell: let it race
     jacobian = inner.problem.jacobian(inner.solved)
+    if not np.isfinite(jacobian).all():
+        return np.inf
     size = np.linalg.norm(jacobian, axis=0)
     size[size == 0] = np.inf
     q = np.linalg.qr(jacobian / size)[0]
