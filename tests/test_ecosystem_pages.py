@@ -78,3 +78,14 @@ def test_json_of_the_results_comes_back(lab: Path, capsys: pytest.CaptureFixture
     paper = printed(["paper"], capsys)
     assert paper["parameters"]["masses"] == dict(stepid.rebuild_paper().parameters.masses)
     assert all("time" not in each for each in paper["responses"])
+
+
+def test_progress_on_a_terminal_leaves_the_json_alone(
+    lab: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("FORCE_COLOR", "1")  # rich then takes both streams for terminals
+    assert run(["diagnose", str(lab), "--json"]) == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out)["verdict"] == "named"
+    assert "diagnosing: linear fit" in err
