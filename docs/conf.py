@@ -31,6 +31,7 @@ nb_merge_streams = True
 
 html_theme = "furo"
 html_static_path = ["_static"]
+html_css_files = ["site.css"]
 html_title = f"stepid {release}"
 
 nitpicky = True
