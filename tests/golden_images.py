@@ -64,6 +64,11 @@ def pixels(figure: Figure) -> np.ndarray:
     for text in figure.findobj(Text):
         text.set_visible(False)
     figure.set_dpi(DOTS)
+    return render(figure)
+
+
+def render(figure: Figure) -> np.ndarray:
+    """A figure as it is, shape (height, width, 3)."""
     figure.canvas.draw()
     return np.asarray(figure.canvas.buffer_rgba())[..., :3].astype(float)  # type: ignore[attr-defined]
 

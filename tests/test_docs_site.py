@@ -174,3 +174,18 @@ def test_which_tool_says_where_others_are_better() -> None:
     assert sum("**" in row[1] for row in cells) < sum(any("**" in cell for cell in row[2:]) for row in cells)
     assert len(CATALOGUE) == 20
     assert "the twenty\neffects of its" in page
+
+
+def test_limits_page_gives_the_numbers_of_the_tutorial() -> None:
+    numbers = r"base mass of ([\d.]+) kg,\nthe fit with friction ([\d.]+) ± ([\d.]+) kg; ([\d.]+) kg was put in"
+    found = re.search(numbers, text("limits.md"))
+    assert found is not None
+    hand, joint, spread, truth = map(float, found.groups())
+    assert stepid.datasets.lab_truth().base_mass["cart"] == truth
+    tutorial = text("tutorial.md")  # whose outputs are tested above
+    fitted = re.search(r"^base_mass: ([\d.]+) ± ([\d.]+) kg", tutorial, re.MULTILINE)
+    by_hand = re.search(r"^base mass \[cart\] +([\d.]+) ±", tutorial, re.MULTILINE)
+    assert fitted is not None
+    assert by_hand is not None
+    assert (round(float(fitted[1]), 4), round(float(fitted[2]), 4)) == (joint, spread)
+    assert round(float(by_hand[1]), 2) == hand

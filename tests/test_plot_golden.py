@@ -50,7 +50,7 @@ def without_each(name: str, *, of_axes: int | None) -> dict[str, float]:
     for label, artist in golden.drawn(figure):
         if of_axes is None or label.startswith(f"axes {of_axes} "):
             artist.set_visible(False)
-            found[label] = golden.difference(golden.pixels(figure), golden.load(name))
+            found[label] = golden.difference(golden.render(figure), golden.load(name))
             artist.set_visible(True)
     return found
 
