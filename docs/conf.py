@@ -51,5 +51,12 @@ def _keep_bars(app: object, what: str, name: str, obj: object, options: object, 
     lines[:] = [line.replace("|", "\\|") for line in lines]
 
 
+def _keep_colons(app: object, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
+    """Keep the sentence of a property a sentence: napoleon takes what stands before its first colon for a type."""
+    if what in ("attribute", "property") and lines:
+        lines[0] = lines[0].replace(": ", " – ")
+
+
 def setup(app: Any) -> None:
+    app.connect("autodoc-process-docstring", _keep_colons, priority=100)
     app.connect("autodoc-process-docstring", _keep_bars, priority=900)
