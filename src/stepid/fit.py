@@ -23,10 +23,12 @@ from stepid.frames import parameter_frame
 from stepid.model import PlantModel
 from stepid.screen import screen
 from stepid.simulate import unpack
+from stepid.suspects import find_suspect
 
 if TYPE_CHECKING:
     from stepid.frames import DataFrame
 
+_MISFIT = 1.1  # times the floor, beyond which a run may be to blame
 NOT_CONVERGED = "The fit did not converge; what is shown is the best so far."
 
 
@@ -173,6 +175,9 @@ def _raced(ground: Ground, effects: tuple[Effect, ...], starts: list[Start], lik
 
 def _remarks(campaign: Campaign, ground: Ground, optimum: Optimum) -> tuple[str, ...]:
     out = [*screen(campaign).notes, *repeat_notes(ground.records)]
+    suspect = find_suspect(ground, [optimum]) if optimum.rms > _MISFIT * ground.floor else None
+    if suspect is not None and suspect.mistake is not None:
+        out.append(suspect.words)
     if not optimum.converged:
         out.append(NOT_CONVERGED)
     return tuple(out)

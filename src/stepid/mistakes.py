@@ -28,11 +28,15 @@ _EARLY = 6  # samples by which an input may lead
 
 @dataclass(frozen=True)
 class Mistake:
-    """What would explain a run: in words, what its misfit is then [m²], whether it is a mistake in the manifest."""
+    """What would explain a run: in words, and what its misfit is then [m²].
+
+    `plain` is a mistake in the manifest; `single` is one that no effect of the whole plant looks like.
+    """
 
     words: str
     cost: float
     plain: bool
+    single: bool = True
 
 
 def known(problem: Problem) -> npt.NDArray[np.bool_]:
@@ -124,6 +128,14 @@ class Alone:
         found = minimize(replace(problem, free=free, active=active), shared, local, tolerance=self.ground.tolerance)
         return found if found is not None and at_floor(self.ground, found, self.slack, self.white) else None
 
+    @property
+    def has_equal(self) -> bool:
+        """Whether another run has an input of the same size: then no dead zone sets this one apart."""
+        runs = self.fit.problem.simulator.records.runs
+        sizes = np.array([np.abs(r.input - r.input_before).max() for r in runs])
+        own = sizes[self.run]
+        return bool(np.any(np.abs(np.delete(sizes, self.run) - own) < 0.01 * own))
+
     def freed(self, index: int) -> Optimum | None:
         """With one shared parameter of its own."""
         return self._fit(build(self.records, self.effects), self.shared, index)
@@ -160,7 +172,7 @@ def scaled(alone: Alone) -> Iterator[Mistake]:
             continue
         found = alone.changed(replace(alone.records, position=alone.records.position / factor)).freed(gain)
         if found is not None:
-            yield Mistake(_say_factor(factor), found.cost, factor in _ROUND)
+            yield Mistake(_say_factor(factor), found.cost, factor in _ROUND, factor in _ROUND or alone.has_equal)
             return
 
 

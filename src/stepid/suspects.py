@@ -41,6 +41,11 @@ class Suspect:
         return self.mistake is not None and self.mistake.plain and not self.rivals
 
     @property
+    def settles(self) -> bool:
+        """Whether it is needless to look for effects beside it: nothing in the whole plant looks like this."""
+        return self.mistake is not None and self.mistake.single and not self.rivals
+
+    @property
     def words(self) -> str:
         """Say which run disagrees, and what would explain it."""
         if self.rivals:

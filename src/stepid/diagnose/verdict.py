@@ -70,8 +70,10 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         return Judgment("unexplained", linear, (), (linear,), (*reasons, "No effect of the catalogue could be fitted."))
     best = ranked[0]
     suspect = find_suspect(ground, [linear.optimum, *(c.optimum for c in ranked[:2])])
-    if suspect is not None and suspect.sure and (not at_floor(ground, best) or suspect.evidence < best.evidence - _TIE):
-        return Judgment("unexplained", linear, (), (*ranked, linear), (*reasons, suspect.words), suspect)
+    beaten = suspect is not None and (not at_floor(ground, best) or suspect.evidence < best.evidence - _TIE)
+    if suspect is not None and beaten and suspect.settles:
+        leave = suspect if suspect.sure else None
+        return Judgment("unexplained", linear, (), (*ranked, linear), (*reasons, suspect.words), leave)
     if best.optimum.rms > _SURE * floor or best.structure > _GATE:  # nearly right is not right: let more compete
         alone = widen(ground, alone, catalogue, progress)
         ranked = final(ground, alone, count=4)
