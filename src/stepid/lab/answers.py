@@ -55,7 +55,7 @@ class Answer(Model):
 
     @property
     def commitment(self) -> str:
-        """SHA-256 of this answer, hexadecimal: students may have it, and it holds the instructor to the answer."""
+        """SHA-256 of this answer in hexadecimal; students may have it, and it holds the instructor to the answer."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
 
     @property

@@ -74,7 +74,7 @@ class Check(Model):
 
     @property
     def counted(self) -> tuple[ParameterCheck, ...]:
-        """What counts: all parameters, but where several effects could not be told apart only those of both plants."""
+        """The parameters that count; where several effects could not be told apart, not those of only one of them."""
         if self.naming != "among":
             return self.parameters
         return tuple(p for p in self.parameters if p.value is not None and p.truth is not None)
@@ -91,7 +91,7 @@ class Check(Model):
 
     @property
     def misses_allowed(self) -> int:
-        """How many intervals may miss by chance: more would do so in less than 1 % of perfect submissions."""
+        """How many intervals may miss by chance; more would do so in less than 1 % of perfect submissions."""
         n, left, k = len(self.counted), 1.0, -1
         while left > _CHANCE:
             k += 1

@@ -38,7 +38,8 @@ class Draw(Model):
     Parameters
     ----------
     among : tuple of str
-        Canonical names, each as likely as the other. The default are effects that the default runs tell apart.
+        Canonical names, each as likely as the other. The default are effects that the default runs tell apart, Coulomb
+        friction from an asymmetric one excepted.
     none : float
         Probability that nothing is hidden, 0 to 1.
     """
