@@ -24,6 +24,7 @@ from stepid.diagnose.result import Diagnosis, RunGap
 from stepid.diagnose.wording import length
 from stepid.report import provenance
 from stepid.report.hand import HandMethod
+from stepid.report.page import Still
 from stepid.report.story import tell
 from stepid.report.write import hand_of
 
@@ -87,10 +88,8 @@ def page() -> str:
 @pytest.fixture
 def no_stills(monkeypatch: pytest.MonkeyPatch) -> None:
     """Still pictures take the time; where a test is not about them, leave them out."""
-    import stepid.report.page  # so that there is something to replace
-
-    blank = stepid.report.page._Inlined("data:,", 1)
-    monkeypatch.setattr("stepid.report.page._inlined", lambda drawn: dict.fromkeys(drawn, blank))
+    monkeypatch.setattr("stepid.plot.book.save_all", lambda drawn, *_, **__: dict.fromkeys(drawn, 1.0))
+    monkeypatch.setattr("stepid.report.page.inlined", lambda widths, _: dict.fromkeys(widths, Still("data:,", 96)))
 
 
 def test_the_story_is_told_in_order(page: str) -> None:
@@ -234,10 +233,10 @@ def test_a_page_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pyte
     target = tmp_path / "report.html"
     target.write_text("before", encoding="utf-8")
 
-    def fail(*_: Any) -> None:
+    def fail(*_: Any, **__: Any) -> None:
         raise stepid.errors.InputError("the picture cannot be drawn", "Try again.")
 
-    monkeypatch.setattr("stepid.report.page._inlined", fail)
+    monkeypatch.setattr("stepid.plot.book.save_all", fail)
     with pytest.raises(stepid.errors.InputError, match="cannot be drawn"):
         example.named().to_html(target)
     assert target.read_text(encoding="utf-8") == "before"
@@ -248,6 +247,7 @@ def test_a_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     for module in [name for name in sys.modules if name.startswith(("stepid.report.p", "plotly"))]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, "plotly", None)
+    monkeypatch.setattr("stepid.plot.book.save_all", lambda drawn, *_, **__: dict.fromkeys(drawn, 1.0))
     with pytest.raises(stepid.errors.StepidError, match=re.escape("pip install 'stepid[report]'")):
         example.named().to_html(tmp_path / "report.html")
     assert list(tmp_path.iterdir()) == []

@@ -1,38 +1,48 @@
-"""Several figures in one PDF, a page each."""
+"""Many figures at once, each drawn and laid out once whatever the number of its files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_pdf import PdfPages
 
-from stepid.plot.style import styled
+from stepid.plot.style import figure_of, styled
 
 
-def save_pages(drawn: Iterable[Callable[[], Axes]], path: str | Path, *, title: str) -> Path:
-    """Write figures as the pages of one PDF, vectors wherever they were drawn as such, and close them.
+def save_all(
+    drawn: Mapping[str, Callable[[], Axes]], folder: Path, *, endings: Sequence[str], pages: Path | None = None
+) -> dict[str, float]:
+    """Write figures, each in every format asked for, and close them.
 
     Parameters
     ----------
-    drawn : iterable of callable
-        Each draws one figure and returns any axes of it.
-    path : str or pathlib.Path
-    title : str
-        Of the document.
+    drawn : mapping of str to callable
+        File name without ending, to what draws one figure and returns any axes of it.
+    folder : pathlib.Path
+    endings : sequence of str
+        For example ``("png", "webp")``.
+    pages : pathlib.Path or None
+        A PDF for all of them, a page each.
 
     Returns
     -------
-    pathlib.Path
-        Where it was written.
+    dict of str to float
+        Name to the figure's width, inches.
     """
-    with PdfPages(path, metadata={"Title": title, "CreationDate": None}) as pages:
-        for draw in drawn:
-            figure = draw().get_figure(root=True)
-            assert figure is not None  # axes that were drawn into belong to a figure
-            with styled():
-                pages.savefig(figure)
+    widths = {}
+    with PdfPages(pages, metadata={"CreationDate": None}) if pages else nullcontext() as book, styled():
+        for name, draw in drawn.items():
+            figure = figure_of(draw())
+            figure.draw_without_rendering()
+            figure.set_layout_engine("none")  # laid out; every file would do it again
+            for ending in endings:
+                figure.savefig(folder / f"{name}.{ending}")
+            if book is not None:
+                book.savefig(figure)
+            widths[name] = float(figure.get_size_inches()[0])
             plt.close(figure)
-    return Path(path)
+    return widths

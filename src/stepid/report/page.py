@@ -6,8 +6,8 @@ import base64
 import gzip
 import json
 import re
+from collections.abc import Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
@@ -17,16 +17,14 @@ from plotly.offline import get_plotlyjs
 from stepid.diagnose.result import Diagnosis
 from stepid.diagnose.summary import answer
 from stepid.diagnose.wording import digits, effect_names, length
-from stepid.plot import save
 from stepid.report.frame import run_line
 from stepid.report.hand import HandMethod
 from stepid.report.pictures import pictures
 from stepid.report.provenance import Provenance
-from stepid.report.still import Stills, stills
 from stepid.report.story import Hand, tell
 
 
-def html_page(d: Diagnosis, hand: Hand, provenance: Provenance) -> str:
+def html_page(d: Diagnosis, hand: Hand, provenance: Provenance, stills: Mapping[str, Still]) -> str:
     """Write a diagnosis as one self-contained page.
 
     Parameters
@@ -34,6 +32,7 @@ def html_page(d: Diagnosis, hand: Hand, provenance: Provenance) -> str:
     d : Diagnosis
     hand : HandMethod, IdentificationError or None
     provenance : Provenance
+    stills : mapping of str to Still
 
     Returns
     -------
@@ -55,7 +54,7 @@ def html_page(d: Diagnosis, hand: Hand, provenance: Provenance) -> str:
         answer=answer(d),
         chapters=tell(d, hand, provenance),
         tiles=_tiles(d),
-        stills=_inlined(stills(d, verified)),
+        stills=stills,
         places={run.name: i for i, run in enumerate(d.runs)},
         run_line=run_line,
         plotly=_packed(get_plotlyjs()),
@@ -74,20 +73,30 @@ def _packed(text: str) -> str:
     return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode()
 
 
-class _Inlined(NamedTuple):
+class Still(NamedTuple):
+    """A still picture: its data URL, and its width in CSS pixels, 96 an inch."""
+
     url: str
-    width: int  # CSS pixels, 96 an inch
+    width: int
 
 
-def _inlined(drawn: Stills) -> dict[str, _Inlined]:
-    """Still pictures as data URLs."""
+def inlined(widths: Mapping[str, float], folder: Path) -> dict[str, Still]:
+    """Read still pictures, written as WebP, by name.
+
+    Parameters
+    ----------
+    widths : mapping of str to float
+        Name to width, inches.
+    folder : pathlib.Path
+
+    Returns
+    -------
+    dict of str to Still
+    """
     found = {}
-    with TemporaryDirectory() as folder:
-        for name, draw in drawn.items():
-            axes = draw()
-            width = round(96 * axes.get_figure(root=True).get_size_inches()[0])
-            path = save(axes, Path(folder) / "still.webp")
-            found[name] = _Inlined(f"data:image/webp;base64,{base64.b64encode(path.read_bytes()).decode()}", width)
+    for name, width in widths.items():
+        content = base64.b64encode((folder / f"{name}.webp").read_bytes()).decode()
+        found[name] = Still(f"data:image/webp;base64,{content}", round(96 * width))
     return found
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from tempfile import TemporaryDirectory
 
 from stepid.diagnose.result import Diagnosis
 from stepid.errors import StepidError
@@ -17,9 +18,6 @@ from stepid.report.provenance import Provenance, of_data
 from stepid.report.story import Hand
 from stepid.textfile import as_path
 
-if TYPE_CHECKING:
-    from stepid.report.still import Stills
-
 _EXTRAS = {"jinja2": "report", "markupsafe": "report", "plotly": "report", "matplotlib": "plot"}
 
 
@@ -27,7 +25,7 @@ def write_html(diagnosis: Diagnosis, path: str | os.PathLike[str]) -> Path:
     """Write a diagnosis as one self-contained page; see `stepid.Diagnosis.to_html`."""
     target = as_path(path)
     with staged(target.parent) as folder, _installed():
-        _put_html(diagnosis, hand_of(diagnosis), of_data(diagnosis), folder / target.name)
+        _put(diagnosis, of_data(diagnosis), html=folder / target.name)
     return target
 
 
@@ -35,7 +33,7 @@ def write_markdown(diagnosis: Diagnosis, path: str | os.PathLike[str]) -> Path:
     """Write a diagnosis as Markdown with pictures beside it; see `stepid.Diagnosis.to_markdown`."""
     target = as_path(path)
     with staged(target.parent) as folder, _installed():
-        _put_markdown(diagnosis, hand_of(diagnosis), of_data(diagnosis), folder / target.name)
+        _put(diagnosis, of_data(diagnosis), note=folder / target.name)
     return target
 
 
@@ -54,14 +52,14 @@ def write_all(diagnosis: Diagnosis, provenance: Provenance, folder: Path) -> Non
     stepid.errors.StepidError
         If a package that it needs is not installed.
     """
-    hand = hand_of(diagnosis)
     with _installed():
-        _put_html(diagnosis, hand, provenance, folder / "report.html")
-        _put_markdown(diagnosis, hand, provenance, folder / "report.md")
-        from stepid.plot.book import save_pages
-
-        drawn = _stills(diagnosis, hand).values()
-        save_pages(drawn, folder / "report-pictures.pdf", title=f"{diagnosis.campaign}: diagnosis")
+        _put(
+            diagnosis,
+            provenance,
+            html=folder / "report.html",
+            note=folder / "report.md",
+            pages=folder / "report-pictures.pdf",
+        )
 
 
 def hand_of(diagnosis: Diagnosis) -> Hand:
@@ -69,24 +67,33 @@ def hand_of(diagnosis: Diagnosis) -> Hand:
     return None if diagnosis.data is None else by_hand(diagnosis.data)
 
 
-def _put_html(diagnosis: Diagnosis, hand: Hand, provenance: Provenance, path: Path) -> None:
-    from stepid.report.page import html_page
-
-    path.write_text(html_page(diagnosis, hand, provenance), encoding="utf-8")
-
-
-def _put_markdown(diagnosis: Diagnosis, hand: Hand, provenance: Provenance, path: Path) -> None:
-    from stepid import plot
-
-    drawn = _stills(diagnosis, hand)
-    files = {name: plot.save(draw(), path.with_name(f"{path.stem}-{name}.png")).name for name, draw in drawn.items()}
-    path.write_text(markdown(diagnosis, hand, provenance, files), encoding="utf-8")
-
-
-def _stills(diagnosis: Diagnosis, hand: Hand) -> Stills:
+def _put(
+    diagnosis: Diagnosis,
+    provenance: Provenance,
+    *,
+    html: Path | None = None,
+    note: Path | None = None,
+    pages: Path | None = None,
+) -> None:
+    """Write what has a path, with every still picture drawn once."""
+    from stepid.plot.book import save_all
     from stepid.report.still import stills
 
-    return stills(diagnosis, hand.verified if isinstance(hand, HandMethod) else None)
+    hand = hand_of(diagnosis)
+    drawn = stills(diagnosis, hand.verified if isinstance(hand, HandMethod) else None)
+    endings = ["webp"] * (html is not None) + ["png"] * (note is not None)
+    with TemporaryDirectory() as scratch:
+        widths = save_all(drawn, Path(scratch), endings=endings, pages=pages)
+        if html is not None:
+            from stepid.report.page import html_page, inlined
+
+            page = html_page(diagnosis, hand, provenance, inlined(widths, Path(scratch)))
+            html.write_text(page, encoding="utf-8")
+        if note is not None:
+            files = {name: f"{note.stem}-{name}.png" for name in drawn}
+            for name, file in files.items():
+                shutil.move(Path(scratch) / f"{name}.png", note.with_name(file))
+            note.write_text(markdown(diagnosis, hand, provenance, files), encoding="utf-8")
 
 
 @contextmanager
