@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import stepid
 from exact_plants import COUNTS, EFFECTS, exact_campaign, true_model
 from stepid.effects import CATALOGUE, resolve
+from stepid.engine.problem import build
 from stepid.engine.records import lay_out
 from stepid.engine.trajectory import Simulator
 from stepid.simulate import pack, solve_model
@@ -77,13 +80,40 @@ def test_sensitivities_are_the_derivatives_of_the_reading(name: str) -> None:
         down[j] -= step
         slope = (reading(up, local) - reading(down, local)) / (2 * step)
         assert np.linalg.norm(solved.shared[j] - slope) < 2e-3 * np.linalg.norm(slope), f"shared parameter {j}"
-    for q in (0, *range(2, sim.n_local)):
+    for q in (0, *range(2, sim.own_states.start)):
         step = 1e-5 if q == 0 else 1e-4
         up, down = local.copy(), local.copy()
         up[q] += step
         down[q] -= step
         slope = (reading(shared, up) - reading(shared, down)) / (2 * step)
         assert np.linalg.norm(solved.local[q] - slope) < 2e-3 * np.linalg.norm(slope), f"local parameter {q}"
+
+
+@pytest.mark.parametrize("name", ["flexible_coupling", "viscoelastic_spring", "presliding_hysteresis"])
+def test_own_states_count_where_a_record_starts_in_motion(name: str) -> None:
+    """A second mass, a creeping spring or a bent asperity need not be at rest there."""
+    values = EFFECTS[name]
+    campaign = exact_campaign({name: values}, SHORT)
+    effects, still = resolve([name]), lay_out(campaign)
+    records = replace(still, moving=np.ones_like(still.moving))
+    sim = Simulator(records, effects)
+    shared, local = pack(true_model(campaign, name, values), records, effects)
+    solved = sim.solve(shared, local)
+    assert solved is not None
+    assert solved.local is not None
+    assert build(records, effects).active[sim.own_states].all()
+    assert not build(still, effects).active[sim.own_states].any()
+    for q in range(sim.own_states.start, sim.n_local):
+        up, down = local.copy(), local.copy()
+        step = 1e-7
+        up[q] += step
+        down[q] -= step
+        ends = [sim.solve(shared, moved, start=solved.states, sensitive=False) for moved in (up, down)]
+        assert ends[0] is not None
+        assert ends[1] is not None
+        slope = (ends[0].reading - ends[1].reading) / (2 * step)
+        assert np.linalg.norm(slope) > 0
+        assert np.linalg.norm(solved.local[q] - slope) < 2e-3 * np.linalg.norm(slope)
 
 
 @pytest.mark.parametrize(

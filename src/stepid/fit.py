@@ -14,6 +14,7 @@ from stepid.engine.problem import fit_linear
 from stepid.engine.records import Records, lay_out
 from stepid.engine.score import columns, score
 from stepid.engine.search import Contender, Ground, Start, race_starts
+from stepid.engine.threads import single_threaded
 from stepid.errors import ConvergenceError, UndeterminedError
 from stepid.estimate import Estimate
 from stepid.estimates import estimates
@@ -97,6 +98,7 @@ def ground_of(campaign: Campaign) -> tuple[Records, Ground]:
     return records, Ground(records, linear, floor)
 
 
+@single_threaded
 def fit(campaign: Campaign, *, effects: Iterable[str | Effect] = (), catalogue: tuple[Effect, ...] = CATALOGUE) -> Fit:
     """Fit a linear plant with given effects to all runs together.
 

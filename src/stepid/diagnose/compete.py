@@ -23,7 +23,7 @@ _PLAIN = 4.0  # times the cost of noise above which the linear gap is plain to s
 _HOPELESS = 6.0  # times the cost of one that reached the floor
 _ROOM = 6.0  # times the price of the starting displacements that holding them at zero may seem to cost
 _WORTH = 0.05  # share of what a simpler effect leaves that a costly general one must promise to take away
-_PROMISE = 3.0  # χ² that a more general effect must promise where a simpler one reached the floor
+PROMISE = 3.0  # χ² that a more general effect must promise where a simpler one reached the floor
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ def _worth_holding(ground: Ground, best: Optimum, active: npt.NDArray[np.bool_])
     q = np.linalg.qr((jacobian / size)[:, kept])[0]
     left = residual - q @ (q.T @ residual)
     price = own.size * math.log(ground.records.size)
-    return float(left @ left) - best.cost < _ROOM * price * ground.floor**2
+    return bool(float(left @ left) - best.cost < _ROOM * price * ground.floor**2)
 
 
 def singles(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
@@ -178,7 +178,7 @@ def generalized(
         if settled(ground, [*contenders, *added]) and not effect.affine:
             # an affine one is quick, and may be as good without promising any gain
             least = min(c.cost for c in [*contenders, *added]) + 60 * ground.unit
-            starts = [s for s in starts if s[1] > _PROMISE * ground.unit and s[0] - 3 * s[1] < least]
+            starts = [s for s in starts if s[1] > PROMISE * ground.unit and s[0] - 3 * s[1] < least]
         if starts:
             added.append(_enter(ground, effect, [s for _, _, s in starts], progress))
     if added:

@@ -19,6 +19,7 @@ from stepid.diagnose.verdict import Judgment, judge
 from stepid.effects import CATALOGUE, Effect
 from stepid.engine.least_squares import Optimum
 from stepid.engine.search import Ground
+from stepid.engine.threads import single_threaded
 from stepid.errors import UndeterminedError
 from stepid.estimates import estimates, parameter_names
 from stepid.experiment import Campaign
@@ -34,6 +35,7 @@ def _silent(_: str) -> None:
     return None
 
 
+@single_threaded
 def diagnose(
     campaign: Campaign, *, catalogue: tuple[Effect, ...] = CATALOGUE, progress: Progress | None = None
 ) -> Diagnosis:

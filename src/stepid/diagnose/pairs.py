@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid._base import Array
-from stepid.diagnose.compete import Candidate, Progress, advance, candidate, final, settled
+from stepid.diagnose.compete import PROMISE, Candidate, Progress, advance, candidate, final, settled
 from stepid.effects.base import Effect
 from stepid.engine.least_squares import minimize
 from stepid.engine.problem import build, resonances, start_local
-from stepid.engine.score import columns, score
+from stepid.engine.score import columns, promise, score
 from stepid.engine.search import Contender, Ground, Scored, Start
 from stepid.engine.sketch import full_residual
 
@@ -19,7 +19,7 @@ STRONG = 20.0  # evidence that a further effect must bring
 _BASES = 4  # fits on which a further effect is tried
 _TRIED = 5  # additions that are raced on each
 _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
-_TWIN = 4.0  # times the floor's cost that a twin may leave by its score
+_TWIN = 0.75  # of an effect's own gain by its score that one must gain to race in its place
 _SWAPS = 3  # twins that are raced for each effect of a combination
 
 
@@ -83,7 +83,7 @@ def extend(
 
 
 def _added(ground: Ground, offer: _Offer, progress: Progress) -> Contender:
-    """Race a base with one effect more: from where the linearized step leads, and from the base with hardly any of it."""
+    """Race a base with one effect more: from where the linearized step leads, and with hardly any of it."""
     base, effect = offer.base, offer.additions[0].effect
     progress(" + ".join([*(e.name for e in base.effects), effect.name]))
     contender = Contender(ground, (*base.effects, effect))
@@ -105,20 +105,21 @@ def swap(ground: Ground, winner: Contender, catalogue: tuple[Effect, ...], progr
     found: list[Contender] = []
     for place, effect in enumerate(winner.effects):
         base = _without(ground, winner, place)
-        if base is None or base.best is None:
+        if base.best is None:
             continue
         offers: dict[Effect, list[Scored]] = {}
-        for scored in score(ground, base.best, columns(ground, simple)):
-            if not any(_related(scored.effect, e) for e in winner.effects):
-                offers.setdefault(scored.effect, []).append(scored)
-        good = [s for s in offers.values() if base.best.cost - s[0].gain < _TWIN * ground.floored][:_SWAPS]
-        for additions in good:
+        table = columns(ground, tuple(dict.fromkeys([*simple, effect])))
+        for scored in score(ground, base.best, table):
+            offers.setdefault(scored.effect, []).append(scored)
+        own = offers[effect][0].gain if effect in offers else 0.0
+        foreign = [s for e, s in offers.items() if not any(_related(e, w) for w in winner.effects)]
+        for additions in [s for s in foreign if s[0].gain > _TWIN * own][:_SWAPS]:
             found.append(_added(ground, _Offer(base, base.best.cost - additions[0].gain, additions[:2]), progress))
     advance(ground, [winner, *found])
     return found
 
 
-def _without(ground: Ground, contender: Contender, place: int) -> Contender | None:
+def _without(ground: Ground, contender: Contender, place: int) -> Contender:
     """The combination with one effect dropped and all else where it stands."""
     assert contender.best is not None
     here = _values(contender, None)
@@ -127,7 +128,7 @@ def _without(ground: Ground, contender: Contender, place: int) -> Contender | No
     shared = np.concatenate([here.linear, *(v for i, v in enumerate(here.values) if i != place)])
     local = start_local(rest.coarse, contender.best)
     at = 2
-    rows = []
+    rows: list[int] = []
     for i, effect in enumerate(contender.effects):
         q = len(effect.run_parameters)
         rows += range(at, at + q) if i != place else []
@@ -165,7 +166,7 @@ def generalize(
     found: list[Contender] = []
     if contender.best is None:
         return found
-    here = _values(contender, None)
+    here, done = _values(contender, None), settled(ground, [contender])
     for place, inner in enumerate(contender.effects):
         for effect in catalogue:
             if inner.name not in effect.contains:
@@ -176,6 +177,10 @@ def generalize(
                 Start(here.linear, (*here.values[:place], grown, *here.values[place + 1 :]))
                 for grown in effect.grow(here.values[place], ground.scales)
             ]
+            if done and not effect.affine:
+                starts = [s for s in starts if promise(ground, contender.best, effects, s) > PROMISE * ground.unit]
+            if not starts:
+                continue
             grown_up = Contender(ground, effects)
             grown_up.begin(starts, like=contender.best)
             found.append(grown_up)

@@ -5,17 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from stepid.diagnose.compete import Candidate, Progress, final, linear_candidate, settled, singles, widen
-from stepid.diagnose.held_out import held_out_residuals
 from stepid.diagnose.pairs import STRONG, extend, finish, generalize, pairs, simplify, swap
+from stepid.diagnose.partial import partial_lead, same_law
 from stepid.diagnose.result import Verdict
-from stepid.diagnose.wording import effect_names
+from stepid.diagnose.wording import effect_names, length
 from stepid.effects.base import Effect
 from stepid.engine.search import Contender, Ground
 from stepid.estimates import estimates
-from stepid.floor import repeats, sensor_noise
 from stepid.suspects import Suspect, find_suspect
 
 _WHITE = 6.0  # standard deviations of structure that noise may show
@@ -93,14 +90,17 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         return Judgment("unexplained", linear, (), everything, (*reasons, suspect.words))
     rivals = _rivals(ground, ranked)
     if not _believable(ground, linear, best):
-        partial = _partial(ground, linear, ranked)
+        partial, near = partial_lead(ground, linear, ranked)
         if partial is not None:
+            words = f"it leaves {length(partial.optimum.rms)}, {partial.optimum.rms / floor:.3g} times the floor"
             reasons.append(
-                f"{_title(partial)} alone explains most of the gap, in runs left out of the fit too; "
-                f"it leaves {partial.optimum.rms * 1e6:.3g} µm, {partial.optimum.rms / floor:.3g} times the spread of "
-                "repeated runs: more is missing."
+                f"{_title(partial)} alone explains most of the gap, in runs left out of the fit too; {words}: more is "
+                "missing, and what repeated runs differ by is no property of the plant."
             )
-            return Judgment("named", partial, _same(ground, partial, ranked), everything, tuple(reasons))
+            if near:
+                reasons.append("Not much worse alone: " + ", ".join(_title(c) for c in near) + ".")
+            twins = (*near, *(c for c in same_law(ground, partial, ranked) if c not in near))
+            return Judgment("ambiguous" if near else "named", partial, twins, everything, tuple(reasons))
         reasons.append(
             f"Even the best, {_title(best)}, leaves {best.optimum.rms / floor:.3g} times the floor: "
             "what is missing is not in the catalogue, or is more than it can combine."
@@ -108,11 +108,11 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         reasons += [suspect.words] if suspect is not None else []
         return Judgment("unexplained", linear, (), everything, tuple(reasons))
     reasons.append(f"With {_title(best)} it leaves {best.optimum.rms / floor:.3g} times the floor.")
-    foreign = [c for c in rivals if not _contains(c, best) and c not in _same(ground, best, ranked)]
+    foreign = [c for c in rivals if not _contains(c, best) and c not in same_law(ground, best, ranked)]
     if foreign and rms < _FAINT * floor:
         reasons.append("The gap is too faint to tell its causes apart.")
         return Judgment("adequate", linear, (), everything, tuple(reasons))
-    twins = _same(ground, best, ranked)
+    twins = same_law(ground, best, ranked)
     if not foreign and twins and best.names != ("coulomb_friction",) and "load_proportional_friction" in best.names:
         best = next((c for c in twins if c.evidence < best.evidence + 1.0), best)
         rivals = [c for c in [ranked[0], *rivals] if c is not best]
@@ -140,9 +140,9 @@ def _combine(
         twos = sorted([*twos, *swap(ground, twos[0], catalogue, progress)], key=lambda c: c.cost)
     done = finish(ground, twos)
     ranked = _accept(ranked, done)
-    if done and not at_floor(ground, ranked[0]):
+    if done and len(ranked[0].effects) == 2:
         wider = generalize(ground, twos[0], catalogue, progress)
-        ranked = _accept(ranked, finish(ground, wider, 2))
+        ranked = _accept(ranked, finish(ground, wider))
     if done and not at_floor(ground, ranked[0]) and len(ranked[0].effects) == 2:
         threes = extend(ground, twos[:2], catalogue, progress, tried=5)
         ranked = _accept(ranked, finish(ground, threes, 2))
@@ -151,54 +151,10 @@ def _combine(
 
 def _accept(ranked: list[Candidate], more: list[Candidate]) -> list[Candidate]:
     """Add combinations to a ranking; a further effect leads only where its evidence is strong."""
-    if not more or more[0].evidence > ranked[0].evidence - STRONG:
-        return sorted([*ranked, *(c for c in more if c.evidence > ranked[0].evidence)], key=lambda c: c.evidence)
-    return sorted([*ranked, *more], key=lambda c: c.evidence)
-
-
-def _partial(ground: Ground, linear: Candidate, ranked: list[Candidate]) -> Candidate | None:
-    """A single effect that clearly leads on a real plant whose repeated runs scatter more than its sensor.
-
-    Such a plant never reaches the floor. The lead counts where the effect takes away half of the misfit's power, no
-    other single effect comes near, and runs left out of the fit gain as much.
-    """
-    if not repeats(ground.records) or ground.floor <= 1.5 * sensor_noise(ground.records):
-        return None
-    alone = sorted((c for c in ranked if len(c.effects) == 1), key=lambda c: c.evidence)
-    simple = [c for c in alone if not c.effects[0].contains]
-    if not simple:
-        return None
-    best = simple[0]
-    if best.names == ("load_proportional_friction",):  # where no load varies, the simpler name says it all
-        best = next(iter(_same(ground, best, simple)), best)
-    floor = ground.floor**2
-    left = (best.optimum.rms**2 - floor) / max(linear.optimum.rms**2 - floor, 1e-30)
-    twins = (best, *_same(ground, best, ranked))
-    rivals = [c for c in simple if c not in twins and c.optimum.rms < 1.08 * best.optimum.rms]
-    if left > 0.5 or rivals:
-        return None
-    before = held_out_residuals(linear.optimum, tolerance=ground.tolerance)
-    after = held_out_residuals(best.optimum, tolerance=ground.tolerance)
-    runs = before.keys() & after.keys()
-    if not runs or sum(float(np.sum(after[i] ** 2)) for i in runs) > 0.6 * sum(
-        float(np.sum(before[i] ** 2)) for i in runs
-    ):
-        return None
-    return best
-
-
-def _same(ground: Ground, best: Candidate, ranked: list[Candidate]) -> tuple[Candidate, ...]:
-    """Candidates that are the same law in this campaign: friction with and without the load where no load varies."""
-    records = ground.records
-    if np.ptp(records.added_mass) > 0 or len(records.bases) > 1:
-        return ()
-    out = []
-    for other in ranked:
-        if other is not best and len(other.effects) == len(best.effects):
-            changed = {e.name for e in other.effects} ^ {e.name for e in best.effects}
-            if changed == {"coulomb_friction", "load_proportional_friction"}:
-                out.append(other)
-    return tuple(out)
+    best = ranked[0]
+    leads = [c for c in more if len(c.effects) <= len(best.effects) or c.evidence < best.evidence - STRONG]
+    follows = [c for c in more if c not in leads and c.evidence > best.evidence]
+    return sorted([*ranked, *leads, *follows], key=lambda c: c.evidence)
 
 
 def _contains(bigger: Candidate, smaller: Candidate) -> bool:

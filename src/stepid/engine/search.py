@@ -98,6 +98,7 @@ class Contender:
         self.fine = build(ground.records, effects)
         self.best: Optimum | None = None
         self.polished: Optimum | None = None  # on all samples
+        self._tolerance = 0.0  # with which the best fit so far ended, m²
 
     @property
     def excess(self) -> float:
@@ -128,19 +129,14 @@ class Contender:
                 alone = replace(problem, free=np.zeros_like(problem.free))
                 begun = minimize(alone, shared[i], own, start=near, iterations=3)
                 own, near = (begun.local, begun.solved.states) if begun else (own, near)
-            found = minimize(
-                problem,
-                shared[i],
-                own,
-                start=near,
-                tolerance=max(self.ground.tolerance, 0.003 * (min(self.cost, like.cost) - self.ground.noise_cost)),
-                iterations=laps,
-            )
+            best = min(self.cost, like.cost)
+            tolerance = max(self.ground.tolerance, 0.003 * (best - self.ground.noise_cost))
+            found = minimize(problem, shared[i], own, start=near, tolerance=tolerance, iterations=laps)
             if found is not None:
                 same = 0.01 * self.excess + self.ground.unit
                 again = self.best is not None and found.converged and abs(found.cost - self.cost) < same
                 if found.cost < self.cost:
-                    self.best = found
+                    self.best, self._tolerance = found, tolerance
                 if found.converged and (again or found.cost < 1.02 * self.ground.noise_cost):
                     break  # at the floor, or where the start before it ended
 
@@ -160,18 +156,19 @@ class Contender:
 
     def run(self, *, laps: int, tolerance: float = 0.0) -> None:
         """Go on from the best fit so far, until a step promises less than `tolerance` [m²]."""
-        if self.best is None or self.best.converged:
+        tolerance = max(self.ground.tolerance, tolerance)
+        if self.best is None or (self.best.converged and self._tolerance <= tolerance):
             return
         found = minimize(
             self.coarse,
             self.best.shared,
             self.best.local,
             start=self.best.solved.states,
-            tolerance=max(self.ground.tolerance, tolerance),
+            tolerance=tolerance,
             iterations=laps,
         )
         if found is not None and found.cost <= self.best.cost:
-            self.best, self.polished = found, None
+            self.best, self.polished, self._tolerance = found, None, tolerance
 
     def polish(self, *, laps: int, tolerance: float = 0.0) -> None:
         """Fit all samples, from the best fit of the race or from where the last polish ended."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -43,11 +44,8 @@ def sketch(records: Records, linear: Optimum, period: float, floor: float) -> Re
         volts = records.volts[piece]
         changes = np.flatnonzero(np.diff(np.concatenate([[records.before[r]], volts])))
         size = volts.size
-        if step == 1 or changes.size > _MOST_CHANGES * size:
-            chosen = np.arange(size)
-        else:
-            chosen = _grid(size, step, changes)
-        kept.append(chosen + piece.start)
+        whole = step == 1 or changes.size > _MOST_CHANGES * size
+        kept.append(piece.start + (np.arange(size) if whole else _grid(size, step, changes)))
     at = np.concatenate(kept)
     if at.size == records.size:
         return records
@@ -79,9 +77,8 @@ def _stride(samples: float) -> int:
 def _grid(size: int, step: int, changes: Index) -> Index:
     """Every `step`-th sample from each change of the input on, the ends included."""
     marks = np.unique(np.concatenate([[0], changes, [size - 1]]))
-    return np.unique(
-        np.concatenate([np.append(np.arange(a, b, step), b) for a, b in zip(marks, marks[1:], strict=False)])
-    )
+    between = [np.append(np.arange(a, b, step), b) for a, b in pairwise(marks)]
+    return np.unique(np.concatenate([marks, *between]))
 
 
 def _averages(records: Records, linear: Optimum, at: Index, bounds: Index, width: Array) -> tuple[Array, Array]:
@@ -133,7 +130,7 @@ def between(optimum: Optimum, records: Records) -> Array:
 
 
 def full_residual(optimum: Optimum, linear: Optimum, sketched: Optimum) -> Array:
-    """Residual [m] of a fit to a sketch at all samples: that of the linear fit less what the fit changed, shape (S,)."""
+    """Residual [m] of a fit to a sketch at all samples: the linear fit's, less what the fit changed; shape (S,)."""
     part, records = optimum.problem.simulator.records, linear.problem.simulator.records
     change = optimum.solved.reading - sketched.solved.reading
     if part.at is not None:

@@ -10,6 +10,7 @@ import numpy as np
 from stepid._base import Array
 from stepid.effects.base import Effect
 from stepid.engine.law import DAMPING, FIRST, GAIN, LENGTH, MASS, STIFFNESS, TIME, VOLTS, Law
+from stepid.engine.magnitudes import exponents, magnitudes
 from stepid.engine.records import Records
 
 
@@ -32,7 +33,26 @@ class Tables:
         # displacement and velocity at the start, the effects' run parameters, their own states at the start
         self.own_states = slice(2 + sum(len(e.run_parameters) for e in effects), None)
         self.n_local = self.own_states.start + self.law.n_states - 2
+        self._powers = exponents(tuple(q for e in effects for q in e.parameters))
         self._scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), 1e-9)
+
+    # ---- magnitudes -----------------------------------------------------------------------------------------------
+
+    def steps(self, shared: Array) -> Array:
+        """Finite-difference steps of the shared parameters."""
+        out: Array = 1e-6 * np.maximum(np.abs(shared), 1e-2 * self.typical(shared))
+        return out
+
+    def typical(self, shared: Array) -> Array:
+        """Magnitudes by which the shared parameters are judged."""
+        a, b, c = self.n_labels
+        mass, stiffness = np.abs(shared[:a]).max(), np.abs(shared[a : a + b]).max()
+        out = np.maximum(np.abs(shared), 1e-12)
+        own = magnitudes(self._powers, mass=mass, stiffness=stiffness, gain=shared[a + b + c], travel=self._scale)
+        out[self.n_linear :] = np.maximum(out[self.n_linear :], own)  # at zero, too, there is a slope to find
+        out[:a] = max(mass, 0.1)
+        out[a + b : self.n_linear - 1] = np.sqrt(mass * stiffness)
+        return out
 
     # ---- lane tables ------------------------------------------------------------------------------------------
 
@@ -119,6 +139,7 @@ class Tables:
                 f = law.net(flat, z, 0.0 * x, self._sides(flat, z))
                 z = self._still(flat, x + step)
                 slope = (law.net(flat, z, 0.0 * x, self._sides(flat, z)) - f) / step
+                slope = np.minimum(slope, -0.05 * flat[STIFFNESS])  # in a gap there is none: leap out of it
                 x = x - np.where(moving, 0.0, f / slope)
         x = x + point.local[:, 0].ravel()
         z = self._still(flat, x)

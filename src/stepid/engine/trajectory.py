@@ -17,7 +17,6 @@ from stepid.effects.base import Effect
 from stepid.engine.exact import FullStep, Index
 from stepid.engine.flow import advance
 from stepid.engine.law import LENGTH
-from stepid.engine.magnitudes import exponents, magnitudes
 from stepid.engine.records import Records
 from stepid.engine.tables import Point, Tables
 
@@ -53,7 +52,6 @@ class Simulator(Tables):
         super().__init__(records, effects, fineness)
         self._linked = np.ones(records.size, dtype=bool)
         self._linked[records.bounds[1:] - 1] = False
-        self._powers = exponents(tuple(q for e in effects for q in e.parameters))
         w = np.median(records.sample_time)
         self._eps = np.array([1e-7, 1e-7 / w * 0.1] + [1e-7] * (self.law.n_states - 2)) * self._scale
         self._eps[2 : self.law.n_rates] = 1e-6 * max(self._scale, 1e-3)
@@ -272,22 +270,6 @@ class Simulator(Tables):
     def reading(self, shared: Array, local: Array) -> Array:
         """What the effects add to the reading, m, shape (S,)."""
         out: Array = self._reading(Point(shared[None], local[None]))[0]
-        return out
-
-    def steps(self, shared: Array) -> Array:
-        """Finite-difference steps of the shared parameters."""
-        out: Array = 1e-6 * np.maximum(np.abs(shared), 1e-2 * self.typical(shared))
-        return out
-
-    def typical(self, shared: Array) -> Array:
-        """Magnitudes by which the shared parameters are judged."""
-        a, b, c = self.n_labels
-        mass, stiffness = np.abs(shared[:a]).max(), np.abs(shared[a : a + b]).max()
-        out = np.maximum(np.abs(shared), 1e-12)
-        own = magnitudes(self._powers, mass=mass, stiffness=stiffness, gain=shared[a + b + c], travel=self._scale)
-        out[self.n_linear :] = np.maximum(out[self.n_linear :], own)  # at zero, too, there is a slope to find
-        out[:a] = max(mass, 0.1)
-        out[a + b : self.n_linear - 1] = np.sqrt(mass * stiffness)
         return out
 
     def _sensitivities(self, point: Point, z: Array, band: Array, reading: Array) -> Solved:
