@@ -20,6 +20,7 @@ from stepid.floor import structure
 WHITE = 6.0  # standard deviations of structure that noise may show
 SLACK = 1.08  # times the floor that the other runs may leave
 _LOOSE = 8.0  # the same for a run explained by the others' parameters, which are not exact
+_ROOM = 1.2  # and times the floor, which one badly scaled run has pulled
 _ROUND = (-1.0, 2.0, 0.5, -2.0, -0.5, 4.0, 0.25, 10.0, 0.1, 100.0, 0.01, 1000.0, 0.001, 2.54, 1 / 2.54)
 _NEAR = 0.03  # relative
 _ROUGH = 0.15
@@ -114,7 +115,7 @@ class Alone:
     fit: Optimum
     shared: Array
     run: int
-    slack: float = SLACK
+    slack: float = _ROOM
     white: float = _LOOSE
 
     def _fit(self, problem: Problem, shared: Array, index: int) -> Optimum | None:

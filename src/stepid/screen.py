@@ -15,6 +15,7 @@ _NEAREST = 1e-8  # m; nor does one travel less than this
 _LIKE = 0.9  # share of an input change that another must have to be as strong
 _LATE = 4.0  # times the usual time to an answer
 _LEAD = 10  # samples at rest that are kept before the first step
+_REST = 40  # samples before a step in which a cart at rest does not move
 _LEAST = 24  # samples that a run must have after its unusable stretch
 
 
@@ -141,8 +142,8 @@ def _answers(run: Experiment, quiet: float) -> list[_Answer]:
         y = run.position[begin:end]
         moved = np.flatnonzero(np.abs(y - y[0]) > quiet)
         lag = float(moved[0]) * run.sample_time if moved.size else None
-        led = run.position[max(0, begin - _LEAD) : begin + 1]
-        rests = float(np.ptp(led)) <= max(quiet, 0.02 * travel)
+        led = run.position[max(0, begin - _REST) : begin + 1]
+        rests = float(np.ptp(led)) <= max(quiet, 0.005 * travel)
         change = float(run.input[begin] - before[begin])
         out.append(_Answer(int(begin), int(end), change, float(before[begin]), lag, rests))
     return out

@@ -69,7 +69,7 @@ def find_suspect(ground: Ground, fits: Sequence[Optimum]) -> Suspect | None:
     Suspect or None
         None where no single run is to blame.
     """
-    if len(ground.records.runs) < 3:
+    if len(ground.records.runs) < 3 or at_floor(ground, fits[0], SLACK, WHITE):
         return None
     if any(at_floor(ground, fit, SLACK, WHITE) for fit in fits[1:]):
         return _suspect(ground, fits[0], promise=_LIKELY)  # an effect explains it; a mistake must do so as well
