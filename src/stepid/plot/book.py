@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from stepid.plot.style import figure_of, styled
 
 
 def save_all(
-    drawn: Mapping[str, Callable[[], Axes]], folder: Path, *, endings: Sequence[str], pages: Path | None = None
+    drawn: Mapping[str, Callable[[], Axes]], folder: Path, *, dots: Mapping[str, int], pages: Path | None = None
 ) -> dict[str, float]:
     """Write figures, each in every format asked for, and close them.
 
@@ -23,8 +23,8 @@ def save_all(
     drawn : mapping of str to callable
         File name without ending, to what draws one figure and returns any axes of it.
     folder : pathlib.Path
-    endings : sequence of str
-        For example ``("png", "webp")``.
+    dots : mapping of str to int
+        Ending to dots an inch, for example ``{"png": 200, "webp": 150}``.
     pages : pathlib.Path or None
         A PDF for all of them, a page each.
 
@@ -39,8 +39,9 @@ def save_all(
             figure = figure_of(draw())
             figure.draw_without_rendering()
             figure.set_layout_engine("none")  # laid out; every file would do it again
-            for ending in endings:
-                figure.savefig(folder / f"{name}.{ending}")
+            for ending, density in dots.items():
+                exact = {"lossless": True} if ending == "webp" else {}  # lines take no more room that way
+                figure.savefig(folder / f"{name}.{ending}", dpi=density, pil_kwargs=exact)
             if book is not None:
                 book.savefig(figure)
             widths[name] = float(figure.get_size_inches()[0])

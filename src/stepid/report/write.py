@@ -81,9 +81,10 @@ def _put(
 
     hand = hand_of(diagnosis)
     drawn = stills(diagnosis, hand.verified if isinstance(hand, HandMethod) else None)
-    endings = ["webp"] * (html is not None) + ["png"] * (note is not None)
+    dots = {"webp": 150} if html is not None else {}  # the page shall stay small
+    dots |= {"png": 200} if note is not None else {}
     with TemporaryDirectory() as scratch:
-        widths = save_all(drawn, Path(scratch), endings=endings, pages=pages)
+        widths = save_all(drawn, Path(scratch), dots=dots, pages=pages)
         if html is not None:
             from stepid.report.page import html_page, inlined
 
