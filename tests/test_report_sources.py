@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import diagnosis_example as example
 import stepid
 from report_example import changed
 from stepid.diagnose.result import RunGap
-from stepid.report import provenance
+from stepid.report import provenance, story
 from stepid.report.story import tell
 from stepid.report.thin import MOST, kept_samples
 
@@ -55,3 +56,25 @@ def test_hashes_of_data_change_with_the_data() -> None:
     other = provenance.of_data(changed(d, runs=(moved, *d.runs[1:]))).sources
     assert other[0].sha256 != sources[0].sha256
     assert other[1:] == sources[1:]
+
+
+def luminance(color: str) -> float:
+    """Relative luminance of WCAG 2."""
+    parts = np.array([int(color[i : i + 2], 16) for i in (1, 3, 5)]) / 255
+    return float(
+        np.dot([0.2126, 0.7152, 0.0722], np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4))
+    )
+
+
+def test_every_line_stands_out_from_its_ground_light_and_dark() -> None:
+    style = (Path(story.__file__).parent / "page.css").read_text(encoding="utf-8")
+    blocks = [
+        dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", block)) for block in re.findall(r":root \{(.*?)\}", style, re.S)
+    ]
+    themes = [block for block in blocks if "run-0" in block]
+    assert len(themes) == 2
+    for colors in themes:
+        ground = luminance(colors["card"])
+        for name in (*(f"run-{i}" for i in range(7)), "measured", "before", "after", "mark"):
+            line = luminance(colors[name])
+            assert (max(line, ground) + 0.05) / (min(line, ground) + 0.05) >= 3.0, name  # WCAG 2, 1.4.11
