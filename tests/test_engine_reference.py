@@ -98,7 +98,7 @@ def test_own_states_count_where_a_record_starts_in_motion(name: str) -> None:
     records = replace(still, moving=np.ones_like(still.moving))
     sim = Simulator(records, effects)
     shared, local = pack(true_model(campaign, name, values), records, effects)
-    solved = sim.solve(shared, local)
+    solved = sim.solve(shared, local, start=sim.march(shared[None], local[None])[0])
     assert solved is not None
     assert solved.local is not None
     assert build(records, effects).active[sim.own_states].all()

@@ -59,13 +59,15 @@ def at_floor(ground: Ground, fit: Optimum, slack: float, white: float) -> bool:
     return bool(level <= (slack + 3.0 / np.sqrt(2.0 * samples)) * ground.floor and far < white)
 
 
-def mistakes(ground: Ground, fit: Optimum, others: Optimum, run: int) -> Iterator[Mistake]:
-    """What would bring the run to the floor under the others' parameters."""
+def mistakes(
+    ground: Ground, fit: Optimum, others: Optimum, run: int, *, slack: float = _ROOM, white: float = _LOOSE
+) -> Iterator[Mistake]:
+    """What would bring the run to the floor, or to `slack` times it, under the others' parameters."""
     records = fit.problem.simulator.records.subset([run])
     effects = fit.problem.simulator.law.effects
     a, b, _ = fit.problem.simulator.n_labels
     base, spring, damper = int(records.base[0]), a + int(records.spring[0]), a + b + int(records.damper[0])
-    alone = Alone(ground, records, effects, fit, others.shared, run)
+    alone = Alone(ground, records, effects, fit, others.shared, run, slack, white)
     lonely = ~known(others.problem)
 
     def added(value: float) -> str:
@@ -115,8 +117,8 @@ class Alone:
     fit: Optimum
     shared: Array
     run: int
-    slack: float = _ROOM
-    white: float = _LOOSE
+    slack: float
+    white: float
 
     def _fit(self, problem: Problem, shared: Array, index: int) -> Optimum | None:
         free = np.zeros_like(problem.free)
@@ -167,7 +169,11 @@ def scaled(alone: Alone) -> Iterator[Mistake]:
         return
     rough_factor = float(rough.shared[gain] / alone.shared[gain])
     # dry friction is not scaled along, so that a round factor may look less round
-    tried = [r for r in _ROUND if abs(rough_factor / r - 1) < (_ROUGH if alone.effects else _NEAR)]
+    tried = [
+        r
+        for r in _ROUND
+        if abs(rough_factor / r - 1) < (_NEAR if alone.slack == _ROOM and not alone.effects else _ROUGH)
+    ]
     for factor in (*tried, rough_factor):
         if abs(factor) < 1e-6:
             continue

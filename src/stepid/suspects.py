@@ -12,13 +12,13 @@ from stepid.engine.least_squares import Optimum, minimize
 from stepid.engine.problem import build, fit_linear, fixes_mass
 from stepid.engine.records import Records
 from stepid.engine.search import Ground
-from stepid.mistakes import SLACK, WHITE, Alone, Mistake, at_floor, known, mistakes, scaled
+from stepid.mistakes import SLACK, WHITE, Mistake, at_floor, known, mistakes
 
 _PROMISE = 0.6  # share of the misfit that may be left, to first order, without the run
 _LIKELY = 4.0  # times the noise that it may be where an effect explains it as well
 _TRIED = 2  # runs left out in turn where effects make the fit slow
 _STANDS_OUT = 0.3  # the same where it alone is to tell
-_LOUD = 3.0  # times the others' misfit that the run's may then be, its scale mended
+_LOUD = 1.5  # times the others' misfit that the run's may then be, its mistake mended
 _DECIDES = 10.0  # χ²
 
 
@@ -111,7 +111,7 @@ def _suspect(ground: Ground, fit: Optimum, *, promise: float = np.inf) -> Suspec
 
 
 def _gross(ground: Ground) -> Suspect | None:
-    """A run whose scale or sign is wrong, seen by the linear plant although more than that is missing."""
+    """A run with a plain mistake, seen by the linear plant although more than that is missing."""
     records, fit = ground.records, ground.linear
     counts = np.add.reduceat(records.weight**2, records.first)
     fits = {i: _without(fit, i, ground.tolerance) for i in range(len(records.runs))}
@@ -122,9 +122,9 @@ def _gross(ground: Ground) -> Suspect | None:
     others = fits[i]
     if others is None or power[i] > _STANDS_OUT * min(power[second], fit.cost / counts.sum()):
         return None
-    level = _LOUD * float(np.sqrt(power[i])) / ground.floor
-    alone = Alone(ground, records.subset([i]), (), fit, others.shared, i, max(level, SLACK), np.inf)
-    found = next((m for m in scaled(alone) if m.plain), None)
+    level = max(_LOUD * float(np.sqrt(power[i])) / ground.floor, SLACK)
+    plain = [m for m in mistakes(ground, fit, others, i, slack=level, white=np.inf) if m.plain]
+    found = min(plain, key=lambda m: m.cost, default=None)
     return None if found is None else Suspect(records.runs[i].name, (), found, np.inf)
 
 

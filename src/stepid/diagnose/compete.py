@@ -74,7 +74,7 @@ def polish(ground: Ground, contender: Contender) -> Candidate | None:
     found = candidate(ground, contender.effects, best)
     problem = best.problem
     active = problem.active.copy()
-    active[0] = ground.records.moving
+    active[:2] = ground.records.moving
     active[problem.simulator.own_states] = False
     if not np.array_equal(active, problem.active):
         if not _worth_holding(ground, best, active):

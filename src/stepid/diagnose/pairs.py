@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ _BASES = 4  # fits on which a further effect is tried
 _TRIED = 5  # additions that are raced on each
 _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
 _TWIN = 0.75  # of an effect's own gain by its score that one must gain to race in its place
+_FADING = (0.5, 0.2, 0.05)  # shares of an effect on its way out of a combination
 _SWAPS = 3  # twins that are raced for each effect of a combination
 
 
@@ -198,26 +200,44 @@ def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
 
     A single effect can have been stuck where the combination was not.
     """
-    optimum = found.optimum
-    sim = optimum.problem.simulator
     out = []
     for dropped in range(len(found.effects)):
-        shared, local = [optimum.shared[: sim.n_linear]], [optimum.local[:2]]
-        at, row = sim.n_linear, 2
-        for place, effect in enumerate(found.effects):
-            n, q = len(effect.parameters), len(effect.run_parameters)
-            if place != dropped:
-                shared.append(optimum.shared[at : at + n])
-                local.append(optimum.local[row : row + q])
-            at, row = at + n, row + q
-        rest = tuple(e for place, e in enumerate(found.effects) if place != dropped)
-        problem = build(ground.records, rest)
-        local.append(np.zeros((problem.simulator.law.n_states - 2, optimum.local.shape[1])))  # own states begin anew
-        fewer = minimize(
-            problem, np.concatenate(shared), np.concatenate(local), tolerance=ground.tolerance, iterations=20
-        )
-        if fewer is not None:
-            simpler = candidate(ground, rest, fewer)
-            if simpler.evidence < found.evidence + STRONG:
-                out.append(simpler)
+        for shares in ((), _FADING):
+            fewer = _drop(ground, found, dropped, shares)
+            if fewer is not None and fewer.evidence < found.evidence + STRONG:
+                out.append(fewer)
+                break
     return sorted(out, key=lambda c: c.evidence)
+
+
+def _drop(ground: Ground, found: Candidate, dropped: int, shares: tuple[float, ...]) -> Candidate | None:
+    """Fit a combination without one effect, which first fades to `shares` of itself while the others adapt."""
+    optimum = found.optimum
+    sim = optimum.problem.simulator
+    at = sim.n_linear + sum(len(e.parameters) for e in found.effects[:dropped])
+    own = slice(at, at + len(found.effects[dropped].parameters))
+    values = tuple(float(v) for v in optimum.shared[own])
+    for share in shares:
+        shared = optimum.shared.copy()
+        shared[own] = found.effects[dropped].faint(values, share)
+        free = optimum.problem.free.copy()
+        free[own] = False
+        held = replace(optimum.problem, free=free)
+        faded = minimize(held, shared, optimum.local, tolerance=ground.tolerance, iterations=8)
+        if faded is None:
+            return None
+        optimum = faded
+    rest = tuple(e for place, e in enumerate(found.effects) if place != dropped)
+    problem = build(ground.records, rest)
+    row = 2 + sum(len(e.run_parameters) for e in found.effects[:dropped])
+    gone = range(row, row + len(found.effects[dropped].run_parameters))
+    local = np.delete(optimum.local[: sim.own_states.start], list(gone), axis=0)
+    own_states = np.zeros((problem.simulator.law.n_states - 2, local.shape[1]))  # begin anew
+    fewer = minimize(
+        problem,
+        np.delete(optimum.shared, own),
+        np.concatenate([local, own_states]),
+        tolerance=ground.tolerance,
+        iterations=20,
+    )
+    return None if fewer is None else candidate(ground, rest, fewer)

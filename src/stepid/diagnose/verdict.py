@@ -18,6 +18,7 @@ from stepid.suspects import Suspect, find_suspect
 _WHITE = 6.0  # standard deviations of structure that noise may show
 _GATE = 5.0  # below this the linear residual is white and nothing is searched
 _TIE = 10.0  # a difference of evidence that does not decide
+_MISTAKE = 50.0  # by which a mistake in one run must explain better than an effect that explains everything
 _HINT = 5.0  # χ² that a more general effect must gain to count as a rival
 _FAINT = 1.05  # below this ratio to the floor only an undisputed name is given
 _SURE = 1.03  # times the floor below which the first race is enough
@@ -67,7 +68,7 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         return Judgment("unexplained", linear, (), (linear,), (*reasons, "No effect of the catalogue could be fitted."))
     best = ranked[0]
     suspect = find_suspect(ground, [linear.optimum, *(c.optimum for c in ranked[:2])])
-    beaten = suspect is not None and (not at_floor(ground, best) or suspect.evidence < best.evidence - _TIE)
+    beaten = suspect is not None and (not at_floor(ground, best) or suspect.evidence < best.evidence - _MISTAKE)
     if suspect is not None and beaten and suspect.settles:
         leave = suspect if suspect.sure else None
         return Judgment("unexplained", linear, (), (*ranked, linear), (*reasons, suspect.words), leave)
@@ -86,8 +87,12 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         reasons.append(f"The best candidate, {_title(best)}, gains too little evidence ({gain:.0f}) to be believed.")
         verdict: Verdict = "adequate" if at_floor(ground, linear) else "unexplained"
         return Judgment(verdict, linear, (), everything, tuple(reasons))
-    if suspect is not None and suspect.mistake is not None and suspect.evidence < best.evidence - _TIE:
-        return Judgment("unexplained", linear, (), everything, (*reasons, suspect.words))
+    if suspect is not None and suspect.mistake is not None:
+        alone = suspect.mistake.single or not at_floor(ground, best)  # else an effect of the plant looks like it
+        if alone and suspect.evidence < best.evidence - _MISTAKE:
+            return Judgment("unexplained", linear, (), everything, (*reasons, suspect.words))
+        if suspect.evidence < best.evidence + _TIE:
+            reasons.append(f"A mistake would explain it as well: {suspect.words}")
     rivals = _rivals(ground, ranked)
     if not _believable(ground, linear, best):
         partial, near = partial_lead(ground, linear, ranked)

@@ -143,6 +143,7 @@ class Effect:
     dry: ClassVar[bool] = False  # holds the cart at rest within its breakaway force
     reverses: ClassVar[bool] = False  # its law changes where the velocity changes sign
     rests_anywhere: ClassVar[bool] = False  # the cart may start off the spring's rest position
+    never_rests: ClassVar[bool] = False  # the cart may be in motion at the start of any record
     n_switches: ClassVar[int] = 0  # positions or states where its law changes
     n_extra: ClassVar[int] = 0  # own states with a rate in time
     n_memory: ClassVar[int] = 0  # own states that follow the displacement, not time

@@ -110,6 +110,7 @@ class PeriodicDisturbance(Effect):
     name = "periodic_disturbance"
     parameters = (Parameter("amplitude", "N"), Parameter("frequency", "Hz", 1e-3))
     run_parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("phase", "rad", -np.inf),)
+    never_rests: ClassVar[bool] = True
     law = "+A sin(2πf t + φ_run)"
     formula = r"+A\, \sin(2\pi f t + \varphi)"
     symbols = ("A", "f", r"\varphi")

@@ -36,6 +36,7 @@ class Law:
         self.n_sides = sum(e.n_switches for e in effects)
         self.linear = all(e.linear for e in effects)
         self.affine = all(e.linear or e.affine for e in effects)
+        self.never_rests = any(e.never_rests for e in effects)
         self.dry = any(e.dry for e in effects)
         self.reverses = any(e.reverses for e in effects)
         row, extra, memory, side = FIRST, 2, self.n_rates, 0

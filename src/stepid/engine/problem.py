@@ -45,8 +45,8 @@ def build(records: Records, effects: tuple[Effect, ...], *, fineness: float = 1.
     if not (np.any(records.volts) or np.any(records.before)):
         free[a + b + c] = False
     active = np.zeros((sim.n_local, len(records.runs)), dtype=bool)
-    active[0] = records.moving | any(e.rests_anywhere for e in effects)
-    active[1] = records.moving
+    active[0] = records.moving | any(e.rests_anywhere or e.never_rests for e in effects)
+    active[1] = records.moving | any(e.never_rests for e in effects)
     active[2:] = True
     unknown = [not e.settled for e in effects for _ in range(e.n_extra)]
     unknown += [not e.settled for e in effects for _ in range(e.n_memory)]

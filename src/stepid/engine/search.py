@@ -11,7 +11,7 @@ import numpy as np
 
 from stepid._base import Array
 from stepid.effects.base import Effect, Motion, Scales
-from stepid.engine.least_squares import Optimum, minimize
+from stepid.engine.least_squares import Optimum, Problem, minimize
 from stepid.engine.problem import build, fixes_mass, scales, start_local, start_phases, strongest_period
 from stepid.engine.records import Records
 from stepid.engine.sketch import between, outline, shortest_period, sketch
@@ -129,16 +129,29 @@ class Contender:
                 alone = replace(problem, free=np.zeros_like(problem.free))
                 begun = minimize(alone, shared[i], own, start=near, iterations=3)
                 own, near = (begun.local, begun.solved.states) if begun else (own, near)
-            best = min(self.cost, like.cost)
-            tolerance = max(self.ground.tolerance, 0.003 * (best - self.ground.noise_cost))
-            found = minimize(problem, shared[i], own, start=near, tolerance=tolerance, iterations=laps)
-            if found is not None:
-                same = 0.01 * self.excess + self.ground.unit
-                again = self.best is not None and found.converged and abs(found.cost - self.cost) < same
-                if found.cost < self.cost:
-                    self.best, self._tolerance = found, tolerance
-                if found.converged and (again or found.cost < 1.02 * self.ground.noise_cost):
-                    break  # at the floor, or where the start before it ended
+            ended = [self._try(variant, shared[i], own, near, like, laps) for variant in self._variants()]
+            if any(ended):
+                break
+
+    def _variants(self) -> list[Problem]:
+        """The problem; before it, with runs that begin at rest, where they need not."""
+        if not self.coarse.simulator.law.never_rests:
+            return [self.coarse]
+        active = self.coarse.active.copy()
+        active[:2] = self.ground.sketch.moving
+        return [replace(self.coarse, active=active), self.coarse]
+
+    def _try(self, problem: Problem, shared: Array, local: Array, near: Array, like: Optimum, laps: int) -> bool:
+        """Run a few steps from a start; True at the floor, or where a start before it ended."""
+        ground = self.ground
+        tolerance = max(ground.tolerance, 0.003 * (min(self.cost, like.cost) - ground.noise_cost))
+        found = minimize(problem, shared, local, start=near, tolerance=tolerance, iterations=laps)
+        if found is None:
+            return False
+        again = self.best is not None and abs(found.cost - self.cost) < 0.01 * self.excess + ground.unit
+        if found.cost < self.cost:
+            self.best, self._tolerance = found, tolerance
+        return found.converged and (again or found.cost < 1.02 * ground.noise_cost)
 
     def _near(self, like: Optimum, shared: Array, local: Array) -> Array:
         states = np.zeros((self.coarse.simulator.law.n_states, self.ground.sketch.size))

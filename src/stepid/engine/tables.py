@@ -143,7 +143,7 @@ class Tables:
                 x = x - np.where(moving, 0.0, f / slope)
         x = x + point.local[:, 0].ravel()
         z = self._still(flat, x)
-        z[1] = np.where(moving, point.local[:, 1].ravel(), 0.0)
+        z[1] = np.where(moving | law.never_rests, point.local[:, 1].ravel(), 0.0)
         offsets = point.local[:, self.own_states].swapaxes(0, 1).reshape(law.n_states - 2, flat.shape[1])
         z[2:] += np.where(moving, offsets, 0.0)
         return z.reshape(law.n_states, *table.shape[1:])
