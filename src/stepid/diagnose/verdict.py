@@ -87,9 +87,9 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         reasons.append(f"The best candidate, {_title(best)}, gains too little evidence ({gain:.0f}) to be believed.")
         verdict: Verdict = "adequate" if at_floor(ground, linear) else "unexplained"
         return Judgment(verdict, linear, (), everything, tuple(reasons))
-    if suspect is not None and suspect.mistake is not None:
-        alone = suspect.mistake.single or not at_floor(ground, best)  # else an effect of the plant looks like it
-        if alone and suspect.evidence < best.evidence - _MISTAKE:
+    if suspect is not None and suspect.mistake is not None and not suspect.rivals:
+        unlike = suspect.mistake.single or not at_floor(ground, best)  # else an effect of the plant looks like it
+        if unlike and suspect.evidence < best.evidence - _MISTAKE:
             return Judgment("unexplained", linear, (), everything, (*reasons, suspect.words))
         if suspect.evidence < best.evidence + _TIE:
             reasons.append(f"A mistake would explain it as well: {suspect.words}")
