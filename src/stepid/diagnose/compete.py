@@ -20,6 +20,9 @@ Progress = Callable[[str], None]
 _FIELD = 8  # effects that race after the first scoring
 _CLOSE = 5.0  # times the best score's cost within which an effect races at once
 _PLAIN = 4.0  # times the cost of noise above which the linear gap is plain to see
+_PLAINEST = 16.0  # the same for effects that are hard to score
+_AS_WELL = 4.0  # times the winner's score within which another may explain as much
+_NEAR = 3.0  # times the floor's cost at which a contender runs on at once
 _HOPELESS = 6.0  # times the cost of one that reached the floor
 _ROOM = 6.0  # times the price of the starting displacements that holding them at zero may seem to cost
 _WORTH = 0.05  # share of what a simpler effect leaves that a costly general one must promise to take away
@@ -123,13 +126,21 @@ def singles(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -
     ranked = list(left)[:_FIELD]
     best = max(min(left.values(), default=0.0), ground.noise_cost)
     field = [e for place, e in enumerate(ranked) if place < 3 or left[e] < _CLOSE * best]
-    contenders = [_enter(ground, e, race_starts(ground, e, scored), progress) for e in field if not e.dry]
-    for effect in catalogue:
-        if effect.dry and (effect in field or not effect.contains):
-            # friction is hard to score: it always races, from one start where something else explains a plain gap
-            plain = settled(ground, contenders) and ground.outline.cost > _PLAIN * ground.noise_cost
-            keep = 1 if plain and effect not in ranked[:2] else 3
-            contenders.append(_enter(ground, effect, race_starts(ground, effect, scored), progress, keep=keep))
+    dry = [e for e in catalogue if e.dry and (e in field or not e.contains)]  # hard to score: they always race
+    contenders: list[Contender] = []
+    gap = ground.outline.cost / ground.noise_cost
+    for effect in [*(e for e in field if not e.dry), *dry]:
+        keep = 3
+        if gap > _PLAIN and settled(ground, contenders):  # something explains a plain gap: only what may do as well
+            winner = min(contenders, key=lambda c: c.cost).effects[0]
+            behind = left.get(effect, np.inf) > _AS_WELL * left.get(winner, np.inf)
+            if behind and (not effect.dry or gap > _PLAINEST):
+                continue
+            keep = 1 if effect.dry and effect not in ranked[:2] else 3
+        contender = _enter(ground, effect, race_starts(ground, effect, scored), progress, keep=keep)
+        if contender.cost < _NEAR * ground.floored:
+            contender.run(laps=10)
+        contenders.append(contender)
     advance(ground, contenders)
     return generalized(ground, contenders, catalogue, progress)
 
