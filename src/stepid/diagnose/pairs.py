@@ -10,7 +10,7 @@ import numpy as np
 from stepid._base import Array
 from stepid.diagnose.compete import PROMISE, Candidate, Progress, advance, candidate, final, settled
 from stepid.effects.base import Effect
-from stepid.engine.least_squares import minimize
+from stepid.engine.least_squares import Optimum, minimize
 from stepid.engine.problem import build, resonances, start_local
 from stepid.engine.score import columns, promise, score
 from stepid.engine.search import Contender, Ground, Scored, Start
@@ -218,12 +218,11 @@ def _drop(ground: Ground, found: Candidate, dropped: int, shares: tuple[float, .
     own = slice(at, at + len(found.effects[dropped].parameters))
     values = tuple(float(v) for v in optimum.shared[own])
     for share in shares:
-        shared = optimum.shared.copy()
-        shared[own] = found.effects[dropped].faint(values, share)
+        shared, local = _moved(optimum, own, np.array(found.effects[dropped].faint(values, share)))
         free = optimum.problem.free.copy()
         free[own] = False
         held = replace(optimum.problem, free=free)
-        faded = minimize(held, shared, optimum.local, tolerance=ground.tolerance, iterations=8)
+        faded = minimize(held, shared, local, tolerance=ground.tolerance, iterations=8)
         if faded is None:
             return None
         optimum = faded
@@ -241,3 +240,24 @@ def _drop(ground: Ground, found: Candidate, dropped: int, shares: tuple[float, .
         iterations=20,
     )
     return None if fewer is None else candidate(ground, rest, fewer)
+
+
+def _moved(optimum: Optimum, own: slice, values: Array) -> tuple[Array, Array]:
+    """Parameters with those of one effect set, and all others where that change asks for them, to first order."""
+    problem = optimum.problem
+    jacobian = problem.jacobian(optimum.solved)
+    place = np.flatnonzero(problem.free)
+    fixed = np.zeros(jacobian.shape[1], dtype=bool)
+    fixed[: place.size] = (place >= own.start) & (place < own.stop)
+    change = (values - optimum.shared[own])[problem.free[own]]
+    size = np.linalg.norm(jacobian, axis=0)
+    size[size == 0] = np.inf
+    scaled = (jacobian / size)[:, ~fixed]
+    rest = np.linalg.lstsq(scaled, -(jacobian[:, fixed] @ change), rcond=1e-10)[0] / size[~fixed]
+    delta = np.zeros(jacobian.shape[1])
+    delta[~fixed] = rest
+    shared, local = optimum.shared.copy(), optimum.local.copy()
+    shared[problem.free] += delta[: place.size]
+    shared[own] = values
+    local[problem.active] += delta[place.size :]
+    return np.clip(shared, problem.lower, problem.upper), local
