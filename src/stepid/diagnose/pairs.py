@@ -22,6 +22,7 @@ _TRIED = 5  # additions that are raced on each
 _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
 _TWIN = 0.75  # of an effect's own gain by its score that one must gain to race in its place
 _FADING = (0.5, 0.2, 0.05)  # shares of an effect on its way out of a combination
+_NEEDED = 100.0  # times its cost that a combination may seem to lose without an effect, to be tried without
 _SWAPS = 3  # twins that are raced for each effect of a combination
 
 
@@ -198,10 +199,14 @@ def finish(ground: Ground, contenders: list[Contender], count: int = 4) -> list[
 def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
     """Drop each effect of a combination in turn and fit the others from where they stand; those that do no worse.
 
-    A single effect can have been stuck where the combination was not.
+    A single effect can have been stuck where the combination was not. An effect that matters to first order stays.
     """
     out = []
-    for dropped in range(len(found.effects)):
+    for dropped, effect in enumerate(found.effects):
+        own = _place(found, dropped)
+        values = tuple(float(v) for v in found.optimum.shared[own])
+        if _moved(found.optimum, own, np.array(effect.faint(values, 0.0))).loss > _NEEDED * found.optimum.cost:
+            continue
         for shares in ((), _FADING):
             fewer = _drop(ground, found, dropped, shares)
             if fewer is not None and fewer.evidence < found.evidence + STRONG:
@@ -210,19 +215,25 @@ def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
     return sorted(out, key=lambda c: c.evidence)
 
 
+def _place(found: Candidate, number: int) -> slice:
+    """Where an effect's parameters stand among the shared ones."""
+    at = found.optimum.problem.simulator.n_linear + sum(len(e.parameters) for e in found.effects[:number])
+    return slice(at, at + len(found.effects[number].parameters))
+
+
 def _drop(ground: Ground, found: Candidate, dropped: int, shares: tuple[float, ...]) -> Candidate | None:
     """Fit a combination without one effect, which first fades to `shares` of itself while the others adapt."""
     optimum = found.optimum
     sim = optimum.problem.simulator
-    at = sim.n_linear + sum(len(e.parameters) for e in found.effects[:dropped])
-    own = slice(at, at + len(found.effects[dropped].parameters))
+    own = _place(found, dropped)
     values = tuple(float(v) for v in optimum.shared[own])
     for share in shares:
-        shared, local = _moved(optimum, own, np.array(found.effects[dropped].faint(values, share)))
+        shared, local, _ = _moved(optimum, own, np.array(found.effects[dropped].faint(values, share)))
         free = optimum.problem.free.copy()
         free[own] = False
         held = replace(optimum.problem, free=free)
-        faded = minimize(held, shared, local, tolerance=ground.tolerance, iterations=8)
+        start = optimum.solved.states
+        faded = minimize(held, shared, local, start=start, tolerance=ground.tolerance, iterations=8)
         if faded is None:
             return None
         optimum = faded
@@ -232,32 +243,44 @@ def _drop(ground: Ground, found: Candidate, dropped: int, shares: tuple[float, .
     gone = range(row, row + len(found.effects[dropped].run_parameters))
     local = np.delete(optimum.local[: sim.own_states.start], list(gone), axis=0)
     own_states = np.zeros((problem.simulator.law.n_states - 2, local.shape[1]))  # begin anew
+    near = np.zeros((problem.simulator.law.n_states, ground.records.size))
+    near[:2] = optimum.solved.states[:2]
     fewer = minimize(
         problem,
         np.delete(optimum.shared, own),
         np.concatenate([local, own_states]),
+        start=near,
         tolerance=ground.tolerance,
         iterations=20,
     )
     return None if fewer is None else candidate(ground, rest, fewer)
 
 
-def _moved(optimum: Optimum, own: slice, values: Array) -> tuple[Array, Array]:
+class _Moved(NamedTuple):
+    """Parameters after a change, and the increase of the cost [m²] that it asks for to first order."""
+
+    shared: Array
+    local: Array
+    loss: float
+
+
+def _moved(optimum: Optimum, own: slice, values: Array) -> _Moved:
     """Parameters with those of one effect set, and all others where that change asks for them, to first order."""
     problem = optimum.problem
     jacobian = problem.jacobian(optimum.solved)
     place = np.flatnonzero(problem.free)
     fixed = np.zeros(jacobian.shape[1], dtype=bool)
     fixed[: place.size] = (place >= own.start) & (place < own.stop)
-    change = (values - optimum.shared[own])[problem.free[own]]
+    asked = jacobian[:, fixed] @ (values - optimum.shared[own])[problem.free[own]]
     size = np.linalg.norm(jacobian, axis=0)
     size[size == 0] = np.inf
     scaled = (jacobian / size)[:, ~fixed]
-    rest = np.linalg.lstsq(scaled, -(jacobian[:, fixed] @ change), rcond=1e-10)[0] / size[~fixed]
+    answer = np.linalg.lstsq(scaled, -asked, rcond=1e-10)[0]
     delta = np.zeros(jacobian.shape[1])
-    delta[~fixed] = rest
+    delta[~fixed] = answer / size[~fixed]
     shared, local = optimum.shared.copy(), optimum.local.copy()
     shared[problem.free] += delta[: place.size]
     shared[own] = values
     local[problem.active] += delta[place.size :]
-    return np.clip(shared, problem.lower, problem.upper), local
+    left = asked + scaled @ answer
+    return _Moved(np.clip(shared, problem.lower, problem.upper), local, float(left @ left))

@@ -36,6 +36,8 @@ def partial_lead(
     """
     alone = sorted((c for c in ranked if len(c.effects) == 1), key=lambda c: c.evidence)
     simple = [c for c in alone if not c.effects[0].contains]
+    kin = [c for c in simple if alone[0].effects[0].contains and c.effects[0].dry]
+    simple = kin or simple  # a friction law of more parameters leads: the simplest of its kind is named
     if not simple or not _has_repeats(ground):
         return None, ()
     best = simple[0]

@@ -13,7 +13,7 @@ from stepid.engine.problem import build
 from stepid.engine.records import Index, Records
 
 _PER_PERIOD = 16.0  # samples to keep of the fastest run's period
-_BLUR = 0.17  # of the period: as wide an average loses a fifth of the floor where the gap is as small as the floor
+_BLUR = 0.1  # of the period: as wide an average loses a fifth of the floor where the gap is as small as the floor
 _MOST_CHANGES = 0.1  # share of samples with a new input above which all are needed
 
 
