@@ -21,6 +21,7 @@ WHITE = 6.0  # standard deviations of structure that noise may show
 SLACK = 1.08  # times the floor that the other runs may leave
 _LOOSE = 8.0  # the same for a run explained by the others' parameters, which are not exact
 _ROOM = 1.2  # and times the floor, which one badly scaled run has pulled
+_ODD = 0.02  # by which a factor must differ from 1 to be a mistake
 _ROUND = (-1.0, 2.0, 0.5, -2.0, -0.5, 4.0, 0.25, 10.0, 0.1, 100.0, 0.01, 1000.0, 0.001, 2.54, 1 / 2.54)
 _NEAR = 0.03  # relative
 _ROUGH = 0.15
@@ -175,7 +176,7 @@ def scaled(alone: Alone) -> Iterator[Mistake]:
         if abs(rough_factor / r - 1) < (_NEAR if alone.slack == _ROOM and not alone.effects else _ROUGH)
     ]
     for factor in (*tried, rough_factor):
-        if abs(factor) < 1e-6:
+        if abs(factor) < 1e-6 or abs(factor - 1) < _ODD:
             continue
         found = alone.changed(replace(alone.records, position=alone.records.position / factor)).freed(gain)
         if found is not None:

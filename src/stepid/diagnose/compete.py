@@ -153,11 +153,11 @@ def settled(ground: Ground, contenders: list[Contender]) -> bool:
 def widen(
     ground: Ground, contenders: list[Contender], catalogue: tuple[Effect, ...], progress: Progress
 ) -> list[Contender]:
-    """Race the effects that `singles` left out, up to the size of the field; the best first."""
+    """Race the effects that `singles` left out; the best first."""
     known = {c.effects[0] for c in contenders}
     scored = score(ground, ground.outline, columns(ground, tuple(e for e in catalogue if e not in known)))
     ranked = list(dict.fromkeys(s.effect for s in scored if not s.effect.contains))
-    more = [_enter(ground, e, race_starts(ground, e, scored), progress) for e in ranked[: _FIELD - len(known) + 2]]
+    more = [_enter(ground, e, race_starts(ground, e, scored), progress) for e in ranked]
     contenders = [*contenders, *more]
     advance(ground, contenders)
     return generalized(ground, contenders, catalogue, progress, every=True)

@@ -237,17 +237,18 @@ def _drop(ground: Ground, found: Candidate, dropped: int, shares: tuple[float, .
         if faded is None:
             return None
         optimum = faded
+    shared, moved, _ = _moved(optimum, own, np.array(found.effects[dropped].faint(values, 0.0)))
     rest = tuple(e for place, e in enumerate(found.effects) if place != dropped)
     problem = build(ground.records, rest)
     row = 2 + sum(len(e.run_parameters) for e in found.effects[:dropped])
     gone = range(row, row + len(found.effects[dropped].run_parameters))
-    local = np.delete(optimum.local[: sim.own_states.start], list(gone), axis=0)
+    local = np.delete(moved[: sim.own_states.start], list(gone), axis=0)
     own_states = np.zeros((problem.simulator.law.n_states - 2, local.shape[1]))  # begin anew
     near = np.zeros((problem.simulator.law.n_states, ground.records.size))
     near[:2] = optimum.solved.states[:2]
     fewer = minimize(
         problem,
-        np.delete(optimum.shared, own),
+        np.delete(shared, own),
         np.concatenate([local, own_states]),
         start=near,
         tolerance=ground.tolerance,

@@ -177,11 +177,18 @@ def _rivals(ground: Ground, ranked: list[Candidate]) -> list[Candidate]:
         if _contains(other, best):
             # more general: a rival only where its freedom buys some fit, or where nothing fixes it
             bought = (best.optimum.cost - other.optimum.cost) / ground.floor**2
-            if other.evidence - best.evidence < 2 * _TIE and (bought > _HINT or _is_open(ground, other)):
+            near = other.evidence - best.evidence < 2 * _TIE and (bought > _HINT or _is_open(ground, other))
+            # one may be fitted with fewer parameters of the runs: then the simpler one is not nested in it
+            if near or (other.evidence - best.evidence < _TIE and _freedom(other) < _freedom(best)):
                 out.append(other)
         elif other.evidence - best.evidence < _TIE:
             out.append(other)
     return out
+
+
+def _freedom(found: Candidate) -> int:
+    """Count fitted parameters, those of the runs included."""
+    return int(found.optimum.problem.free.sum() + found.optimum.problem.active.sum())
 
 
 def _is_open(ground: Ground, found: Candidate) -> bool:
