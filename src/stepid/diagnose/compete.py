@@ -156,7 +156,8 @@ def widen(
     """Race the effects that `singles` left out; the best first."""
     known = {c.effects[0] for c in contenders}
     scored = score(ground, ground.outline, columns(ground, tuple(e for e in catalogue if e not in known)))
-    ranked = list(dict.fromkeys(s.effect for s in scored if not s.effect.contains))
+    unscored = [e for e in catalogue if e not in known]
+    ranked = [e for e in dict.fromkeys([*(s.effect for s in scored), *unscored]) if not e.contains]
     more = [_enter(ground, e, race_starts(ground, e, scored), progress) for e in ranked]
     contenders = [*contenders, *more]
     advance(ground, contenders)

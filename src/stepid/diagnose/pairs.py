@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from stepid._base import Array
-from stepid.diagnose.compete import PROMISE, Candidate, Progress, advance, candidate, final, settled
+from stepid.diagnose.compete import PROMISE, Candidate, Progress, advance, final, settled
 from stepid.effects.base import Effect
-from stepid.engine.least_squares import Optimum, minimize
-from stepid.engine.problem import build, resonances, start_local
+from stepid.engine.least_squares import minimize
+from stepid.engine.problem import resonances, start_local
 from stepid.engine.score import columns, promise, score
 from stepid.engine.search import Contender, Ground, Scored, Start
 from stepid.engine.sketch import full_residual
@@ -21,8 +20,6 @@ _BASES = 4  # fits on which a further effect is tried
 _TRIED = 5  # additions that are raced on each
 _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
 _TWIN = 0.75  # of an effect's own gain by its score that one must gain to race in its place
-_FADING = (0.5, 0.2, 0.05)  # shares of an effect on its way out of a combination
-_NEEDED = 100.0  # times its cost that a combination may seem to lose without an effect, to be tried without
 _SWAPS = 3  # twins that are raced for each effect of a combination
 
 
@@ -194,94 +191,3 @@ def generalize(
 def finish(ground: Ground, contenders: list[Contender], count: int = 4) -> list[Candidate]:
     """Polish the best combinations; best evidence first."""
     return final(ground, contenders[:count], count=1, spread=0.05)
-
-
-def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
-    """Drop each effect of a combination in turn and fit the others from where they stand; those that do no worse.
-
-    A single effect can have been stuck where the combination was not. An effect that matters to first order stays.
-    """
-    out = []
-    for dropped, effect in enumerate(found.effects):
-        own = _place(found, dropped)
-        values = tuple(float(v) for v in found.optimum.shared[own])
-        if _moved(found.optimum, own, np.array(effect.faint(values, 0.0))).loss > _NEEDED * found.optimum.cost:
-            continue
-        for shares in ((), _FADING):
-            fewer = _drop(ground, found, dropped, shares)
-            if fewer is not None and fewer.evidence < found.evidence + STRONG:
-                out.append(fewer)
-                break
-    return sorted(out, key=lambda c: c.evidence)
-
-
-def _place(found: Candidate, number: int) -> slice:
-    """Where an effect's parameters stand among the shared ones."""
-    at = found.optimum.problem.simulator.n_linear + sum(len(e.parameters) for e in found.effects[:number])
-    return slice(at, at + len(found.effects[number].parameters))
-
-
-def _drop(ground: Ground, found: Candidate, dropped: int, shares: tuple[float, ...]) -> Candidate | None:
-    """Fit a combination without one effect, which first fades to `shares` of itself while the others adapt."""
-    optimum = found.optimum
-    sim = optimum.problem.simulator
-    own = _place(found, dropped)
-    values = tuple(float(v) for v in optimum.shared[own])
-    for share in shares:
-        shared, local, _ = _moved(optimum, own, np.array(found.effects[dropped].faint(values, share)))
-        free = optimum.problem.free.copy()
-        free[own] = False
-        held = replace(optimum.problem, free=free)
-        start = optimum.solved.states
-        faded = minimize(held, shared, local, start=start, tolerance=ground.tolerance, iterations=8)
-        if faded is None:
-            return None
-        optimum = faded
-    shared, moved, _ = _moved(optimum, own, np.array(found.effects[dropped].faint(values, 0.0)))
-    rest = tuple(e for place, e in enumerate(found.effects) if place != dropped)
-    problem = build(ground.records, rest)
-    row = 2 + sum(len(e.run_parameters) for e in found.effects[:dropped])
-    gone = range(row, row + len(found.effects[dropped].run_parameters))
-    local = np.delete(moved[: sim.own_states.start], list(gone), axis=0)
-    own_states = np.zeros((problem.simulator.law.n_states - 2, local.shape[1]))  # begin anew
-    near = np.zeros((problem.simulator.law.n_states, ground.records.size))
-    near[:2] = optimum.solved.states[:2]
-    fewer = minimize(
-        problem,
-        np.delete(shared, own),
-        np.concatenate([local, own_states]),
-        start=near,
-        tolerance=ground.tolerance,
-        iterations=20,
-    )
-    return None if fewer is None else candidate(ground, rest, fewer)
-
-
-class _Moved(NamedTuple):
-    """Parameters after a change, and the increase of the cost [m²] that it asks for to first order."""
-
-    shared: Array
-    local: Array
-    loss: float
-
-
-def _moved(optimum: Optimum, own: slice, values: Array) -> _Moved:
-    """Parameters with those of one effect set, and all others where that change asks for them, to first order."""
-    problem = optimum.problem
-    jacobian = problem.jacobian(optimum.solved)
-    place = np.flatnonzero(problem.free)
-    fixed = np.zeros(jacobian.shape[1], dtype=bool)
-    fixed[: place.size] = (place >= own.start) & (place < own.stop)
-    asked = jacobian[:, fixed] @ (values - optimum.shared[own])[problem.free[own]]
-    size = np.linalg.norm(jacobian, axis=0)
-    size[size == 0] = np.inf
-    scaled = (jacobian / size)[:, ~fixed]
-    answer = np.linalg.lstsq(scaled, -asked, rcond=1e-10)[0]
-    delta = np.zeros(jacobian.shape[1])
-    delta[~fixed] = answer / size[~fixed]
-    shared, local = optimum.shared.copy(), optimum.local.copy()
-    shared[problem.free] += delta[: place.size]
-    shared[own] = values
-    local[problem.active] += delta[place.size :]
-    left = asked + scaled @ answer
-    return _Moved(np.clip(shared, problem.lower, problem.upper), local, float(left @ left))

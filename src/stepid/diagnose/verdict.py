@@ -6,9 +6,10 @@ import math
 from dataclasses import dataclass
 
 from stepid.diagnose.compete import Candidate, Progress, final, linear_candidate, settled, singles, widen
-from stepid.diagnose.pairs import STRONG, extend, finish, generalize, pairs, simplify, swap
+from stepid.diagnose.pairs import STRONG, extend, finish, generalize, pairs, swap
 from stepid.diagnose.partial import partial_lead, same_law
 from stepid.diagnose.result import Verdict
+from stepid.diagnose.simplify import simplify
 from stepid.diagnose.wording import effect_names, length
 from stepid.effects.base import Effect
 from stepid.engine.search import Contender, Ground

@@ -68,13 +68,13 @@ class FreePlay(Effect):
     rests_anywhere: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
-        return [(share * scales.displacement,) for share in (0.01, 0.04, 0.12)]
+        return [(share * scales.displacement,) for share in (0.0003, 0.002, 0.01, 0.04, 0.12)]
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         def at(gap: float) -> Regressor:
             return Regressor((m.stiffness * np.clip(m.x, -gap, gap),), lambda a: (gap,) if a[0] > 0.02 else None)
 
-        return [at(part * scales.displacement) for part in (0.01, 0.03, 0.07, 0.15)]
+        return [at(part * scales.displacement) for part in (0.0005, 0.003, 0.01, 0.03, 0.07, 0.15)]
 
     def switches(self, p: Values, m: Motion) -> tuple[Array, ...]:
         return (m.x - p[0], m.x + p[0])
