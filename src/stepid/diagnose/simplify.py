@@ -15,7 +15,7 @@ from stepid.engine.problem import build
 from stepid.engine.search import Contender, Ground, Start
 
 _FADING = (0.5, 0.2, 0.05)  # shares of an effect on its way out of a combination
-_NEEDED = 100.0  # times its cost that a combination may seem to lose without an effect, to be tried without
+_NEEDED = 1.0  # times its cost that a combination may seem to lose without an effect, to be tried without
 _TURNS = 8  # phases tried
 
 
