@@ -19,7 +19,7 @@ STRONG = 20.0  # evidence that a further effect must bring
 _BASES = 4  # fits on which a further effect is tried
 _TRIED = 5  # additions that are raced on each
 _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
-_TWIN = 0.75  # of an effect's own gain by its score that one must gain to race in its place
+_TWIN = 0.9  # of an effect's own gain by its score that one must gain to race in its place
 _SWAPS = 3  # twins that are raced for each effect of a combination
 
 

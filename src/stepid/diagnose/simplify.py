@@ -15,7 +15,7 @@ from stepid.engine.problem import build
 from stepid.engine.search import Contender, Ground, Start
 
 _FADING = (0.5, 0.2, 0.05)  # shares of an effect on its way out of a combination
-_NEEDED = 1.0  # times its cost that a combination may seem to lose without an effect, to be tried without
+_NEEDED = 200.0  # χ² that a combination may seem to lose without an effect, to be tried without
 _TURNS = 8  # phases tried
 
 
@@ -28,7 +28,7 @@ def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
     for dropped, effect in enumerate(found.effects):
         own = _place(found, dropped)
         values = tuple(float(v) for v in found.optimum.shared[own])
-        if _moved(found.optimum, own, np.array(effect.faint(values, 0.0))).loss > _NEEDED * found.optimum.cost:
+        if _moved(found.optimum, own, np.array(effect.faint(values, 0.0))).loss > _NEEDED * ground.floor**2:
             continue
         for drop in (_drop, _fade, _again):
             fewer = drop(ground, found, dropped)
