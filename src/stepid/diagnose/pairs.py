@@ -52,7 +52,7 @@ def extend(
 ) -> list[Contender]:
     """Race every base with one effect more, the most promising first, until one reaches the floor; best first."""
     simple = tuple(e for e in catalogue if not e.contains)
-    offers: dict[frozenset[str], _Offer] = {}
+    offers: list[_Offer] = []  # the same two effects may come from either: one way may lead where the other does not
     for base in bases:
         base.run(laps=20, tolerance=0.002 * base.excess)
         if base.best is None:
@@ -62,16 +62,13 @@ def extend(
         heard = ground.scales._replace(resonances=resonances(ground.records, left_over))
         ringing = {e for e in simple if e.starts(heard) != e.starts(ground.scales)}
         table = columns(ground, tuple(e for e in simple if e not in ringing)) + columns(ground, tuple(ringing), heard)
-        own: dict[frozenset[str], list[Scored]] = {}
+        own: dict[str, list[Scored]] = {}
         for scored in score(ground, base.best, table):
             if not any(_related(scored.effect, e) for e in base.effects):
-                own.setdefault(frozenset([scored.effect.name, *(e.name for e in base.effects)]), []).append(scored)
-        for key, found in list(own.items())[:tried]:
-            left = base.best.cost - found[0].gain
-            if key not in offers or left < offers[key].left:
-                offers[key] = _Offer(base, left, found[:2])
+                own.setdefault(scored.effect.name, []).append(scored)
+        offers += [_Offer(base, base.best.cost - found[0].gain, found[:2]) for found in list(own.values())[:tried]]
     contenders: list[Contender] = []
-    for offer in sorted(offers.values(), key=lambda o: o.left):
+    for offer in sorted(offers, key=lambda o: o.left):
         contender = _added(ground, offer, progress)
         contenders.append(contender)
         if contender.cost < _NEAR * ground.floored:
