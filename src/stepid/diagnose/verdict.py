@@ -113,6 +113,9 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         )
         reasons += [suspect.words] if suspect is not None else []
         return Judgment("unexplained", linear, (), everything, tuple(reasons))
+    nested = [c for c in rivals if _contains(best, c)]
+    if nested:  # a law of more parameters leads by too little: the simpler one is named, the rest is undetermined
+        best, *rivals = [nested[0], best, *(c for c in rivals if c is not nested[0])]
     reasons.append(f"With {_title(best)} it leaves {best.optimum.rms / floor:.3g} times the floor.")
     foreign = [c for c in rivals if not _contains(c, best) and c not in same_law(ground, best, ranked)]
     if foreign and rms < _FAINT * floor:
