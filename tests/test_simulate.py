@@ -133,3 +133,29 @@ def test_models_go_to_json_and_back() -> None:
         runs={"a": stepid.RunState(rest=1e-3, velocity=0.1, phases={"periodic_disturbance.phase": 0.5})},
     )
     assert stepid.PlantModel.model_validate_json(model.model_dump_json()) == model
+
+
+def test_play_under_a_held_input_rests_against_the_spring() -> None:
+    """The spring pulls only beyond the gap: x = K_f u/k + gap, whose search starts where nothing pulls at all."""
+    gap, level, rest = 0.002, 0.2, 0.01
+    volts = np.full(40, level)
+    run = stepid.Experiment(
+        name="held",
+        time=np.arange(40) * PERIOD,
+        position=np.zeros(40),
+        input=volts,
+        input_before=level,
+        added_mass=0.0,
+        spring="medium",
+        damper="plug",
+    )
+    model = stepid.PlantModel(
+        base_mass={run.base: MASS},
+        stiffness={"medium": STIFFNESS},
+        damping={"plug": DAMPING},
+        force_gain=GAIN,
+        effects=(stepid.EffectModel(name="free_play", values={"gap": gap}),),
+        runs={"held": stepid.RunState(rest=rest)},
+    )
+    moved = stepid.simulate(model, stepid.Campaign(name="held", experiments=(run,)))["held"]
+    np.testing.assert_allclose(moved, rest + GAIN * level / STIFFNESS + gap, atol=1e-12)
