@@ -175,11 +175,12 @@ def evaluate_near(
     """Solve at a point near a solved one, starting from its tangent's prediction."""
     assert solved.tangent is not None
     sim = problem.simulator
-    start = solved.states + np.tensordot(change, solved.tangent[: sim.n_shared], 1)
-    if np.any(local_change):
-        run = sim.records.run
-        for q in range(sim.n_local):
-            start = start + local_change[q, run] * solved.tangent[sim.n_shared + q]
+    with np.errstate(all="ignore"):  # a step that overflows is found out below
+        start = solved.states + np.tensordot(change, solved.tangent[: sim.n_shared], 1)
+        if np.any(local_change):
+            run = sim.records.run
+            for q in range(sim.n_local):
+                start = start + local_change[q, run] * solved.tangent[sim.n_shared + q]
     return sim.solve(shared, local, start=start)
 
 
