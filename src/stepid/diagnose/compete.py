@@ -12,6 +12,7 @@ import numpy.typing as npt
 from stepid.effects.base import Effect
 from stepid.engine.displace import resettle
 from stepid.engine.least_squares import Optimum, minimize
+from stepid.engine.problem import start_local
 from stepid.engine.score import columns, promise, score
 from stepid.engine.search import Contender, Ground, Start, race_starts
 from stepid.floor import structure
@@ -25,6 +26,7 @@ _AS_WELL = 4.0  # times the winner's score within which another may explain as m
 _NEAR = 3.0  # times the floor's cost at which a contender runs on at once
 _HOPELESS = 6.0  # times the cost of one that reached the floor
 _ROOM = 6.0  # times the price of the starting displacements that holding them at zero may seem to cost
+_STUCK = 3.0  # χ² by which a simple effect may be worse than one that contains it, before it is tried from there
 _WORTH = 0.05  # share of what a simpler effect leaves that a costly general one must promise to take away
 PROMISE = 3.0  # χ² that a more general effect must promise where a simpler one reached the floor
 
@@ -196,7 +198,29 @@ def generalized(
     if added:
         contenders = [*contenders, *added]
         advance(ground, contenders)
+        for general in added:
+            for simple in (by_name[n] for n in general.effects[0].contains if n in by_name):
+                _release(ground, simple, general)
+        contenders.sort(key=lambda c: c.cost)
     return contenders
+
+
+def _release(ground: Ground, simple: Contender, general: Contender) -> None:
+    """Fit a simple effect from where one that contains it ended: it may have been stuck where the other was not."""
+    if general.best is None or simple.cost < general.cost + _STUCK * ground.unit:
+        return
+    n = general.coarse.simulator.n_linear
+    own = simple.effects[0].parameters[0]
+    alike = [
+        v for v, q in zip(general.best.shared[n:], general.effects[0].parameters, strict=True) if q.unit == own.unit
+    ]
+    problem = simple.coarse
+    local = start_local(problem, general.best)
+    shared = np.append(general.best.shared[:n], np.mean(alike))
+    start = general.best.solved.states[: problem.simulator.law.n_states]
+    found = minimize(problem, shared, local, start=start, tolerance=ground.tolerance, iterations=30)
+    if found is not None and found.cost < simple.cost:
+        simple.best, simple.polished = found, None
 
 
 def _promised(ground: Ground, effect: Effect, inner: Contender, start: Start) -> tuple[float, float]:
