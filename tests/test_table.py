@@ -188,3 +188,25 @@ def test_joined_files_share_a_layout(tmp_path):
     slow = write(tmp_path / "slow.csv", text(0.5 + 2 * T, X))
     with pytest.raises(InputError, match="two different sample times"):
         read_table([one, slow], position=1, time=0)
+
+
+@pytest.mark.parametrize(("name", "scale"), [("position_mm", "0.001"), ("x [cm]", "0.01"), ("travel (um)", "1e-06")])
+def test_a_column_that_says_it_is_not_in_meters(tmp_path, name, scale):
+    """Else masses and stiffness look right and every length is a thousand times too large."""
+    file = tmp_path / "run.csv"
+    rows = [f"{0.01 * i:.2f},{np.sin(0.1 * i):.6f},1" for i in range(40)]
+    file.write_text("\n".join([f"t,{name},u", *rows]))
+    with pytest.raises(InputError, match=rf"by its name.*position_scale = {scale}"):
+        read_table(file, time="t", position=name, input="u", name="run", added_mass=0.0, spring="s", damper="d")
+    run = read_table(
+        file,
+        time="t",
+        position=name,
+        position_scale=float(scale),
+        input="u",
+        name="run",
+        added_mass=0.0,
+        spring="s",
+        damper="d",
+    )
+    assert run.position[1] == pytest.approx(float(scale) * np.sin(0.1), abs=1e-6 * float(scale))

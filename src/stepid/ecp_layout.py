@@ -138,7 +138,11 @@ def _split_bare(lines: Sequence[str], where: str) -> tuple[list[str], list[list[
         if "]" in text or "[" in text:
             raise InputError(f"{where}, line {number}: a bracket without its partner; the start is cut off", AGAIN)
     if not any(_numeric(text) for _, text in body):
-        raise InputError(f"{where}: holds no rows of numbers", "Give an ECP export, or use read_table.")
+        raise InputError(
+            f"{where}: holds no rows of numbers",
+            "Give an ECP export; for CSV or another table use read_table, or "
+            'format = "table" in the run of the manifest with its columns.',
+        )
     rows = [text.removesuffix(";").split() for _, text in body]
     return list(lines[: header + 1]), rows, [number for number, _ in body]
 

@@ -77,7 +77,11 @@ def _read_run(kind: str, run: dict[str, Any], shared: float | None, manifest: Pa
                 f"{who}: there is no file {name!r} in {manifest.parent}", "Correct its name, or put the file there."
             )
     if kind == "ecp" and keys["counts_per_meter"] is None:
-        raise InputError(f"{who}: counts_per_meter is missing", "Add it above the runs or to the run.")
+        raise InputError(
+            f"{who}: counts_per_meter is missing",
+            'Add it above the runs or to the run; a CSV table needs none, but format = "table" with its columns: '
+            "time, position, position_scale (meters per unit) and input.",
+        )
     try:
         return read_ecp(paths[0], **keys) if kind == "ecp" else read_table(paths, **keys)
     except InputError as error:

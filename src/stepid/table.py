@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +18,19 @@ from stepid.step_input import InputValues, sample_input
 from stepid.textfile import as_path, common_width, is_name, parse_numbers, read_lines
 
 Column = str | int
+_UNITS = {"mm": "0.001", "cm": "0.01", "um": "1e-06", "µm": "1e-06"}  # meters per unit, by what a column may be called
 _REPAIR = "Restore the line from the original file, or export it again."
+
+
+def _check_unit(column: object, scale: float, where: str) -> None:
+    """Refuse to read a column as meters whose name says that it is not."""
+    named = re.search(r"[_ (\[](mm|cm|um|µm)[)\]]?$", column) if isinstance(column, str) else None
+    if named and scale == 1.0:
+        unit = named[1]
+        raise InputError(
+            f"{where}: the column {column!r} is in {unit} by its name, but position_scale is 1",
+            f"Give position_scale = {_UNITS[unit]} (meters per unit; negative where +V gives falling readings).",
+        )
 
 
 @dataclass(frozen=True)
@@ -115,6 +128,7 @@ def read_table(
         check_number(label, number, where)
     if position_scale == 0:
         raise InputError(f"{where}: position_scale is zero", "Give meters per unit, with its sign.")
+    _check_unit(position, position_scale, where)
     if delimiter is not None and (not isinstance(delimiter, str) or not delimiter):
         raise InputError(f"{where}: delimiter is {delimiter!r}", "Give the text that separates columns.")
     table = _join([_parse(file, delimiter) for file in files], where)
