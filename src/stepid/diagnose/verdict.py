@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from stepid.diagnose.compete import Candidate, Progress, final, linear_candidate, settled, singles, widen
 from stepid.diagnose.pairs import STRONG, extend, finish, generalize, pairs, swap
 from stepid.diagnose.partial import partial_lead, same_law
@@ -47,10 +49,19 @@ def at_floor(ground: Ground, found: Candidate) -> bool:
 
 def _believable(ground: Ground, linear: Candidate, best: Candidate) -> bool:
     """Tell whether a fit is close enough to the floor for its name; the more effects it needs, the closer."""
+    if _slowest(best) * float(np.max(ground.records.time)) < 1.0:
+        return False  # a "period" longer than every record can imitate anything slow
     if len(best.effects) == 1:
         return at_floor(ground, best) or best.optimum.rms <= _NEAR * ground.floor
     faint = linear.optimum.rms < 2.0 * ground.floor and len(best.effects) > 2
     return at_floor(ground, best) and not faint
+
+
+def _slowest(found: Candidate) -> float:
+    """Lowest frequency [Hz] among the effects' parameters, infinite where there is none."""
+    own = found.optimum.shared[found.optimum.problem.simulator.n_linear :]
+    units = [q.unit for e in found.effects for q in e.parameters]
+    return min((float(v) for v, unit in zip(own, units, strict=True) if unit == "Hz"), default=math.inf)
 
 
 def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> Judgment:
