@@ -104,7 +104,11 @@ BAD = {
         "counts_per_metre = 56000\n",
         r"campaign.toml: unknown key 'counts_per_metre'. Did you mean 'counts_per_meter'",
     ),
-    "far from any key": ("encoder = 2", "zzzz = 2", r"run 'case 5': unknown key 'zzzz'. Known keys: name, added_mass"),
+    "far from any key": (
+        "encoder = 2",
+        "zzzz = 2",
+        r"run 'case 5': unknown key 'zzzz'. Known keys: name, format, added_mass",
+    ),
     "missing file": ("case4.txt", "case44.txt", r"run 'case 4': there is no file 'case44.txt' in "),
     "missing file of a table": ("data0001.txt", "data0002.txt", r"run 'a table': there is no file 'data0002.txt'"),
     "wrong encoder": ("encoder = 2", "encoder = 3", r"run 'case 5': .*case5.txt: has no column 'Encoder 3 Pos'"),
@@ -163,6 +167,31 @@ BAD = {
         "position = 0.0\n",
         "position is 0.0. It must be a column's name or its index",
     ),
+    "file above the runs": (
+        "counts_per_meter = 56000\n",
+        'counts_per_meter = 56000\nfile = "case4.txt"\n',
+        r"campaign.toml: the key 'file' stands above the runs. Move it below",
+    ),
+    "bad default": (
+        "counts_per_meter = 56000\n",
+        "counts_per_meter = 56000\nposition_scale = 0\n",
+        r"campaign.toml: position_scale is 0. It must be a number other than zero",
+    ),
+    "bad format above the runs": (
+        "counts_per_meter = 56000\n",
+        'counts_per_meter = 56000\nformat = "csv"\n',
+        r"campaign.toml: format is 'csv'. It must be \"ecp\" .* or \"table\" \(CSV",
+    ),
+    "unknown key above the runs": (
+        "counts_per_meter = 56000\n",
+        "counts_per_meter = 56000\nzzzz = 1\n",
+        r"campaign.toml: unknown key 'zzzz'. Known keys: name, weight_uncertainty, format, .*position_scale",
+    ),
+    "key of the campaign in a run": (
+        "added_mass = 0.5",
+        "added_mass = 0.5\nweight_uncertainty = 0.01",
+        r"run 'case 5': 'weight_uncertainty' is a key of the campaign. Move it above the first",
+    ),
     "no runs": ("[[experiment]]", "[[experiments]]", "lists no experiments"),
     "one table of runs": ("[[experiment]]", "[experiment]", "not TOML|lists no experiments"),
     "deep": ("name =", "deep = " + "[" * 5000 + "]" * 5000 + "\nname =", "not TOML|unknown key"),
@@ -179,6 +208,72 @@ def test_wrong_manifests_name_run_and_key(folder, case):
         read_campaign(folder / "campaign.toml")
     assert "campaign.toml" in caught.value.cause
     assert caught.value.remedy
+
+
+RUN = """
+[[experiment]]
+name = "{0}"
+file = "{0}.csv"
+"""
+ABOVE = """\
+name = "my rig"
+format = "table"
+time = "t"
+position = "x"
+input = "u"
+position_scale = 0.01
+delimiter = ","
+added_mass = 0.5
+spring = "medium"
+damper = "none"
+"""
+
+
+@pytest.fixture
+def tables(tmp_path):
+    for name in ("a", "b", "c"):
+        rows = (f"{0.005 * i:.3f},{x!r},{u!r}" for i, (x, u) in enumerate(zip(CM.tolist(), U.tolist(), strict=True)))
+        write(tmp_path / f"{name}.csv", "t,x,u\n" + "\n".join(rows))
+    return tmp_path
+
+
+def test_keys_above_the_runs_are_theirs_unless_they_say_otherwise(tables):
+    own = 'added_mass = 1.5\nposition_scale = -0.01\nspring = "stiff"\n'
+    write(tables / "campaign.toml", ABOVE + RUN.format("a") + RUN.format("b") + own + RUN.format("c"))
+    a, b, c = read_campaign(tables).experiments
+    each = "".join(RUN.format(name) + ABOVE.split("\n", 1)[1] for name in ("a", "c"))
+    write(tables / "campaign.toml", 'name = "my rig"\n' + each)
+    assert read_campaign(tables).experiments == (a, c)  # as if every run had said it
+    np.testing.assert_array_equal(b.position, -a.position)
+    assert (a.added_mass, b.added_mass, a.spring, b.spring, b.damper) == (0.5, 1.5, "medium", "stiff", "none")
+
+
+@pytest.mark.parametrize(
+    ("above", "own", "first"),
+    [("", "step = { level = 0.25 }\n", 0.25), ("step = { level = 1 }\n", "input = 'u'\n", U[0])],
+)
+def test_a_run_takes_step_in_place_of_input_and_the_reverse(tables, above, own, first):
+    shared = ABOVE.replace('input = "u"\n', above) if above else ABOVE
+    write(tables / "campaign.toml", shared + RUN.format("a") + RUN.format("b") + own)
+    a, b = read_campaign(tables).experiments
+    assert b.input[0] == first
+    assert not np.array_equal(a.input, b.input)
+
+
+def test_what_stands_above_goes_to_the_runs_that_know_it(tables, folder):
+    above = 'counts_per_meter = 56000\ntime = "t"\ninput = "u"\nencoder = 1\nspring = "medium"\ndamper = "none"\n'
+    export = RUN.format("case4").replace(".csv", ".txt") + "added_mass = 0\n"
+    table = RUN.format("a") + 'format = "table"\nposition = "x"\nposition_scale = 0.01\nadded_mass = 1\n'
+    write(folder / "campaign.toml", 'name = "both"\n' + above + export + table)
+    one, two = read_campaign(folder).experiments
+    np.testing.assert_array_equal(one.position, X / 56000)
+    np.testing.assert_array_equal(two.position, CM * 0.01)
+    write(folder / "campaign.toml", 'name = "both"\n' + above + export)
+    with pytest.raises(InputError, match=r"campaign.toml: the key 'time' is for tables, and no run is one"):
+        read_campaign(folder)
+    write(folder / "campaign.toml", ABOVE + "encoder = 1\n" + RUN.format("a"))
+    with pytest.raises(InputError, match=r"the key 'encoder' is for exports of the ECP program, and no run is one"):
+        read_campaign(folder)
 
 
 def test_damage_in_a_record_names_run_file_and_line(folder):

@@ -43,30 +43,29 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
 
     Notes
     -----
-    Keys of the campaign: ``name``, ``counts_per_meter`` and, optionally, ``weight_uncertainty`` (kg). Keys of a run
-    (``[[experiment]]``): ``name``, ``file``, ``added_mass`` (kg), ``spring``, ``damper``; optionally ``base``,
+    Keys of the campaign: ``name`` and, optionally, ``weight_uncertainty`` (kg). Keys of a run (``[[experiment]]``):
+    ``name``, ``file``, ``added_mass`` (kg), ``spring``, ``damper``, ``counts_per_meter``; optionally ``base``,
     ``encoder``, ``sample_time`` (s), ``step = { level = 0.5, start = 0.0 }`` (V, s) where the file has no Control
-    Effort, ``input_before`` (V), ``counts_per_meter``, ``columns`` and ``effort_scale``, as in `read_ecp`. With
-    ``format = "table"``: ``file`` or ``files``, ``position`` and, optionally, ``time``, ``input``,
-    ``position_scale``, ``delimiter``, ``start`` and ``stop``, as in `read_table`.
+    Effort, ``input_before`` (V), ``columns`` and ``effort_scale``, as in `read_ecp`. With ``format = "table"``:
+    ``file`` or ``files``, ``position`` and, optionally, ``time``, ``input``, ``position_scale``, ``delimiter``,
+    ``start`` and ``stop``, as in `read_table`. Any key of a run but ``name``, ``file`` and ``files`` may stand above
+    the runs instead, for all of them; a run's own key wins.
     """
     manifest = as_path(path)
     if os.path.isdir(manifest):  # pathlib's is_dir raises on names that the system refuses
         manifest = manifest / MANIFEST
     where = str(manifest)
     keys, runs = parse_manifest(decode(read_bytes(manifest), where), where)
-    shared = keys.pop("counts_per_meter", None)
-    experiments = tuple(_read_run(kind, run, shared, manifest) for kind, run in runs)
+    experiments = tuple(_read_run(kind, run, manifest) for kind, run in runs)
     try:
         return Campaign(experiments=experiments, **keys)
     except InputError as error:
         raise InputError(f"{where}: {error.cause}", error.remedy) from None
 
 
-def _read_run(kind: str, run: dict[str, Any], shared: float | None, manifest: Path) -> Experiment:
+def _read_run(kind: str, run: dict[str, Any], manifest: Path) -> Experiment:
     who = f"{manifest}, run {run['name']!r}"
     keys = dict(run)
-    keys.setdefault("counts_per_meter", shared)
     if "step" in keys:
         keys["input"] = keys.pop("step")
     names = keys.pop("files", None) or (keys.pop("file"),)
@@ -76,7 +75,7 @@ def _read_run(kind: str, run: dict[str, Any], shared: float | None, manifest: Pa
             raise InputError(
                 f"{who}: there is no file {name!r} in {manifest.parent}", "Correct its name, or put the file there."
             )
-    if kind == "ecp" and keys["counts_per_meter"] is None:
+    if kind == "ecp" and "counts_per_meter" not in keys:
         raise InputError(
             f"{who}: counts_per_meter is missing",
             'Add it above the runs or to the run; a CSV table needs none, but format = "table" with its columns: '

@@ -58,6 +58,10 @@ def _texts(value: object) -> object:
     return tuple(value) if ok and isinstance(value, list) else _bad("a list of texts")
 
 
+def _format(value: object) -> object:
+    return value if value in ("ecp", "table") else _bad('"ecp" (the default) or "table" (CSV or any delimited text)')
+
+
 def _step(value: object) -> object:
     if not isinstance(value, dict) or "level" not in value or not value.keys() <= {"level", "start", "end"}:
         return _bad("a table like { level = 0.5, start = 0.0 }, in V and s (end is optional)")
@@ -76,13 +80,10 @@ def _bad(wanted: str) -> _Bad:
 
 
 Check = Callable[[object], object]
-CAMPAIGN: Mapping[str, Check] = {
-    "name": _text,
-    "counts_per_meter": _scale,
-    "weight_uncertainty": _positive,
-}
+CAMPAIGN: Mapping[str, Check] = {"name": _text, "weight_uncertainty": _positive}
 _SHARED: Mapping[str, Check] = {
     "name": _text,
+    "format": _format,
     "added_mass": _mass,
     "spring": _text,
     "damper": _text,
@@ -111,6 +112,9 @@ TABLE: Mapping[str, Check] = {
     "start": _whole,
     "stop": _whole,
 }
+KEYS = {"ecp": EXPORT, "table": TABLE}
+OWN = ("name", "file", "files")  # never the same for all runs
+DEFAULTS: Mapping[str, Check] = {key: check for key, check in {**EXPORT, **TABLE}.items() if key not in OWN}
 REQUIRED = ("name", "added_mass", "spring", "damper")
 
 
@@ -122,7 +126,8 @@ def parse_manifest(text: str, where: str) -> tuple[dict[str, Any], list[tuple[st
     campaign : dict
         The campaign's own keys.
     experiments : list of (format, dict)
-        Format ``"ecp"`` or ``"table"`` and the checked keys of each run.
+        Format ``"ecp"`` or ``"table"`` and the checked keys of each run. What stands above the runs and is a key of
+        runs is theirs, but for those that say otherwise.
 
     Raises
     ------
@@ -136,21 +141,39 @@ def parse_manifest(text: str, where: str) -> tuple[dict[str, Any], list[tuple[st
     runs = document.pop("experiment", None)
     if not isinstance(runs, list) or not runs or not all(isinstance(run, dict) for run in runs):
         raise InputError(f"{where}: lists no experiments", "Add a [[experiment]] table for each run.")
-    return _checked(document, CAMPAIGN, ("name",), where), [_run(run, i, where) for i, run in enumerate(runs)]
+    if own := [key for key in document if key in OWN and key not in CAMPAIGN]:
+        raise InputError(
+            f"{where}: the key {own[0]!r} stands above the runs", "Move it below the [[experiment]] of its run."
+        )
+    above = _checked(document, {**CAMPAIGN, **DEFAULTS}, ("name",), where)
+    defaults = {key: value for key, value in document.items() if key in DEFAULTS}
+    parsed = [_run(run, defaults, i, where) for i, run in enumerate(runs)]
+    if idle := [key for key in defaults if not any(key in KEYS[kind] for kind, _ in parsed)]:
+        only, remedy = _ONLY["table" if idle[0] in TABLE else "ecp"]
+        raise InputError(f"{where}: the key {idle[0]!r} is for {only}, and no run is one", remedy)
+    return {key: above[key] for key in CAMPAIGN if key in above}, parsed
 
 
-def _run(run: dict[str, Any], index: int, where: str) -> tuple[str, dict[str, Any]]:
+_ONLY = {
+    "table": ("tables", 'Add format = "table", or remove the key.'),
+    "ecp": ("exports of the ECP program", "Remove the key."),
+}
+
+
+def _run(run: dict[str, Any], defaults: dict[str, Any], index: int, where: str) -> tuple[str, dict[str, Any]]:
     who = f"{where}, run {run['name']!r}" if isinstance(run.get("name"), str) else f"{where}, experiment {index + 1}"
-    keys = dict(run)
-    kind = keys.pop("format", "ecp")
-    if kind not in ("ecp", "table"):
-        raise InputError(f"{who}: format is {kind!r}", 'Give format = "ecp" or format = "table".')
-    if kind == "ecp":
-        if only := [key for key in keys if key in TABLE and key not in EXPORT]:
-            raise InputError(f"{who}: the key {only[0]!r} is for tables", 'Add format = "table", or remove the key.')
-        return kind, _checked(keys, EXPORT, (*REQUIRED, "file"), who)
-    checked = _checked(keys, TABLE, (*REQUIRED, "position"), who)
-    if ("file" in checked) == ("files" in checked):
+    kind = run.get("format", defaults.get("format", "ecp"))
+    if isinstance(wanted := _format(kind), _Bad):
+        raise InputError(f"{who}: format is {_shown(kind)}", f"It must be {wanted}.")
+    known = KEYS[kind]
+    if kind == "ecp" and (only := [key for key in run if key in TABLE and key not in EXPORT]):
+        raise InputError(f"{who}: the key {only[0]!r} is for tables", _ONLY["table"][1])
+    said = {"step", "input"} & run.keys()  # one takes the place of the other
+    shared = {k: v for k, v in defaults.items() if k in known and not (said and k in ("step", "input"))}
+    required = (*REQUIRED, "file") if kind == "ecp" else (*REQUIRED, "position")
+    checked = _checked({**shared, **run}, known, required, who)
+    checked.pop("format", None)
+    if kind == "table" and ("file" in checked) == ("files" in checked):
         raise InputError(f"{who}: needs either file or files", 'Give file = "…" or files = ["…", "…"].')
     if "step" in checked and "input" in checked:
         raise InputError(f"{who}: gives both step and input", "Keep the one that is true.")
@@ -163,6 +186,8 @@ def _checked(
     result: dict[str, Any] = {}
     for key, value in keys.items():
         if key not in checks:
+            if key in CAMPAIGN:
+                raise InputError(f"{who}: {key!r} is a key of the campaign", "Move it above the first [[experiment]].")
             near = get_close_matches(key, checks, n=1, cutoff=0.5)
             known = f"Did you mean {near[0]!r}?" if near else f"Known keys: {', '.join(checks)}."
             raise InputError(f"{who}: unknown key {key!r}", known)
@@ -171,7 +196,8 @@ def _checked(
             raise InputError(f"{who}: {key} is {_shown(value)}", f"It must be {result[key]}.")
     missing = [key for key in required if key not in result]
     if missing:
-        raise InputError(f"{who}: the key {missing[0]!r} is missing", f"Add {missing[0]} = ….")
+        place = "; above the first [[experiment]] it is for all runs" if missing[0] in DEFAULTS else ""
+        raise InputError(f"{who}: the key {missing[0]!r} is missing", f"Add {missing[0]} = …{place}.")
     return result
 
 
