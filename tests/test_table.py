@@ -76,10 +76,10 @@ def test_rounded_times_need_the_sample_time(tmp_path):
         read_table(file, time=0, position=1, sample_time=0.01)
 
 
-@given(st.floats(-1e3, 1e3).filter(lambda s: abs(s) > 1e-6))
+@given(st.floats(-10, 10).filter(lambda s: abs(s) > 1e-6))
 @settings(max_examples=20, deadline=None)
 def test_sign_of_the_scale_turns_the_record(tmp_path_factory, scale):
-    file = write(tmp_path_factory.mktemp("sign") / "a.csv", text(T, X))
+    file = write(tmp_path_factory.mktemp("sign") / "a.csv", text(T, CM))
     plus = read_table(file, time=0, position=1, position_scale=scale)
     minus = read_table(file, time=0, position=1, position_scale=-scale)
     np.testing.assert_array_equal(plus.position, -minus.position)
@@ -210,3 +210,57 @@ def test_a_column_that_says_it_is_not_in_meters(tmp_path, name, scale):
         damper="d",
     )
     assert run.position[1] == pytest.approx(float(scale) * np.sin(0.1), abs=1e-6 * float(scale))
+
+
+@pytest.mark.parametrize(
+    ("name", "scale", "factor", "message"),
+    [
+        ("x", 1000.0, 1.0, r"with position_scale = 1000 the positions span 5.45e\+03 m, which is no plant's travel"),
+        ("counts", 226600.0, 560.0, r"the positions span \d.*1 / counts_per_meter for counts"),
+        ("x", 1e-9, 1e-3, r"with position_scale = 1e-09 the positions span 5.45e-12 m"),
+        ("x_mm", 1000.0, 10.0, r"'x_mm' is in mm by its name, but position_scale is 1000. Give position_scale = 0.001"),
+        ("x_mm", -1.0, 10.0, r"'x_mm' is in mm by its name, but position_scale is -1"),
+    ],
+)
+def test_a_scale_the_wrong_way_round_is_named(tmp_path, name, scale, factor, message):
+    file = write(tmp_path / "run.csv", text(T, CM * factor, U, mark=",", head=f"t,{name},u"))
+    with pytest.raises(InputError, match=message):
+        read_table(file, time="t", position=name, input="u", position_scale=scale)
+
+
+def test_a_missing_position_lists_the_columns(tmp_path):
+    file = write(tmp_path / "run.csv", GOOD)
+    with pytest.raises(
+        InputError, match=r"run.csv: nothing says which column is the position \(t, x, u\). Give position="
+    ):
+        read_table(file)
+    with pytest.raises(InputError, match=r"the position \(no header; columns count from 0 to 2\)"):
+        read_table(write(tmp_path / "bare.csv", text(T, X, U)), time=0)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["u", "U", "u [V]", "input", "input_V", "voltage_V", "Voltage", "volts", "Control Effort", "motor (V)", "drive_mV"],
+)
+def test_an_input_that_is_not_named_is_no_release(tmp_path, name):
+    """Else a step that was read without its input passes for a free release, and the drive is never identified."""
+    file = write(tmp_path / "run.csv", text(T, CM, U, mark=",", head=f"t,x,{name}"))
+    with pytest.raises(InputError) as caught:
+        read_table(file, time="t", position="x", position_scale=0.01)
+    assert f"run.csv: no input is named, so this would be a free release, but the column {name!r}" in caught.value.cause
+    assert f"Give input = {name!r}" in caught.value.remedy
+    assert read_table(file, time=0, position=1, input=2, position_scale=0.01).input[-1] == U[-1]
+    assert read_table(file, time=0, position=1, input=StepInput(level=0.0), position_scale=0.01).is_release
+
+
+@pytest.mark.parametrize(
+    "name", ["acceleration", "unit", "update", "force_N", "V_x", "encoder 2", "Commanded Pos", "x_um"]
+)
+def test_other_columns_leave_a_release_a_release(tmp_path, name):
+    file = write(tmp_path / "run.csv", text(T, CM, U, mark=",", head=f"t,x,{name}"))
+    assert read_table(file, time="t", position="x", position_scale=0.01).is_release
+
+
+def test_an_input_column_of_zeros_is_a_release(tmp_path):
+    file = write(tmp_path / "run.csv", text(T, CM, 0 * U, mark=",", head="t,x,u"))
+    assert read_table(file, time="t", position="x", position_scale=0.01).is_release

@@ -9,9 +9,8 @@ import numpy as np
 from stepid.errors import InputError
 from stepid.experiment import Campaign, Experiment
 from stepid.noise import noise_level
+from stepid.plausible import FARTHEST, NEAREST
 
-_FARTHEST = 100.0  # m; no teaching plant travels so far, but counts taken for meters do
-_NEAREST = 1e-8  # m; nor does one travel less than this
 _LIKE = 0.9  # share of an input change that another must have to be as strong
 _LATE = 4.0  # times the usual time to an answer
 _LEAD = 10  # samples at rest that are kept before the first step
@@ -74,7 +73,7 @@ def screen(campaign: Campaign) -> Screened:
 
 def _check_unit(run: Experiment) -> None:
     travel = float(np.abs(run.position - run.position[0]).max())
-    if travel > _FARTHEST or 0 < travel < _NEAREST:
+    if travel > FARTHEST or 0 < travel < NEAREST:
         raise InputError(
             f"run {run.name!r}: its positions span {travel:.3g} m, which is no plant's travel",
             "Positions are in meters: divide counts by counts_per_meter, or give position_scale.",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,23 +13,12 @@ from stepid._base import Array
 from stepid.ecp import FEWEST, check_number
 from stepid.errors import InputError
 from stepid.experiment import Experiment
+from stepid.plausible import check_release, check_travel, check_unit
 from stepid.step_input import InputValues, sample_input
 from stepid.textfile import as_path, common_width, is_name, parse_numbers, read_lines
 
 Column = str | int
-_UNITS = {"mm": "0.001", "cm": "0.01", "um": "1e-06", "µm": "1e-06"}  # meters per unit, by what a column may be called
 _REPAIR = "Restore the line from the original file, or export it again."
-
-
-def _check_unit(column: object, scale: float, where: str) -> None:
-    """Refuse to read a column as meters whose name says that it is not."""
-    named = re.search(r"[_ (\[](mm|cm|um|µm)[)\]]?$", column) if isinstance(column, str) else None
-    if named and scale == 1.0:
-        unit = named[1]
-        raise InputError(
-            f"{where}: the column {column!r} is in {unit} by its name, but position_scale is 1",
-            f"Give position_scale = {_UNITS[unit]} (meters per unit; negative where +V gives falling readings).",
-        )
 
 
 @dataclass(frozen=True)
@@ -39,15 +27,19 @@ class _Table:
     values: Array
     places: Sequence[str]  # "file, line n" of each row
 
+    @property
+    def listed(self) -> str:
+        width = self.values.shape[1]
+        return ", ".join(self.names) if self.names else f"no header; columns count from 0 to {width - 1}"
+
     def column(self, which: object, role: str, where: str) -> Array:
         width = self.values.shape[1]
-        listed = ", ".join(self.names) if self.names else f"no header; columns count from 0 to {width - 1}"
         if isinstance(which, str) and which in self.names:
             index = self.names.index(which)
         elif isinstance(which, int) and not isinstance(which, bool) and 0 <= which < width:
             index = which
         else:
-            raise InputError(f"{where}: has no column {which!r} for {role} ({listed})", f"Correct {role}=….")
+            raise InputError(f"{where}: has no column {which!r} for {role} ({self.listed})", f"Correct {role}=….")
         values: Array = self.values[:, index]
         return values
 
@@ -55,7 +47,7 @@ class _Table:
 def read_table(
     paths: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
     *,
-    position: Column,
+    position: Column | None = None,
     time: Column | None = None,
     input: Column | InputValues | None = None,
     position_scale: float = 1.0,
@@ -80,11 +72,13 @@ def read_table(
     paths : path-like or sequence of path-like
         One file, or several that continue each other, joined in order.
     position : str or int
-        Column of the position, by name or by index from 0.
+        Column of the position, by name or by index from 0. Must be given; the error without it lists the columns.
     time : str or int, optional
         Column of the time, s. Without it, `sample_time` says how far rows are apart.
     input : str, int, StepInput or array, shape (n,), optional
-        Column of the input (V), or the input itself over the rows kept. Without it the record is a free release: zeros.
+        Column of the input (V), or the input itself over the rows kept. Without it the record is a free release,
+        zeros; refused where another column is an input by its name and not zero (``StepInput(level=0.0)`` says that
+        it is a release all the same).
     position_scale : float
         m per unit of the position column, negative where +V gives falling values.
     sample_time : float, optional
@@ -115,7 +109,8 @@ def read_table(
     ------
     stepid.errors.InputError
         Naming file, line and column: if a file is missing, empty, not text or holds what is not a number, rows differ
-        in length, a column is missing, or time is not uniform.
+        in length, a column is missing, time is not uniform, or `position_scale` gives a travel of less than 10 nm or
+        more than 100 m.
     """
     files = _files(paths)
     where = str(files[0]) if len(files) == 1 else f"{files[0]} … {files[-1].name}"
@@ -128,16 +123,21 @@ def read_table(
         check_number(label, number, where)
     if position_scale == 0:
         raise InputError(f"{where}: position_scale is zero", "Give meters per unit, with its sign.")
-    _check_unit(position, position_scale, where)
+    check_unit(position, position_scale, where)
     if delimiter is not None and (not isinstance(delimiter, str) or not delimiter):
         raise InputError(f"{where}: delimiter is {delimiter!r}", "Give the text that separates columns.")
     table = _join([_parse(file, delimiter) for file in files], where)
     kept = _stretch(start, stop, len(table.places), where)
     table = _Table(table.names, table.values[kept], table.places[kept])
+    if position is None:
+        raise InputError(f"{where}: nothing says which column is the position ({table.listed})", "Give position=….")
     clock = _time(table, time, sample_time, start, where)
+    if input is None:
+        check_release(table.names, table.values, (time, position), where)
     volts = _input(table, input, clock, input_before, where)
     with np.errstate(all="ignore"):  # an overflow is reported by the model: not finite
         meters = table.column(position, "position", where) * float(position_scale) + 0.0
+    check_travel(meters, position_scale, where)
     try:
         return Experiment(
             name=files[0].stem if name is None else name,
