@@ -217,3 +217,21 @@ def test_equality_sees_every_field():
     for field, value in others.items():
         assert experiment(**{field: value}) != run, field
     assert run != "case 5"
+
+
+def test_values_are_given_by_name():
+    with pytest.raises(TypeError, match=r"Campaign takes its values by name: Campaign\(name=…, experiments=…\)$"):
+        Campaign("spring 2005", (experiment(),))
+    with pytest.raises(
+        TypeError, match=r"Experiment\(name=…, time=…, position=…, input=…, added_mass=…, spring=…, dam"
+    ):
+        Experiment("case 5", T, T, T)
+
+
+def test_a_list_of_runs_is_a_campaign():
+    runs = [experiment(name="a"), experiment(name="b")]
+    campaign = Campaign(name="c", experiments=runs)
+    assert campaign.experiments == tuple(runs)
+    assert campaign == Campaign.model_validate_json(campaign.model_dump_json())
+    with pytest.raises(InputError, match="experiments"):
+        Campaign(name="c", experiments=runs[0])

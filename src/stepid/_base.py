@@ -126,8 +126,11 @@ class _Meta(_PydanticMeta):
     if not TYPE_CHECKING:  # and hidden, to keep the typed signature that pydantic gives each model
 
         def __call__(self, *args: Any, **data: Any) -> Any:
+            if args:
+                needed = ", ".join(f"{name}=…" for name, field in self.model_fields.items() if field.is_required())
+                raise TypeError(f"{self.__name__} takes its values by name: {self.__name__}({needed})")
             try:
-                return super().__call__(*args, **data)
+                return super().__call__(**data)
             except ValidationError as error:
                 raise _complain(self.__name__, data, error) from None
 

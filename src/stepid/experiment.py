@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import BeforeValidator, model_validator
 
 from stepid._base import Finite, Label, Model, NonNegative, Positive, Vector
 from stepid.errors import InputError
@@ -174,6 +174,10 @@ class MassOffset(Model):
     uncertainty: NonNegative = WEIGHT_UNCERTAINTY
 
 
+def _as_tuple(value: object) -> object:
+    return tuple(value) if isinstance(value, list) else value
+
+
 class Campaign(Model):
     """Runs of one plant under known changes of mass, spring and damper.
 
@@ -181,7 +185,7 @@ class Campaign(Model):
     ----------
     name : str
     experiments : tuple of Experiment
-        Names are unique.
+        Names are unique. A list is taken, too.
     weight_uncertainty : float
         kg, standard uncertainty of one 0.5 kg weight; grows with the square root of the mass added.
 
@@ -192,7 +196,7 @@ class Campaign(Model):
     """
 
     name: Label
-    experiments: tuple[Experiment, ...]
+    experiments: Annotated[tuple[Experiment, ...], BeforeValidator(_as_tuple)]
     weight_uncertainty: Positive = WEIGHT_UNCERTAINTY
 
     @model_validator(mode="after")
