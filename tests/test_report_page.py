@@ -20,11 +20,12 @@ import diagnosis_example as example
 import report_example
 import stepid
 from report_example import changed
-from stepid.diagnose.result import Diagnosis, RunGap
+from stepid.diagnose.result import Diagnosis, Gap, RunGap
 from stepid.diagnose.wording import length
 from stepid.report import provenance
 from stepid.report.hand import HandMethod
 from stepid.report.page import Still
+from stepid.report.pictures import pictures
 from stepid.report.story import tell
 from stepid.report.write import hand_of
 
@@ -153,6 +154,21 @@ def test_pictures_hold_what_was_measured(page: str) -> None:
         assert model["y"] == pytest.approx(1e3 * run.model, rel=1e-4, abs=1e-9)
         assert drawn["records"]["data"][i]["name"] == run.name
     assert "plotly.js" in packed(page, "plotly")[:200]
+
+
+def test_the_noise_is_named_where_it_lies() -> None:
+    named = example.named()
+    louder = changed(named, gap=Gap(**named.gap.model_dump() | {"noise": 3 * named.gap.noise}))
+    for d in (named, louder, named):  # one report leaves nothing behind for the next
+        drawn = pictures(d, ())
+        (across,), (upright,) = (drawn[name]["layout"]["annotations"] for name in ("phases", "candidates"))
+        assert across["text"] == upright["text"] == "noise"
+        assert across["y"] == pytest.approx(1e6 * d.gap.noise)
+        assert 10 ** upright["x"] == pytest.approx(1e6 * d.gap.noise)  # places on a logarithmic axis are exponents
+        low, high = drawn["candidates"]["layout"]["xaxis"]["range"]
+        assert low < upright["x"] < high
+    silent = pictures(changed(named, gap=Gap(before=1e-4, after=1e-5, noise=0.0)), ())
+    assert "annotations" not in silent["candidates"]["layout"]
 
 
 def test_every_picture_says_what_it_shows(page: str) -> None:

@@ -15,6 +15,13 @@ import report_example
 SIZES = [("light", 1280), ("light", 390), ("dark", 1280), ("dark", 390)]
 FIRST = [("light", 1280), ("dark", 390)]
 Window = Callable[..., Any]
+CUT = """[...document.querySelectorAll(".plot")].flatMap((plot) => {
+  const room = plot.getBoundingClientRect();
+  const inside = (box) => box.left >= room.left - 1 && box.right <= room.right + 1
+    && box.top >= room.top - 1 && box.bottom <= room.bottom + 1;
+  return [...plot.querySelectorAll(".main-svg text")].filter((text) => !inside(text.getBoundingClientRect()))
+    .map((text) => `${plot.dataset.picture}: ${text.textContent}`);
+})"""
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +47,7 @@ def test_opens_without_a_complaint_or_a_request(visit: Window, theme: str, width
     assert at.complaints == []
     assert at.requests == [page.as_uri()]
     assert at.page.evaluate("document.documentElement.scrollWidth") == width  # nothing hangs over the edge
+    assert at.page.evaluate(CUT) == []
     assert at.page.locator("img.still:visible").count() == 0
     drawn = at.page.locator(".plot .main-svg").count()
     assert drawn >= 8 + 2 * len(example.RUNS)

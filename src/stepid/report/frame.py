@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import plotly.graph_objects as go
@@ -10,10 +11,6 @@ RUN_COLORS = tuple(f"var(--run-{i})" for i in range(7))
 _MARKERS = ("circle", "square", "triangle-up", "diamond", "triangle-down", "cross", "x", "star")
 _DASHES = ("solid", "dash", "dot")
 BAR = 34  # pixels, a row of a bar chart
-NOISE: dict[str, Any] = {
-    "line": {"color": "var(--mark)", "dash": "dash", "width": 1.5},
-    "annotation": {"text": "noise", "font": {"color": "var(--mark)"}, "yanchor": "bottom", "xanchor": "right"},
-}
 _HEIGHT = 330
 _LINES: dict[str, dict[str, Any]] = {
     "measured": {"color": "var(--measured)", "width": 5},
@@ -21,6 +18,8 @@ _LINES: dict[str, dict[str, Any]] = {
     "after": {"color": "var(--after)", "width": 1.5},
     "left": {"color": "var(--run-0)", "width": 1.4},
 }
+_NOISE = {"color": "var(--mark)", "dash": "dash", "width": 1.5}
+_NAMED: dict[str, Any] = {"text": "noise", "font": {"color": "var(--mark)"}, "showarrow": False}
 _PATTERNS = {"before": "/", "after": "", "noise": "."}
 
 
@@ -48,6 +47,22 @@ def framed(figure: go.Figure, *, x: str, y: str) -> go.Figure:
     figure.update_xaxes(title={"text": x, "standoff": 8, "font": {"size": 12.5}}, **line)
     figure.update_yaxes(title={"text": y, "standoff": 6, "font": {"size": 12.5}}, **line)
     return figure
+
+
+def noise_across(figure: go.Figure, noise: float) -> None:
+    """A line across at the noise, named on its right."""
+    figure.add_hline(y=noise, line=_NOISE)
+    figure.add_annotation(**_NAMED, x=1, xref="paper", xanchor="left", y=noise, yanchor="middle")
+    figure.update_layout(margin={"r": 46})
+    figure.update_yaxes(rangemode="nonnegative")
+
+
+def noise_upright(figure: go.Figure, noise: float) -> None:
+    """A line up at the noise, named on its top; the axis is logarithmic."""
+    if noise > 0:
+        figure.add_vline(x=noise, line=_NOISE)
+        figure.add_annotation(**_NAMED, x=math.log10(noise), y=1, yref="paper", yanchor="bottom")
+        figure.update_layout(margin={"t": 26})
 
 
 def paired(what: str, reach: float) -> go.Figure:

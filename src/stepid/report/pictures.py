@@ -12,7 +12,7 @@ import plotly.graph_objects as go
 from stepid._base import Array
 from stepid.diagnose.result import Diagnosis, RunGap
 from stepid.diagnose.wording import effect_names
-from stepid.report.frame import BAR, NOISE, bars, framed, own_line, paired, run_line
+from stepid.report.frame import BAR, bars, framed, noise_across, noise_upright, own_line, paired, run_line
 from stepid.report.thin import kept_samples
 from stepid.verification import VerificationRun
 
@@ -155,7 +155,8 @@ def _force(levels: Array, force: Array, label: str, what: str, *, parted: bool) 
 def _phases(d: Diagnosis) -> go.Figure:
     figure = framed(go.Figure(), x="", y="RMS, linear [µm]")
     figure.add_bar(x=list(d.where.phases), y=[1e6 * v for v in d.where.phases.values()], **bars("before", "linear"))
-    figure.add_hline(y=1e6 * d.gap.noise, **NOISE)
+    noise_across(figure, 1e6 * d.gap.noise)
+    figure.update_xaxes(automargin=True)  # where there is little room its words are turned
     return figure
 
 
@@ -193,11 +194,11 @@ def _candidates(d: Diagnosis) -> go.Figure:
             customdata=[shown[i].evidence for i in part],
             **style,
         )
-    figure.add_vline(x=1e6 * d.gap.noise, **NOISE)
+    noise_upright(figure, 1e6 * d.gap.noise)
     values = [1e6 * v for v in (d.gap.noise, *(one.rms for one in shown)) if v > 0] or [1.0]
     figure.update_xaxes(type="log", range=[np.log10(0.5 * min(values)), np.log10(2.5 * max(values))], dtick=1)
     figure.update_yaxes(categoryorder="array", categoryarray=names[::-1], showgrid=False, automargin=True)
-    figure.update_layout(barmode="overlay", height=110 + BAR * len(shown))
+    figure.update_layout(barmode="overlay", height=124 + BAR * len(shown))
     return figure
 
 
