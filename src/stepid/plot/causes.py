@@ -145,7 +145,7 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
         axes.set_yticks([])
         axes.set_ylim(max(len(shown), 1) - 0.7, -0.85)
         axes.grid(axis="y", visible=False)
-        axes.set_xlabel("RMS left [µm] (in brackets: evidence lost)")
+        axes.set_xlabel("RMS left [µm] (dashed: noise; in brackets: evidence lost)")
         axes.set_title("candidates")
     return axes
 

@@ -73,6 +73,7 @@ def stacked_axes(figure: Figure, place: SubplotSpec, *, ratio: float) -> tuple[A
         upper = figure.add_subplot(inner[0])
         lower = figure.add_subplot(inner[1], sharex=upper)
         upper.tick_params(labelbottom=False)
+        figure.align_ylabels([upper, lower])
     return upper, lower
 
 
