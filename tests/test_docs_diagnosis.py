@@ -15,8 +15,8 @@ PAGE = DOCS / "diagnosis.md"
 
 def test_the_catalogue_on_the_page_is_the_codes() -> None:
     text = PAGE.read_text(encoding="utf-8")
-    made = runpy.run_path(str(DOCS / "make_catalogue.py"))
-    assert made["page"](text) == text, "run python docs/make_catalogue.py"
+    made = runpy.run_path(str(DOCS / "make_tables.py"))
+    assert made["page"](PAGE) == text, "run python docs/make_tables.py"
     table = text.split(made["BEGIN"])[1].split(made["END"])[0]
     rows = [re.split(r"(?<!\\)\|", line)[1:-1] for line in table.splitlines()[2:]]
     assert [row[0].strip(" `") for row in rows] == [effect.name for effect in CATALOGUE]

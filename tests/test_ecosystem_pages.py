@@ -28,9 +28,10 @@ def keys_after(words: str) -> set[str]:
 
 
 def test_the_table_of_effects_is_the_codes() -> None:
-    text = (DOCS / "how-to" / "ecosystem.md").read_text(encoding="utf-8")
-    made = runpy.run_path(str(DOCS / "make_control_table.py"))
-    assert made["page"](text) == text, "run python docs/make_control_table.py"
+    path = DOCS / "how-to" / "ecosystem.md"
+    text = path.read_text(encoding="utf-8")
+    made = runpy.run_path(str(DOCS / "make_tables.py"))
+    assert made["page"](path) == text, "run python docs/make_tables.py"
     rows = text.split(made["BEGIN"])[1].split(made["END"])[0].splitlines()[2:]
     assert [re.search(r"`(\w+)`", row)[1] for row in rows] == [e.name for e in CATALOGUE]  # type: ignore[index]
 

@@ -1,0 +1,57 @@
+"""Write the tables of the effects into the docs. Run with ``python docs/make_tables.py``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from stepid.effects import CATALOGUE
+from stepid.transfer.express import why_not_linear, why_not_nonlinear
+
+DOCS = Path(__file__).parent
+BEGIN, END = "<!-- table: made by docs/make_tables.py -->\n", "<!-- end of table -->\n"
+
+
+def catalogue() -> str:
+    rows = [
+        "| effect | what it adds | parameters | seen in the lab as | what to do |",
+        "| --- | --- | --- | --- | --- |",
+    ]
+    for effect in CATALOGUE:
+        named = [f"`{q.name}` [{q.unit or '–'}]" for q in effect.parameters]
+        named += [f"`{q.name}` [{q.unit or '–'}] of each run" for q in effect.run_parameters]
+        cells = (f"`{effect.name}`", effect.law, ", ".join(named), effect.seen, effect.advice)
+        rows.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(rows) + "\n"
+
+
+def expressible() -> str:
+    """What python-control can express."""
+    rows = ["| effect | nonlinear system | state space, transfer function | why not |", "| --- | --- | --- | --- |"]
+    for effect in CATALOGUE:
+        reasons = [why_not_nonlinear(effect), why_not_linear(effect)]
+        marks = ["no" if reason else "yes" for reason in reasons]
+        why = "; ".join(dict.fromkeys(reason for reason in reasons if reason)) or "–"
+        rows.append(f"| `{effect.name}` | {marks[0]} | {marks[1]} | {why} |")
+    return "\n".join(rows) + "\n"
+
+
+TABLES: dict[Path, Callable[[], str]] = {
+    DOCS / "diagnosis.md": catalogue,
+    DOCS / "how-to" / "ecosystem.md": expressible,
+}
+
+
+def page(path: Path) -> str:
+    """The page with its table put between the marks."""
+    before, rest = path.read_text(encoding="utf-8").split(BEGIN)
+    return before + BEGIN + TABLES[path]() + END + rest.split(END)[1]
+
+
+def main() -> None:
+    for path in TABLES:
+        path.write_text(page(path), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
