@@ -171,7 +171,7 @@ class PreslidingHysteresis(Effect):
         return [(inner[0], part * scales.displacement) for part in (0.003, 0.02)]
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
-        return [(share * scales.force, part * scales.displacement) for share in (0.03,) for part in (0.003, 0.02, 0.1)]
+        return [(0.03 * scales.force, part * scales.displacement) for part in (0.003, 0.02, 0.1)]
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         sign = _direction(scales, m)

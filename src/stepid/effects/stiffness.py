@@ -85,6 +85,11 @@ class FreePlay(Effect):
         return m.stiffness * np.where(inside, m.x, np.where(above >= 0, p[0], -p[0]))
 
 
+def _ends(scales: Scales) -> list[float]:
+    """Ends of the motion, m, where a stop may stand."""
+    return [end for end in (scales.high, scales.low) if abs(end) > 0.1 * scales.displacement]
+
+
 class EndStop(Effect):
     """Extra stiffness beyond a signed position."""
 
@@ -99,10 +104,9 @@ class EndStop(Effect):
     n_switches: ClassVar[int] = 1
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
-        ends = [end for end in (scales.high, scales.low) if abs(end) > 0.1 * scales.displacement]
         return [
             (times * scales.stiffness, part * end)
-            for end in ends
+            for end in _ends(scales)
             for part in (0.97, 0.9, 0.78)
             for times in (2.0, 10.0)
         ]
@@ -112,8 +116,7 @@ class EndStop(Effect):
             beyond = np.maximum(np.sign(position) * (m.x - position), 0.0) * np.sign(position)
             return Regressor((-beyond,), lambda a: (a[0], position) if a[0] > 1.0 else None)
 
-        ends = [end for end in (scales.high, scales.low) if abs(end) > 0.1 * scales.displacement]
-        return [at(part * end) for end in ends for part in (0.98, 0.95, 0.9, 0.84, 0.77, 0.68, 0.58)]
+        return [at(part * end) for end in _ends(scales) for part in (0.98, 0.95, 0.9, 0.84, 0.77, 0.68, 0.58)]
 
     def switches(self, p: Values, m: Motion) -> tuple[Array, ...]:
         return (np.sign(p[1]) * (m.x - p[1]),)

@@ -25,11 +25,8 @@ class ViscoelasticSpring(Effect):
     n_extra: ClassVar[int] = 1
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
-        return [
-            (share * scales.stiffness, share * scales.stiffness * time)
-            for share in (0.15,)
-            for time in (0.03, 0.15, 0.6, 2.0)
-        ]
+        branch = 0.15 * scales.stiffness
+        return [(branch, branch * time) for time in (0.03, 0.15, 0.6, 2.0)]
 
     def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
         return tuple(share * v for v in values)
@@ -71,7 +68,7 @@ class FlexibleCoupling(Effect):
         return p[1] * (m.extra[0] - m.x) + p[2] * (m.extra[1] - m.v)
 
     def rates(self, p: Values, m: Motion) -> tuple[Array, ...]:
-        return (m.extra[1], -(p[1] * (m.extra[0] - m.x) + p[2] * (m.extra[1] - m.v)) / p[0])
+        return (m.extra[1], -self.force(p, m) / p[0])
 
     def at_rest(self, p: Values, x: Array, volts: Array) -> tuple[Array, ...]:
         return (x, np.zeros_like(x))
