@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import time
 from pathlib import Path
 from typing import Any
 
@@ -53,17 +54,55 @@ def test_prints_the_summary_and_the_hand_method(
     assert "The hand method beside it" in out
     assert "pulls each number" in out
     assert stages == ["linear fit"]
-    assert err == ""  # progress is for terminals
+    assert err == f"{example.campaign().name}: 4 runs\ndiagnosing: linear fit\n"  # plain lines, for a log
+
+
+@pytest.mark.parametrize("option", ["--quiet", "-q", "--json"])
+def test_a_log_without_progress(
+    option: str, manifest: Path, stages: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["diagnose", str(manifest), option]) == 0
+    assert capsys.readouterr().err == ""
+    assert stages
+
+
+def test_releases_are_named_before_the_search(
+    stages: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one, *others = example.campaign().experiments
+    released = one.model_copy(update={"input": 0 * one.input, "input_before": 0.0})
+    stepid.write_campaign(stepid.Campaign(name="[red] rig", experiments=(released, *others)), tmp_path / "lab")
+    assert run(["diagnose", str(tmp_path / "lab" / "campaign.toml")]) == 0
+    assert capsys.readouterr().err.startswith(f"[red] rig: 4 runs, free releases (no input): {one.name}\n")
+    assert stages
 
 
 def test_progress_is_shown_on_a_terminal(
-    manifest: Path, stages: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    manifest: Path,
+    stages: list[str],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setenv("COLUMNS", "500")
     monkeypatch.delenv("NO_COLOR", raising=False)
     monkeypatch.setenv("FORCE_COLOR", "1")
-    assert run(["diagnose", str(manifest)]) == 0
+    seen: list[str] = []
+
+    def draw(*_: object) -> None:
+        time.sleep(0.3)
+        seen.append(capsys.readouterr().err)
+
+    monkeypatch.setattr("stepid.plot.save", draw)
+    monkeypatch.setattr("stepid.report.write.write_all", draw)
+    assert run(["diagnose", str(manifest), "--out", str(tmp_path / "out [1]")]) == 0
     assert stages
-    assert "diagnosing: linear fit" in capsys.readouterr().err
+    assert len(seen) == 2  # while the picture is drawn, and while the report is written
+    assert "diagnosing: linear fit" in seen[0]
+    assert all(f"writing {tmp_path / 'out [1]'}" in shown for shown in seen)
+    capsys.readouterr()
+    assert run(["diagnose", str(manifest), "--quiet"]) == 0
+    assert capsys.readouterr().err == ""
 
 
 def test_writes_text_json_and_figures(
@@ -132,7 +171,7 @@ def test_a_diagnosis_that_fails_is_status_2(
     assert run(["diagnose", str(manifest), "--out", str(tmp_path / "out")]) == 2
     out, err = capsys.readouterr()
     assert out == ""
-    assert err == "stepid: no stable plant can be fitted. Look at the records.\n"
+    assert err.splitlines()[1:] == ["stepid: no stable plant can be fitted. Look at the records."]
     assert [p.name for p in tmp_path.iterdir()] == ["lab"]
 
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 from rich.console import Console
+from rich.text import Text
 
 import stepid  # what takes long to load is loaded by the command that needs it: completion and help are quick
 from stepid.errors import IdentificationError, StepidError
 
 if TYPE_CHECKING:
+    from stepid.experiment import Campaign
     from stepid.parameters import IdentifiedParameters
     from stepid.report import Section
 
@@ -33,6 +36,7 @@ Out = Annotated[
     Path | None, typer.Option("--out", metavar="DIR", help="Folder for report and figures.", show_default=False)
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress on standard error.")]
 
 
 def _examples(*lines: str) -> str:
@@ -117,7 +121,7 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
 @app.command(
     epilog=_examples("stepid diagnose lab/campaign.toml --out results", "stepid diagnose lab/campaign.toml --json")
 )
-def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> None:
+def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False, quiet: Quiet = False) -> None:
     """Say whether a linear model is adequate, and if not, which effect is missing; show the gap before and after."""
     from stepid.report import as_text, diagnosis_report
     from stepid.report.folder import staged
@@ -125,30 +129,50 @@ def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
     from stepid.report.provenance import of_files
     from stepid.report.write import write_all
 
-    read = stepid.read_campaign(campaign)
-    with _console(stderr=True).status("reading") as status:
-        found = stepid.diagnose(read, progress=lambda stage: status.update(f"diagnosing: {stage.replace('_', ' ')}"))
-    by_hand: IdentifiedParameters | StepidError
-    try:
-        by_hand = stepid.identify(read)
-    except IdentificationError as error:
-        by_hand = error
-    sections = diagnosis_report(found, by_hand)
     written: list[Path] = []
-    if out is not None:
-        from stepid import plot
+    read = stepid.read_campaign(campaign)
+    with _progress(_runs(read), lines=not (quiet or as_json), status=not quiet) as tell:
+        found = stepid.diagnose(read, progress=lambda stage: tell(f"diagnosing: {stage.replace('_', ' ')}"))
+        by_hand: IdentifiedParameters | StepidError
+        try:
+            by_hand = stepid.identify(read)
+        except IdentificationError as error:
+            by_hand = error
+        sections = diagnosis_report(found, by_hand)
+        if out is not None:
+            tell(f"writing {out}")
+            from stepid import plot
 
-        with staged(out) as folder:
-            (folder / "diagnosis.txt").write_text(as_text(sections), encoding="utf-8")
-            _write_json(folder / "diagnosis.json", found.to_dict())
-            plot.save(plot.diagnosis(found)["gap"], folder / "diagnosis.png")
-            with Console(stderr=True).status("writing the report"):
+            with staged(out) as folder:
+                (folder / "diagnosis.txt").write_text(as_text(sections), encoding="utf-8")
+                _write_json(folder / "diagnosis.json", found.to_dict())
+                plot.save(plot.diagnosis(found)["gap"], folder / "diagnosis.png")
                 write_all(found, of_files(campaign), folder)
-            written = sorted(out / path.name for path in folder.iterdir())
+                written = sorted(out / path.name for path in folder.iterdir())
     if as_json:
         _print_json(diagnosis_values(found))
     else:
         _show(sections, written)
+
+
+@contextmanager
+def _progress(first: str, *, lines: bool, status: bool) -> Iterator[Callable[[str], None]]:
+    """Say on standard error what goes on: a line that changes on a terminal, else plain lines, as logs have them."""
+    console = _console(stderr=True)
+    if lines:
+        console.print(first, markup=False)
+    if console.is_terminal and status:
+        with console.status("") as shown:
+            yield lambda words: shown.update(Text(words))
+    else:
+        yield (lambda words: console.print(words, markup=False)) if lines else (lambda _: None)
+
+
+def _runs(campaign: Campaign) -> str:
+    """Say how the runs were understood: a release among steps is easily a forgotten input."""
+    runs = campaign.experiments
+    released = ", ".join(run.name for run in runs if run.is_release)
+    return f"{campaign.name}: {len(runs)} runs" + (f", free releases (no input): {released}" if released else "")
 
 
 def _write_json(path: Path, values: Any) -> None:
