@@ -14,6 +14,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 import nbformat
+import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 from nbclient import NotebookClient
@@ -34,10 +35,15 @@ def blocks(page: Path) -> list[tuple[str, str]]:
 
 @pytest.fixture
 def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with lab/campaign.toml, as the pages speak of it, and a backend without windows."""
+    """A folder with lab/campaign.toml and the tables run1.csv, …, as the pages speak of them; no windows."""
     monkeypatch.chdir(tmp_path)
     mpl.use("Agg")
-    stepid.write_campaign(stepid.datasets.lab_campaign(), tmp_path / "lab")
+    campaign = stepid.datasets.lab_campaign()
+    stepid.write_campaign(campaign, tmp_path / "lab")
+    for i, name in enumerate(("case 4", "case 5"), start=1):
+        run = campaign[name]
+        table = np.column_stack([run.time, 1e3 * run.position, run.input])
+        np.savetxt(f"run{i}.csv", table, fmt="%.6f", delimiter=",", header="time_s,position_mm,voltage_V", comments="")
     return tmp_path
 
 
@@ -59,6 +65,22 @@ def test_code_blocks_run(page: Path, lab: Path) -> None:
         else:
             assert language in {"bash", "text"}, f"{page.name} has an unchecked block of {language}"
     plt.close("all")
+
+
+def test_the_readmes_table_manifest_reads_as_its_python_does(lab: Path) -> None:
+    (manifest,) = [text for language, text in blocks(ROOT / "README.md") if language == "toml" and "table" in text]
+    (script,) = [text for language, text in blocks(ROOT / "README.md") if language == "python" and "read_table" in text]
+    (lab / "campaign.toml").write_text(manifest, encoding="utf-8")
+    names: dict[str, object] = {"stepid": stepid}
+    exec(script, names)
+    rig = stepid.read_campaign(lab)
+    other = names["rig"]
+    assert isinstance(other, stepid.Campaign)
+    assert [e.added_mass for e in rig.experiments] == [0.0, 0.5]
+    for mine, theirs in zip(rig.experiments, other.experiments, strict=True):
+        np.testing.assert_array_equal(mine.position, theirs.position)
+        np.testing.assert_array_equal(mine.input, theirs.input)
+    assert stepid.identify(rig).stiffness["medium"] == pytest.approx(stepid.identify(other).stiffness["spring"])
 
 
 def test_readme_has_its_two_commands() -> None:
