@@ -19,7 +19,8 @@ from stepid.diagnose.result import Where
 from stepid.diagnose.wording import effect_names, length
 from stepid.effects import CATALOGUE, Effect
 from stepid.fit import ground_of
-from stepid.plot.style import MODEL, OTHER, SERIES, new_figure, stacked_axes, styled
+from stepid.plot.layout import new_figure, stacked_axes
+from stepid.plot.style import MODEL, OTHER, SERIES, styled
 from stepid.plot.style import PAGE as PAGE_WIDTH
 
 DOCS = Path(__file__).parent

@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 import stepid
 from stepid import plot
 from stepid.diagnose.result import Diagnosis, Gap, Ranked, RunGap, Where
-from stepid.plot.style import COLUMN, figure_of, new_figure
+from stepid.plot.layout import new_figure
+from stepid.plot.style import COLUMN, figure_of
 from stepid.trends import Trend, Trends
 from stepid.verification import Verification, VerificationRun
 

@@ -13,6 +13,7 @@ from matplotlib import pyplot as plt
 
 import stepid
 from stepid import plot
+from stepid.plot.style import figure_of
 from stepid.verification import Verification, VerificationRun
 
 
@@ -86,6 +87,13 @@ def test_grid_shows_every_run(count: int) -> None:
     assert [a.get_title(loc="left").split(":")[0] for a in drawn[:, 0]] == [f"case {i}" for i in range(count)]
     (figure,) = {a.figure for a in drawn.ravel()}
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["measured", "model", "first peak"]
+
+
+def test_the_legend_of_a_page_names_what_any_run_shows() -> None:
+    release = run("release").model_copy(update={"peak_time": None})
+    drawn = plot.verification_grid(Verification(runs=(release, run("step"))))
+    labels = [text.get_text() for text in figure_of(drawn[0, 0]).legends[0].get_texts()]
+    assert labels == ["measured", "model", "first peak"]
 
 
 def test_paper_figure_marks_what_was_measured() -> None:

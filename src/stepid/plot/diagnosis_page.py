@@ -12,8 +12,9 @@ from stepid.diagnose.result import Diagnosis
 from stepid.diagnose.summary import answer
 from stepid.errors import InputError
 from stepid.plot.causes import candidates, force_against_position, force_against_velocity, phase_bars
-from stepid.plot.gap import gap_bars, gap_residual, gap_response, one_legend
-from stepid.plot.style import PAGE, new_figure, stacked_axes, styled
+from stepid.plot.gap import gap_bars, gap_residual, gap_response
+from stepid.plot.layout import new_figure, one_legend, stacked_axes
+from stepid.plot.style import PAGE, styled
 
 _RUNS = 3  # side by side
 _PANELS: dict[str, Callable[..., Axes]] = {

@@ -2,32 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from typing import Literal
-
 import numpy as np
 import numpy.typing as npt
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from stepid.diagnose.result import Diagnosis, RunGap
 from stepid.diagnose.wording import length
 from stepid.errors import InputError
-from stepid.plot.style import (
-    MARK,
-    MEASURED,
-    MODEL,
-    OTHER,
-    PAGE,
-    dress,
-    figure_of,
-    length_unit,
-    new_figure,
-    plain_logarithm,
-    stacked_axes,
-    styled,
-)
+from stepid.plot.layout import one_legend, page_of_pairs
+from stepid.plot.style import MARK, MEASURED, MODEL, OTHER, dress, length_unit, plain_logarithm, styled
 
 BEFORE, AFTER, NOISE = OTHER, MODEL, MARK
 
@@ -211,38 +194,14 @@ def gap_runs(d: Diagnosis, *, columns: int = 3, axes: npt.NDArray[np.object_] | 
     array of matplotlib.axes.Axes, shape (runs, 2)
         Response and residual by run.
     """
-    if axes is not None:
-        for run, (upper, lower) in zip(d.runs, axes, strict=True):
-            gap_response(d, run.name, axes=upper)
-            gap_residual(d, run.name, axes=lower)
-        return axes
-    bands = math.ceil(len(d.runs) / columns)
-    columns = math.ceil(len(d.runs) / bands)
-    figure = new_figure(width=PAGE, height=2.6 * bands + 0.3)
-    outer = figure.add_gridspec(bands, columns)
-    drawn = np.empty((len(d.runs), 2), dtype=object)
-    for i, run in enumerate(d.runs):
-        row, column = divmod(i, columns)
-        upper, lower = stacked_axes(figure, outer[row, column], ratio=2.0)
-        drawn[i] = gap_response(d, run.name, axes=upper), gap_residual(d, run.name, axes=lower)
-        if column:
-            upper.set_ylabel("")
-            lower.set_ylabel("")
-    one_legend(drawn[0].tolist(), drawn.ravel().tolist(), loc="outside upper center")
+    drawn = page_of_pairs(len(d.runs), columns=columns, ratio=2.0) if axes is None else axes
+    for run, (upper, lower) in zip(d.runs, drawn, strict=True):
+        gap_response(d, run.name, axes=upper)
+        gap_residual(d, run.name, axes=lower)
+    if axes is None:
+        every = drawn.ravel().tolist()
+        for one in every:
+            if not one.get_subplotspec().get_topmost_subplotspec().is_first_col():
+                one.set_ylabel("")
+        one_legend(drawn[0], every, loc="outside upper center")
     return drawn
-
-
-def one_legend(
-    first: Sequence[Axes], drawn: Sequence[Axes], *, loc: Literal["outside upper center", "outside lower center"]
-) -> None:
-    """Put one legend, of what the first axes show, on the page in the place of those of all axes."""
-    known: dict[str, Artist] = {}
-    for one in first:
-        for handle, label in zip(*one.get_legend_handles_labels(), strict=True):
-            known.setdefault(label, handle)
-    for one in drawn:
-        legend = one.get_legend()
-        if legend is not None:
-            legend.remove()
-    with styled():
-        figure_of(first[0]).legend(list(known.values()), list(known), loc=loc, ncols=len(known))

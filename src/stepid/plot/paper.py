@@ -5,7 +5,8 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 
 from stepid.paper import PaperResponse
-from stepid.plot.style import MARK, MODEL, OTHER, column_axes, dress, length_unit, styled
+from stepid.plot.layout import column_axes
+from stepid.plot.style import MARK, MODEL, OTHER, dress, length_unit, styled
 
 
 def paper_figure(run: PaperResponse, *, axes: tuple[Axes, Axes] | None = None) -> tuple[Axes, Axes]:

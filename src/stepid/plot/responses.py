@@ -2,25 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 
-from stepid.plot.style import (
-    MARK,
-    MEASURED,
-    MODEL,
-    PAGE,
-    column_axes,
-    dress,
-    length_unit,
-    new_figure,
-    stacked_axes,
-    styled,
-)
+from stepid.plot.layout import column_axes, one_legend, page_of_pairs
+from stepid.plot.style import MARK, MEASURED, MODEL, dress, length_unit, styled
 from stepid.verification import Verification, VerificationRun
 
 AxesPair = tuple[Axes, Axes]
@@ -104,7 +93,6 @@ def verification(run: VerificationRun, *, axes: AxesPair | None = None) -> AxesP
     axes = axes or column_axes()
     response(run, axes=axes[0])
     residual(run, axes=axes[1])
-    axes[0].set_xlabel("")
     return axes
 
 
@@ -127,20 +115,9 @@ def verification_grid(
     array of matplotlib.axes.Axes, shape (runs, 2)
         Response and residual by run.
     """
-    if axes is not None:
-        for run, pair in zip(verified.runs, axes, strict=True):
-            verification(run, axes=(pair[0], pair[1]))
-        return axes
-    bands = math.ceil(len(verified.runs) / columns)
-    columns = math.ceil(len(verified.runs) / bands)
-    figure = new_figure(width=PAGE, height=2.6 * bands + 0.3)
-    outer = figure.add_gridspec(bands, columns)
-    drawn = np.empty((len(verified.runs), 2), dtype=object)
-    for i, run in enumerate(verified.runs):
-        drawn[i] = verification(run, axes=stacked_axes(figure, outer[divmod(i, columns)], ratio=2.2))
-    handles, labels = drawn[0, 0].get_legend_handles_labels()
-    for upper in drawn[:, 0]:
-        upper.get_legend().remove()  # one legend a page is enough
-    with styled():
-        figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
+    drawn = page_of_pairs(len(verified.runs), columns=columns, ratio=2.2) if axes is None else axes
+    for run, (upper, lower) in zip(verified.runs, drawn, strict=True):
+        verification(run, axes=(upper, lower))
+    if axes is None:
+        one_legend(drawn[:, 0], drawn.ravel().tolist(), loc="outside upper center")
     return drawn

@@ -11,7 +11,6 @@ import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from stepid._base import Array
@@ -58,29 +57,6 @@ def dress(*axes: Axes) -> None:
         one.tick_params(labelsize=STYLE["xtick.labelsize"])
         for text in (one.xaxis.label, one.yaxis.label):
             text.set_fontsize(STYLE["axes.labelsize"])
-
-
-def new_figure(*, width: float, height: float) -> Figure:
-    """Make an empty figure, sizes in inches."""
-    with styled():
-        return plt.figure(figsize=(width, height), layout="constrained")
-
-
-def stacked_axes(figure: Figure, place: SubplotSpec, *, ratio: float) -> tuple[Axes, Axes]:
-    """Make one axes above another with a common time axis, the upper `ratio` times as high."""
-    with styled():
-        inner = place.subgridspec(2, 1, height_ratios=(ratio, 1))
-        upper = figure.add_subplot(inner[0])
-        lower = figure.add_subplot(inner[1], sharex=upper)
-        upper.tick_params(labelbottom=False)
-        figure.align_ylabels([upper, lower])
-    return upper, lower
-
-
-def column_axes() -> tuple[Axes, Axes]:
-    """Make a figure one column wide with room for a response and what is left of it below."""
-    figure = new_figure(width=COLUMN, height=3.2)
-    return stacked_axes(figure, figure.add_gridspec(1, 1)[0], ratio=2.5)
 
 
 def length_unit(values: Array) -> tuple[float, str]:

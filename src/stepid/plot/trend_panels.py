@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 
-from stepid.plot.style import MARKERS, PAGE, SERIES, dress, new_figure, styled
+from stepid.plot.layout import new_figure
+from stepid.plot.style import MARKERS, PAGE, SERIES, dress, styled
 from stepid.trends import Trend, Trends
 
 _QUANTITIES = (  # field, label, factor from SI

@@ -7,7 +7,8 @@ from typing import Any
 
 from stepid import plot
 from stepid.diagnose.result import Diagnosis
-from stepid.plot.style import MARKERS, PAGE, SERIES, new_figure, styled
+from stepid.plot.layout import new_figure
+from stepid.plot.style import MARKERS, PAGE, SERIES, styled
 from stepid.verification import Verification
 
 Stills = Mapping[str, Callable[[], Any]]  # to axes; matplotlib's own types stay in stepid.plot
