@@ -44,6 +44,13 @@ class Gap(Model):
     held_out_before: NonNegative | None = None
     held_out_after: NonNegative | None = None
 
+    @property
+    def held_out(self) -> tuple[float, float] | None:
+        """RMS before and after on runs that the fit did not see, m; None where no run qualifies."""
+        if self.held_out_before is None or self.held_out_after is None:
+            return None
+        return self.held_out_before, self.held_out_after
+
 
 class RunGap(Model):
     """One run: measured and simulated records and their gap.

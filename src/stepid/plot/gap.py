@@ -134,8 +134,8 @@ def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
         The same axes, with a logarithmic scale.
     """
     groups = [("fitted", d.gap.before, d.gap.after)]
-    if d.gap.held_out_before is not None and d.gap.held_out_after is not None:
-        groups.append(("held out", d.gap.held_out_before, d.gap.held_out_after))
+    if d.gap.held_out:
+        groups.append(("held out", *d.gap.held_out))
     with styled():
         dress(axes)
         for at, (_, before, after) in enumerate(groups):

@@ -109,7 +109,7 @@ def _tiles(d: Diagnosis) -> list[tuple[str, str, str]]:
     tiles = [("Gap, linear model", length(d.gap.before), times(d.gap.before))]
     if d.effects:
         tiles.append((f"Gap, with {effect_names(d.effects)}", length(d.gap.after), times(d.gap.after)))
-        if d.gap.held_out_before is not None and d.gap.held_out_after is not None:
-            before = f"{length(d.gap.held_out_before)} before"
-            tiles.append(("On runs held out", length(d.gap.held_out_after), before))
+        if d.gap.held_out:
+            before, after = map(length, d.gap.held_out)
+            tiles.append(("On runs held out", after, f"{before} before"))
     return [*tiles, ("Noise", length(d.gap.noise), f"{len(d.runs)} runs")]

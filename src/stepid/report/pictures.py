@@ -162,8 +162,8 @@ def _phases(d: Diagnosis) -> go.Figure:
 
 def _gap(d: Diagnosis) -> go.Figure:
     groups = [("fitted", d.gap.before, d.gap.after)]
-    if d.gap.held_out_before is not None and d.gap.held_out_after is not None:
-        groups.append(("held out", d.gap.held_out_before, d.gap.held_out_after))
+    if d.gap.held_out:
+        groups.append(("held out", *d.gap.held_out))
     names = [name for name, _, _ in groups]
     figure = framed(go.Figure(), x="", y="RMS gap [µm]")
     figure.add_bar(x=names, y=[1e6 * before for _, before, _ in groups], **bars("before", "linear model"))

@@ -21,7 +21,7 @@ def records(d: Diagnosis) -> Picture:
     )
 
 
-def verification(d: Diagnosis, verified: Verification) -> Picture:
+def verification(verified: Verification) -> Picture:
     """The hand method's models against the records."""
     said = "; ".join(f"{run.name} fit {run.fit_percent:.1f} %" for run in verified.runs)
     return Picture(
@@ -83,9 +83,9 @@ def gap(d: Diagnosis) -> Picture:
     bars = [f"linear model {length(d.gap.before)}"]
     if d.effects:
         bars.append(f"with the effect {length(d.gap.after)}")
-    if d.gap.held_out_before is not None and d.gap.held_out_after is not None:
-        held = f"{length(d.gap.held_out_before)} and {length(d.gap.held_out_after)}"
-        bars.append(f"on runs held out {held if d.effects else length(d.gap.held_out_before)}")
+    if d.gap.held_out:
+        before, after = map(length, d.gap.held_out)
+        bars.append(f"on runs held out {f'{before} and {after}' if d.effects else before}")
     bars.append(f"noise {length(d.gap.noise)}")
     return Picture(name="gap", title="RMS gap and noise", alt=f"Bars: {'; '.join(bars)}.", still="gap")
 

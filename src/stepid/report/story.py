@@ -50,7 +50,7 @@ def tell(d: Diagnosis, hand: Hand, provenance: Provenance) -> tuple[Chapter, ...
     return (
         _runs(d),
         _by_hand(hand),
-        _verification(d, hand),
+        _verification(hand),
         _where(d),
         _missing(d),
         _gap(d),
@@ -96,7 +96,7 @@ def _by_hand(hand: Hand) -> Chapter:
     )
 
 
-def _verification(d: Diagnosis, hand: Hand) -> Chapter:
+def _verification(hand: Hand) -> Chapter:
     name, title = "verification", "Verification responses"
     if not isinstance(hand, HandMethod):
         return Chapter(name=name, title=title, lead="There are none without the hand method's models.")
@@ -106,7 +106,7 @@ def _verification(d: Diagnosis, hand: Hand) -> Chapter:
         title=title,
         lead="Each identified model, simulated on the input that was measured, against the record, as in the paper's "
         f"Figs. 3 and 6 to 8. The fit is {min(fits):.1f} to {max(fits):.1f} %; 100 % is perfect.",
-        pictures=(show.verification(d, hand.verified),),
+        pictures=(show.verification(hand.verified),),
         tables=(verification_table(hand.verified),),
     )
 
@@ -148,10 +148,11 @@ def _gap(d: Diagnosis) -> Chapter:
         )
     else:
         lead = f"Nothing was added: the linear model leaves {length(d.gap.before)} RMS, noise {length(d.gap.noise)}."
-    if d.gap.held_out_before is not None and d.gap.held_out_after is not None:
+    if d.gap.held_out:
+        before, after = map(length, d.gap.held_out)
         lead += (
             " On runs held out, each predicted by a fit that did not see it, the gap is "
-            f"{length(d.gap.held_out_before)} before and {length(d.gap.held_out_after)} after."
+            f"{before} before and {after} after."
         )
     return Chapter(
         name="gap",
