@@ -11,7 +11,8 @@ from stepid._base import Array
 from stepid.diagnose.result import Diagnosis, Where
 from stepid.diagnose.wording import effect_names
 from stepid.plot.gap import AFTER, BEFORE, NOISE
-from stepid.plot.style import SERIES, dress, plain_logarithm, styled
+from stepid.plot.scale import plain_logarithm
+from stepid.plot.style import SERIES, dress, styled
 
 _SHOWN = 6  # candidates
 _WIDE = 60  # letters of a candidate's name on one line

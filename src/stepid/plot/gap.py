@@ -10,7 +10,8 @@ from stepid.diagnose.result import Diagnosis, RunGap
 from stepid.diagnose.wording import length
 from stepid.errors import InputError
 from stepid.plot.layout import one_legend, page_of_pairs
-from stepid.plot.style import MARK, MEASURED, MODEL, OTHER, dress, length_unit, plain_logarithm, styled
+from stepid.plot.scale import length_unit, plain_logarithm, reach_of
+from stepid.plot.style import MARK, MEASURED, MODEL, OTHER, dress, styled
 
 BEFORE, AFTER, NOISE = OTHER, MODEL, MARK
 
@@ -90,8 +91,8 @@ def gap_residual(d: Diagnosis, name: str, *, axes: Axes, largest: float | None =
         If there is no such run.
     """
     run = _run(d, name)
-    reach = largest or _largest(d.runs)
-    scale, unit = length_unit(np.array([reach]))
+    reach = largest or reach_of(run.measured - run.linear for run in d.runs)
+    scale, unit = length_unit(reach)
     band = 2 * scale * d.gap.noise
     with styled():
         dress(axes)
@@ -113,10 +114,6 @@ def gap_residual(d: Diagnosis, name: str, *, axes: Axes, largest: float | None =
         axes.set_xlabel("time [s]")
         axes.legend(loc="upper right")
     return axes
-
-
-def _largest(runs: tuple[RunGap, ...]) -> float:
-    return max((float(np.abs(run.measured - run.linear).max()) for run in runs), default=1e-6) or 1e-6
 
 
 def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:

@@ -6,7 +6,8 @@ from matplotlib.axes import Axes
 
 from stepid.paper import PaperResponse
 from stepid.plot.layout import column_axes
-from stepid.plot.style import MARK, MODEL, OTHER, dress, length_unit, styled
+from stepid.plot.scale import length_unit, reach_of
+from stepid.plot.style import MARK, MODEL, OTHER, dress, styled
 
 
 def paper_figure(run: PaperResponse, *, axes: tuple[Axes, Axes] | None = None) -> tuple[Axes, Axes]:
@@ -28,7 +29,7 @@ def paper_figure(run: PaperResponse, *, axes: tuple[Axes, Axes] | None = None) -
     """
     upper, lower = axes or column_axes()
     difference = run.rebuilt - run.printed
-    scale, unit = length_unit(difference)
+    scale, unit = length_unit(reach_of([difference]))
     with styled():
         dress(upper, lower)
         upper.plot(

@@ -9,7 +9,8 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 
 from stepid.plot.layout import column_axes, one_legend, page_of_pairs
-from stepid.plot.style import MARK, MEASURED, MODEL, dress, length_unit, styled
+from stepid.plot.scale import length_unit, reach_of
+from stepid.plot.style import MARK, MEASURED, MODEL, dress, styled
 from stepid.verification import Verification, VerificationRun
 
 AxesPair = tuple[Axes, Axes]
@@ -55,7 +56,7 @@ def residual(run: VerificationRun, *, axes: Axes) -> Axes:
         The same axes.
     """
     difference = run.measured - run.simulated
-    scale, unit = length_unit(difference)
+    scale, unit = length_unit(reach_of([difference]))
     with styled():
         dress(axes)
         axes.axhline(0.0, color=MODEL, linewidth=0.8)

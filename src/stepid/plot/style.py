@@ -9,11 +9,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
-
-from stepid._base import Array
 
 COLUMN = 85 / 25.4  # inches, one journal column of 85 mm
 PAGE = 7.2  # inches, two columns
@@ -57,19 +53,6 @@ def dress(*axes: Axes) -> None:
         one.tick_params(labelsize=STYLE["xtick.labelsize"])
         for text in (one.xaxis.label, one.yaxis.label):
             text.set_fontsize(STYLE["axes.labelsize"])
-
-
-def length_unit(values: Array) -> tuple[float, str]:
-    """Factor from meters and name of the unit in which the values read well."""
-    largest = float(abs(values).max()) if values.size else 0.0
-    return (1e3, "mm") if largest >= 1e-3 else (1e6, "µm")
-
-
-def plain_logarithm(axis: Axis, *, marks: tuple[float, ...] = (1.0, 2.0, 5.0)) -> None:
-    """Mark a logarithmic axis at `marks` times the powers of ten, in plain numbers."""
-    axis.set_major_locator(LogLocator(subs=marks))
-    axis.set_major_formatter("{x:g}")
-    axis.set_minor_formatter(NullFormatter())
 
 
 def figure_of(axes: Axes) -> Figure:

@@ -12,6 +12,7 @@ import plotly.graph_objects as go
 from stepid._base import Array
 from stepid.diagnose.result import Diagnosis, RunGap
 from stepid.diagnose.wording import effect_names
+from stepid.plot.scale import length_unit, reach_of
 from stepid.report.frame import BAR, bars, framed, noise_across, noise_upright, own_line, paired, run_line
 from stepid.report.thin import kept_samples
 from stepid.verification import VerificationRun
@@ -35,7 +36,7 @@ def pictures(d: Diagnosis, verified: Sequence[VerificationRun]) -> dict[str, Any
         By name, as plotly's JSON; a picture of one run is called ``"run-3"`` by the run's place in the diagnosis.
     """
     place = {run.name: i for i, run in enumerate(d.runs)}
-    reach = max((float(np.abs(run.measured - run.linear).max()) for run in d.runs), default=0.0) or 1e-6
+    reach = reach_of(run.measured - run.linear for run in d.runs)
     drawn = {
         "records": _overlay(d, [1e3 * run.measured for run in d.runs], "position [mm]", "mm"),
         "residuals": _residuals(d),
@@ -48,18 +49,13 @@ def pictures(d: Diagnosis, verified: Sequence[VerificationRun]) -> dict[str, Any
         drawn["candidates"] = _candidates(d)
     if d.effects:
         drawn["pull"] = _pull(d)
-    left = max((float(np.abs(run.measured - run.simulated).max()) for run in verified), default=0.0) or 1e-6
+    left = reach_of(run.measured - run.simulated for run in verified)
     for run in verified:
         if run.name in place:
             drawn[f"verification-{place[run.name]}"] = _verification(run, left)
     for i, gap in enumerate(d.runs):
         drawn[f"run-{i}"] = _run(d, gap, reach)
     return {name: figure.to_plotly_json() for name, figure in drawn.items()}
-
-
-def unit(reach: float) -> tuple[float, str]:
-    """Factor from meters and name of the unit in which `reach` reads well."""
-    return (1e3, "mm") if reach >= 1e-3 else (1e6, "µm")
 
 
 def _listed(values: Array) -> list[float]:
@@ -87,7 +83,7 @@ def _overlay(d: Diagnosis, curves: Sequence[Array], label: str, what: str) -> go
 
 def _residuals(d: Diagnosis) -> go.Figure:
     left = [run.measured - run.linear for run in d.runs]
-    scale, what = unit(max((float(np.abs(one).max()) for one in left), default=0.0))
+    scale, what = length_unit(reach_of(left))
     figure = _overlay(d, [scale * one for one in left], f"measured − linear [{what}]", what)
     _noise_band(figure, 2 * scale * d.gap.noise, "y")
     return figure
@@ -101,7 +97,7 @@ def _noise_band(figure: go.Figure, reach: float, axis: str) -> None:
 
 
 def _verification(run: VerificationRun, reach: float) -> go.Figure:
-    scale, what = unit(reach)
+    scale, what = length_unit(reach)
     left = scale * (run.measured - run.simulated)
     kept = kept_samples(run.measured, left)
     time = _listed(run.time[kept])
@@ -118,7 +114,7 @@ def _verification(run: VerificationRun, reach: float) -> go.Figure:
 
 
 def _run(d: Diagnosis, run: RunGap, reach: float) -> go.Figure:
-    scale, what = unit(reach)
+    scale, what = length_unit(reach)
     before, after = scale * (run.measured - run.linear), scale * (run.measured - run.model)
     kept = kept_samples(run.measured, before)
     time = _listed(run.time[kept])
