@@ -117,6 +117,24 @@ def test_every_command_shows_two_examples(command: str, capsys: pytest.CaptureFi
     assert all(line.startswith(f"stepid {command}") for line in shown)
 
 
+@pytest.mark.parametrize("command", ["identify", "diagnose"])
+def test_the_manifest_in_the_help_is_one(
+    command: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    assert run([command, "--help"]) == 0
+    lines = [line.strip() for line in capsys.readouterr().out.splitlines()]
+    start = lines.index('name = "my rig"')
+    (tmp_path / "campaign.toml").write_text("\n".join(lines[start : lines.index("", start)]), encoding="utf-8")
+    for i, name in enumerate(["case 4", "case 5"], start=1):
+        record = stepid.datasets.lab_campaign()[name]
+        rows = zip(record.time, 1e3 * record.position, record.input, strict=True)
+        table = "time_s,position_mm,voltage_V\n" + "".join(f"{t:.6f},{x:.6f},{u}\n" for t, x, u in rows)
+        (tmp_path / f"run{i}.csv").write_text(table, encoding="utf-8")
+    assert run(["identify", str(tmp_path)]) == 0
+    assert "stiffness [medium]" in capsys.readouterr().out
+
+
 # ---- colors -------------------------------------------------------------------------------------------------------
 
 

@@ -283,6 +283,13 @@ def test_damage_in_a_record_names_run_file_and_line(folder):
         read_campaign(folder)
 
 
+def test_a_record_in_place_of_the_manifest(tables):
+    with pytest.raises(
+        InputError, match=r"a\.csv: is no manifest of a campaign \(.*Give a campaign\.toml that names this"
+    ):
+        read_campaign(tables / "a.csv")
+
+
 def test_manifests_that_cannot_be_opened(tmp_path):
     for path in (tmp_path, tmp_path / "none.toml", "a\0b", "x" * 5000, None, 3, ""):
         with pytest.raises(InputError):

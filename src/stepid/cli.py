@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 import typer
 from rich.console import Console
@@ -29,18 +29,46 @@ app = typer.Typer(
     rich_markup_mode="rich",
 )
 
+_Command = TypeVar("_Command", bound=Callable[..., None])
 CampaignFile = Annotated[
-    Path, typer.Argument(metavar="CAMPAIGN.toml", help="The campaign's manifest.", show_default=False)
+    Path, typer.Argument(metavar="CAMPAIGN.toml", help="The campaign's manifest, or its folder.", show_default=False)
 ]
 Out = Annotated[
     Path | None, typer.Option("--out", metavar="DIR", help="Folder for report and figures.", show_default=False)
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress on standard error.")]
+Json = Annotated[bool, typer.Option("--json", metavar="", help="Print JSON instead of text.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", metavar="", help="Show no progress on standard error.")]
+
+_MANIFEST = """
+
+CAMPAIGN.toml lists the runs; their files lie beside it. For tables, such as CSV:
+
+[dim]name = "my rig"
+format = "table"         # left out: exports of the ECP program
+time = "time_s"          # the columns, by name or by index from 0
+position = "position_mm"
+position_scale = 0.001   # meters per unit
+input = "voltage_V"
+spring = "medium"        # runs with the same label share a stiffness
+damper = "none"
+[\\[experiment]]
+name = "run 1"
+file = "run1.csv"
+added_mass = 0.0         # kg
+[\\[experiment]]
+name = "run 2"
+file = "run2.csv"
+added_mass = 0.5[/dim]
+"""
 
 
 def _examples(*lines: str) -> str:
     return "\n\n".join(["Examples:", *(f"[bold]{line}[/bold]" for line in lines)])
+
+
+def _showing_a_manifest(command: _Command) -> _Command:
+    command.__doc__ = f"{command.__doc__}{_MANIFEST}"  # below the first paragraph, which lists of commands show
+    return command
 
 
 def _version(wanted: bool) -> None:
@@ -86,6 +114,7 @@ def paper(out: Out = None, as_json: Json = False) -> None:
 @app.command(
     epilog=_examples("stepid identify lab/campaign.toml --out results", "stepid identify lab/campaign.toml --json")
 )
+@_showing_a_manifest
 def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> None:
     """Find masses, stiffness and damping by the paper's method, and verify them against the records."""
     from stepid.identification import characterize_campaign
@@ -121,6 +150,7 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
 @app.command(
     epilog=_examples("stepid diagnose lab/campaign.toml --out results", "stepid diagnose lab/campaign.toml --json")
 )
+@_showing_a_manifest
 def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False, quiet: Quiet = False) -> None:
     """Say whether a linear model is adequate, and if not, which effect is missing; show the gap before and after."""
     from stepid.report import as_text, diagnosis_report

@@ -137,6 +137,11 @@ def parse_manifest(text: str, where: str) -> tuple[dict[str, Any], list[tuple[st
     try:
         document = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
+        if not where.endswith(".toml"):
+            raise InputError(
+                f"{where}: is no manifest of a campaign (not TOML: {error})",
+                "Give a campaign.toml that names this file under an [[experiment]]; stepid diagnose --help shows one.",
+            ) from None
         raise InputError(f"{where}: is not TOML ({error})", "Correct it; texts need quotation marks.") from None
     runs = document.pop("experiment", None)
     if not isinstance(runs, list) or not runs or not all(isinstance(run, dict) for run in runs):
