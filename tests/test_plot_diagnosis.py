@@ -141,6 +141,9 @@ def test_candidates_best_on_top_and_linear_last(axes: Axes) -> None:
     hatches = [bar.get_hatch() for bar in axes.patches]
     assert hatches == ["", "//", "//"]
     assert [t.get_text().split("(")[-1] for t in axes.texts[2::2]] == ["−870)", "−1e5)"]
+    _, nothing = plt.subplots()  # the linear model keeps its color where none is better
+    plot.candidates(changed(d, verdict="adequate", effects=()), axes=nothing)
+    assert [bar.get_hatch() for bar in nothing.patches] == ["//"] * 3
     _, empty = plt.subplots()
     plot.candidates(example.adequate(), axes=empty)
     assert [t.get_text() for t in empty.texts] == ["none was needed"]

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from stepid._base import Array
-from stepid.diagnose.result import Diagnosis, Where
+from stepid.diagnose.result import Diagnosis, Ranked, Where
 from stepid.diagnose.wording import effect_names
 from stepid.plot.gap import AFTER, BEFORE, NOISE
 from stepid.plot.scale import plain_logarithm
@@ -112,12 +112,11 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
     matplotlib.axes.Axes
         The same axes, with a logarithmic scale.
     """
-    shown = [one for one in d.ranking if one.effects][:_SHOWN] + [one for one in d.ranking if not one.effects][:1]
-    tied = {d.effects, *d.alternatives} if d.effects else {()}
+    shown = leading(d, most=_SHOWN)
     with styled():
         dress(axes)
-        for place, one in enumerate(shown):
-            color, hatch = (AFTER, "") if one.effects in tied else (BEFORE, "//")
+        for place, (one, named) in enumerate(shown):
+            color, hatch = (AFTER, "") if named else (BEFORE, "//")
             axes.barh(place, 1e6 * one.rms, 0.42, color=color, hatch=hatch, edgecolor="white", zorder=2)
             said = f" {1e6 * one.rms:.3g}"
             if one.evidence >= 0.5:
@@ -137,7 +136,7 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
         axes.axvline(1e6 * d.gap.noise, color=NOISE, linestyle="--", zorder=3)
         if not shown:
             axes.text(0.5, 0.5, "none was needed", transform=axes.transAxes, ha="center")
-        values = [1e6 * v for v in (d.gap.noise, *(one.rms for one in shown)) if v > 0]
+        values = [1e6 * v for v in (d.gap.noise, *(one.rms for one, _ in shown)) if v > 0]
         if values:
             axes.set_xscale("log")
             low, high = 0.5 * min(values), max(values) ** 1.5 / min(values) ** 0.5 * 1.6  # with room for the numbers
@@ -149,6 +148,13 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
         axes.set_xlabel("RMS left [µm] (dashed: noise; in brackets: evidence lost)")
         axes.set_title("candidates")
     return axes
+
+
+def leading(d: Diagnosis, *, most: int) -> list[tuple[Ranked, bool]]:
+    """The best candidates, then the linear model, and of each whether it is what the diagnosis names or an alternative."""
+    named = {d.effects, *d.alternatives} if d.effects else set()
+    best = [one for one in d.ranking if one.effects][:most] + [one for one in d.ranking if not one.effects][:1]
+    return [(one, one.effects in named) for one in best]
 
 
 def _short(value: float) -> str:

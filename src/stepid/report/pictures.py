@@ -12,6 +12,7 @@ import plotly.graph_objects as go
 from stepid._base import Array
 from stepid.diagnose.result import Diagnosis, RunGap
 from stepid.diagnose.wording import effect_names
+from stepid.plot.causes import leading
 from stepid.plot.scale import length_unit, reach_of
 from stepid.report.frame import BAR, bars, framed, noise_across, noise_upright, own_line, paired, run_line
 from stepid.report.thin import kept_samples
@@ -173,25 +174,24 @@ def _gap(d: Diagnosis) -> go.Figure:
 
 
 def _candidates(d: Diagnosis) -> go.Figure:
-    shown = [one for one in d.ranking if one.effects][:_SHOWN] + [one for one in d.ranking if not one.effects][:1]
-    names = [_broken(effect_names(one.effects) or "nothing (linear)") for one in shown]
-    tied = {d.effects, *d.alternatives} if d.effects else set()
+    shown = leading(d, most=_SHOWN)
+    names = [_broken(effect_names(one.effects) or "nothing (linear)") for one, _ in shown]
     figure = framed(go.Figure(), x="RMS left [µm]", y="")
-    for kind in ("after", "before"):  # not told apart from the best, and worse
-        part = [i for i, one in enumerate(shown) if (one.effects in tied) == (kind == "after")]
+    for kind in ("after", "before"):  # what the diagnosis names, and the others
+        part = [(name, one) for name, (one, named) in zip(names, shown, strict=True) if named == (kind == "after")]
         style = bars(kind, "") | {
             "orientation": "h",
             "texttemplate": "%{x:.3s}",
             "hovertemplate": "%{y}<br>%{x:.4g} µm<br>evidence lost: %{customdata:.4g}<extra></extra>",
         }
         figure.add_bar(
-            y=[names[i] for i in part],
-            x=[1e6 * shown[i].rms for i in part],
-            customdata=[shown[i].evidence for i in part],
+            y=[name for name, _ in part],
+            x=[1e6 * one.rms for _, one in part],
+            customdata=[one.evidence for _, one in part],
             **style,
         )
     noise_upright(figure, 1e6 * d.gap.noise)
-    values = [1e6 * v for v in (d.gap.noise, *(one.rms for one in shown)) if v > 0] or [1.0]
+    values = [1e6 * v for v in (d.gap.noise, *(one.rms for one, _ in shown)) if v > 0] or [1.0]
     figure.update_xaxes(type="log", range=[np.log10(0.5 * min(values)), np.log10(2.5 * max(values))], dtick=1)
     figure.update_yaxes(categoryorder="array", categoryarray=names[::-1], showgrid=False, automargin=True)
     figure.update_layout(barmode="overlay", height=124 + BAR * len(shown))
