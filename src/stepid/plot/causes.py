@@ -151,7 +151,7 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
 
 
 def leading(d: Diagnosis, *, most: int) -> list[tuple[Ranked, bool]]:
-    """The best candidates, then the linear model, and of each whether it is what the diagnosis names or an alternative."""
+    """The best candidates, then the linear model, each with whether the diagnosis names it, alone or among others."""
     named = {d.effects, *d.alternatives} if d.effects else set()
     best = [one for one in d.ranking if one.effects][:most] + [one for one in d.ranking if not one.effects][:1]
     return [(one, one.effects in named) for one in best]

@@ -28,6 +28,10 @@ class HandMethod(Model):
     verified: Verification
 
 
+Hand = HandMethod | IdentificationError | None
+"""What the hand method makes of a diagnosis, or why nothing; None where the diagnosis does not know its campaign."""
+
+
 def by_hand(campaign: Campaign) -> HandMethod | IdentificationError:
     """Go the paper's way: characteristics, stacked system, solution, verification.
 

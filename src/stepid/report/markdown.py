@@ -9,8 +9,9 @@ from urllib.parse import quote
 from stepid.diagnose.result import Diagnosis
 from stepid.diagnose.summary import answer
 from stepid.report.chapter import Chapter, Table
+from stepid.report.hand import Hand
 from stepid.report.provenance import Provenance
-from stepid.report.story import Hand, tell
+from stepid.report.story import tell
 
 # what Markdown reads as markup; numbers with signs and units stay readable
 _MARKUP = re.compile(r"([\\`*_\[\]<>|#~$&])")

@@ -18,10 +18,10 @@ from stepid.diagnose.result import Diagnosis
 from stepid.diagnose.summary import answer
 from stepid.diagnose.wording import digits, effect_names, length
 from stepid.report.frame import run_line
-from stepid.report.hand import HandMethod
+from stepid.report.hand import Hand, HandMethod
 from stepid.report.pictures import pictures
 from stepid.report.provenance import Provenance
-from stepid.report.story import Hand, tell
+from stepid.report.story import tell
 
 
 def html_page(d: Diagnosis, hand: Hand, provenance: Provenance, stills: Mapping[str, Still]) -> str:

@@ -15,6 +15,7 @@ from stepid.diagnose.wording import effect_names
 from stepid.plot.causes import leading
 from stepid.plot.scale import length_unit, reach_of
 from stepid.report.frame import BAR, bars, framed, noise_across, noise_upright, own_line, paired, run_line
+from stepid.report.pull import linear_pull
 from stepid.report.thin import kept_samples
 from stepid.verification import VerificationRun
 
@@ -205,15 +206,10 @@ def _broken(name: str) -> str:
 
 def _pull(d: Diagnosis) -> go.Figure:
     figure = framed(go.Figure(), x="linear fit off by [%]", y="")
-    names, off, reach = [], [], []
-    for name, final in d.parameters.items():
-        linear = d.linear_parameters.get(name)
-        if linear is not None and final.value:
-            names.append(escape(name))
-            off.append(100 * (linear.value / final.value - 1))
-            reach.append(196 * (linear.uncertainty or 0.0) / abs(final.value))
+    rows = linear_pull(d)
+    names, reach = [escape(name) for name, _, _ in rows], [reach for _, _, reach in rows]
     figure.add_scatter(
-        x=_listed(np.array(off)),
+        x=_listed(np.array([off for _, off, _ in rows])),
         y=names,
         mode="markers",
         marker={"color": "var(--before)", "size": 9, "symbol": "diamond"},

@@ -5,6 +5,7 @@ from __future__ import annotations
 from stepid.diagnose.result import Diagnosis
 from stepid.diagnose.wording import digits, effect_names, length
 from stepid.report.chapter import Picture
+from stepid.report.pull import linear_pull
 from stepid.verification import Verification
 
 _MEASURED = ("measured", "measured")
@@ -114,12 +115,7 @@ def gap_runs(d: Diagnosis) -> Picture:
 
 def pull(d: Diagnosis) -> Picture:
     """How far the missing effect pulled the linear fit's numbers."""
-    said = []
-    for name, final in d.parameters.items():
-        linear = d.linear_parameters.get(name)
-        if linear is not None and final.value:
-            off = 100 * (linear.value / final.value - 1)
-            said.append(f"{name} {'+' if off >= 0 else '−'}{digits(abs(off))} %")
+    said = [f"{name} {'+' if off >= 0 else '−'}{digits(abs(off))} %" for name, off, _ in linear_pull(d)]
     return Picture(
         name="pull",
         title="How far the linear fit is off without the effect",

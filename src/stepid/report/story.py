@@ -17,9 +17,9 @@ from stepid.diagnose.wording import digits, effect_names, length
 from stepid.errors import IdentificationError
 from stepid.report import show
 from stepid.report.chapter import Chapter, Table
-from stepid.report.hand import HandMethod
-from stepid.report.hand_method import hand_method_rows
+from stepid.report.hand import Hand, HandMethod
 from stepid.report.provenance import Provenance
+from stepid.report.pull import hand_method_rows
 from stepid.report.tables import (
     characteristics_table,
     found_tables,
@@ -29,8 +29,6 @@ from stepid.report.tables import (
     verification_table,
 )
 from stepid.report.thin import MOST
-
-Hand = HandMethod | IdentificationError | None  # None: the diagnosis does not know its campaign
 
 
 def tell(d: Diagnosis, hand: Hand, provenance: Provenance) -> tuple[Chapter, ...]:

@@ -11,11 +11,10 @@ from tempfile import TemporaryDirectory
 
 from stepid.diagnose.result import Diagnosis
 from stepid.errors import StepidError
-from stepid.report.folder import staged
-from stepid.report.hand import HandMethod, by_hand
+from stepid.report.hand import Hand, HandMethod, by_hand
 from stepid.report.markdown import markdown
 from stepid.report.provenance import Provenance, of_data
-from stepid.report.story import Hand
+from stepid.staging import staged
 from stepid.textfile import as_path
 
 _EXTRAS = {"jinja2": "report", "markupsafe": "report", "plotly": "report", "matplotlib": "plot"}

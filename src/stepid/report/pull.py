@@ -1,9 +1,9 @@
-"""The hand method beside the joint fit: how far the missing effect pulled each number."""
+"""How far a missing effect pulls each number: the hand method and the linear fit beside the final model."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
+from statistics import fmean, stdev
 
 from stepid._table import text_table
 from stepid.diagnose.result import Diagnosis
@@ -52,10 +52,10 @@ def hand_method_rows(
         if hand is None and (linear is None or not diagnosis.effects):
             continue
         cells = [_cell(hand), _cell(linear)]
-        off = [_off(hand, final)]
+        off = [_percent(_off(hand, final))]
         if diagnosis.effects:
             cells.append(_cell(final))
-            off.append(_off(linear, final))
+            off.append(_percent(_off(linear, final)))
         rows.append((name, *cells, final.unit, *off))
     added = ("with the effect", "unit", "by hand", "linear fit") if diagnosis.effects else ("unit", "by hand")
     return ("parameter", "by hand (Eq. 10)", "joint fit, linear", *added), rows
@@ -76,9 +76,8 @@ def _by_hand(found: IdentifiedParameters, *, several: bool) -> dict[str, Estimat
     take("damping", found.pooled_damping, u.pooled_damping, "N·s/m")
     gains = [gain * found.run_stiffness(name) for name, gain in found.static_gain.items() if name in found.masses]
     if gains:
-        mean = math.fsum(gains) / len(gains)
-        scatter = math.sqrt(math.fsum((g - mean) ** 2 for g in gains) / max(len(gains) - 1, 1))
-        out["force_gain"] = Estimate(value=mean, uncertainty=scatter if len(gains) > 1 else None, unit="N/V")
+        scatter = stdev(gains) if len(gains) > 1 else None
+        out["force_gain"] = Estimate(value=fmean(gains), uncertainty=scatter, unit="N/V")
     return out
 
 
@@ -88,7 +87,23 @@ def _cell(estimate: Estimate | None) -> str:
     return format_value(estimate.value, estimate.uncertainty)
 
 
-def _off(estimate: Estimate | None, final: Estimate) -> str:
+def _percent(off: float | None) -> str:
+    return "–" if off is None else f"{off:+.1f} %"
+
+
+def _off(estimate: Estimate | None, final: Estimate) -> float | None:
+    """How far an estimate lies from the final one, in per cent of it; None where either is nothing."""
     if estimate is None or final.value == 0:
-        return "–"
-    return f"{100 * (estimate.value / final.value - 1):+.1f} %"
+        return None
+    return 100 * (estimate.value / final.value - 1)
+
+
+def linear_pull(diagnosis: Diagnosis) -> list[tuple[str, float, float]]:
+    """Parameter, how far the linear fit is off the final model, and half of its 95 % interval; both in per cent."""
+    rows = []
+    for name, final in diagnosis.parameters.items():
+        linear = diagnosis.linear_parameters.get(name)
+        off = _off(linear, final)
+        if linear is not None and off is not None:
+            rows.append((name, off, 196 * (linear.uncertainty or 0.0) / abs(final.value)))
+    return rows
