@@ -210,84 +210,11 @@ def test_wrong_manifests_name_run_and_key(folder, case):
     assert caught.value.remedy
 
 
-RUN = """
-[[experiment]]
-name = "{0}"
-file = "{0}.csv"
-"""
-ABOVE = """\
-name = "my rig"
-format = "table"
-time = "t"
-position = "x"
-input = "u"
-position_scale = 0.01
-delimiter = ","
-added_mass = 0.5
-spring = "medium"
-damper = "none"
-"""
-
-
-@pytest.fixture
-def tables(tmp_path):
-    for name in ("a", "b", "c"):
-        rows = (f"{0.005 * i:.3f},{x!r},{u!r}" for i, (x, u) in enumerate(zip(CM.tolist(), U.tolist(), strict=True)))
-        write(tmp_path / f"{name}.csv", "t,x,u\n" + "\n".join(rows))
-    return tmp_path
-
-
-def test_keys_above_the_runs_are_theirs_unless_they_say_otherwise(tables):
-    own = 'added_mass = 1.5\nposition_scale = -0.01\nspring = "stiff"\n'
-    write(tables / "campaign.toml", ABOVE + RUN.format("a") + RUN.format("b") + own + RUN.format("c"))
-    a, b, c = read_campaign(tables).experiments
-    each = "".join(RUN.format(name) + ABOVE.split("\n", 1)[1] for name in ("a", "c"))
-    write(tables / "campaign.toml", 'name = "my rig"\n' + each)
-    assert read_campaign(tables).experiments == (a, c)  # as if every run had said it
-    np.testing.assert_array_equal(b.position, -a.position)
-    assert (a.added_mass, b.added_mass, a.spring, b.spring, b.damper) == (0.5, 1.5, "medium", "stiff", "none")
-
-
-@pytest.mark.parametrize(
-    ("above", "own", "first"),
-    [("", "step = { level = 0.25 }\n", 0.25), ("step = { level = 1 }\n", "input = 'u'\n", U[0])],
-)
-def test_a_run_takes_step_in_place_of_input_and_the_reverse(tables, above, own, first):
-    shared = ABOVE.replace('input = "u"\n', above) if above else ABOVE
-    write(tables / "campaign.toml", shared + RUN.format("a") + RUN.format("b") + own)
-    a, b = read_campaign(tables).experiments
-    assert b.input[0] == first
-    assert not np.array_equal(a.input, b.input)
-
-
-def test_what_stands_above_goes_to_the_runs_that_know_it(tables, folder):
-    above = 'counts_per_meter = 56000\ntime = "t"\ninput = "u"\nencoder = 1\nspring = "medium"\ndamper = "none"\n'
-    export = RUN.format("case4").replace(".csv", ".txt") + "added_mass = 0\n"
-    table = RUN.format("a") + 'format = "table"\nposition = "x"\nposition_scale = 0.01\nadded_mass = 1\n'
-    write(folder / "campaign.toml", 'name = "both"\n' + above + export + table)
-    one, two = read_campaign(folder).experiments
-    np.testing.assert_array_equal(one.position, X / 56000)
-    np.testing.assert_array_equal(two.position, CM * 0.01)
-    write(folder / "campaign.toml", 'name = "both"\n' + above + export)
-    with pytest.raises(InputError, match=r"campaign.toml: the key 'time' is for tables, and no run is one"):
-        read_campaign(folder)
-    write(folder / "campaign.toml", ABOVE + "encoder = 1\n" + RUN.format("a"))
-    with pytest.raises(InputError, match=r"the key 'encoder' is for exports of the ECP program, and no run is one"):
-        read_campaign(folder)
-
-
 def test_damage_in_a_record_names_run_file_and_line(folder):
     text = export_bytes(n=100).decode().replace("    37    0.328", "    37    0.3x8")
     write(folder / "case4.txt", text)
     with pytest.raises(InputError, match=r"run 'case 4': .*case4.txt, line 40, column 'Time': '0.3x8' is not a number"):
         read_campaign(folder)
-
-
-def test_a_record_in_place_of_the_manifest(tables):
-    with pytest.raises(
-        InputError, match=r"a\.csv: is no manifest of a campaign \(.*Give a campaign\.toml that names this"
-    ):
-        read_campaign(tables / "a.csv")
 
 
 def test_manifests_that_cannot_be_opened(tmp_path):

@@ -151,6 +151,11 @@ def test_a_damaged_first_row_is_not_taken_for_a_header(tmp_path):
         ({"time": 0, "position": "y"}, "no column 'y' for position"),
         ({"time": 0, "input": "volts"}, "no column 'volts' for input"),
         ({"time": 0, "position_scale": 0.0}, "position_scale is zero"),
+        ({"time": 0, "input": 2, "input_scale": 0}, r"input_scale is zero. Give volts per unit"),
+        ({"time": 0, "time_scale": 0.0}, "time_scale is zero. Give seconds per unit"),
+        ({"time": 0, "time_scale": -0.001}, "time_scale is -0.001"),
+        ({"time": 0, "time_scale": float("nan")}, "time_scale is nan"),
+        ({"time": 0, "input_scale": "5"}, "input_scale is '5'"),
         ({"time": 0, "position_scale": "1"}, "position_scale is '1'"),
         ({"time": 0, "position_scale": 1e308}, "not finite"),
         ({"time": 0, "counts_per_meter": 0.0}, "counts_per_meter is zero"),
@@ -190,44 +195,6 @@ def test_joined_files_share_a_layout(tmp_path):
         read_table([one, slow], position=1, time=0)
 
 
-@pytest.mark.parametrize(("name", "scale"), [("position_mm", "0.001"), ("x [cm]", "0.01"), ("travel (um)", "1e-06")])
-def test_a_column_that_says_it_is_not_in_meters(tmp_path, name, scale):
-    """Else masses and stiffness look right and every length is a thousand times too large."""
-    file = tmp_path / "run.csv"
-    rows = [f"{0.01 * i:.2f},{np.sin(0.1 * i):.6f},1" for i in range(40)]
-    file.write_text("\n".join([f"t,{name},u", *rows]))
-    with pytest.raises(InputError, match=rf"by its name.*position_scale = {scale}"):
-        read_table(file, time="t", position=name, input="u", name="run", added_mass=0.0, spring="s", damper="d")
-    run = read_table(
-        file,
-        time="t",
-        position=name,
-        position_scale=float(scale),
-        input="u",
-        name="run",
-        added_mass=0.0,
-        spring="s",
-        damper="d",
-    )
-    assert run.position[1] == pytest.approx(float(scale) * np.sin(0.1), abs=1e-6 * float(scale))
-
-
-@pytest.mark.parametrize(
-    ("name", "scale", "factor", "message"),
-    [
-        ("x", 1000.0, 1.0, r"with position_scale = 1000 the positions span 5.45e\+03 m, which is no plant's travel"),
-        ("counts", 226600.0, 560.0, r"the positions span \d.*1 / counts_per_meter for counts"),
-        ("x", 1e-9, 1e-3, r"with position_scale = 1e-09 the positions span 5.45e-12 m"),
-        ("x_mm", 1000.0, 10.0, r"'x_mm' is in mm by its name, but position_scale is 1000. Give position_scale = 0.001"),
-        ("x_mm", -1.0, 10.0, r"'x_mm' is in mm by its name, but position_scale is -1"),
-    ],
-)
-def test_a_scale_the_wrong_way_round_is_named(tmp_path, name, scale, factor, message):
-    file = write(tmp_path / "run.csv", text(T, CM * factor, U, mark=",", head=f"t,{name},u"))
-    with pytest.raises(InputError, match=message):
-        read_table(file, time="t", position=name, input="u", position_scale=scale)
-
-
 def test_a_missing_position_lists_the_columns(tmp_path):
     file = write(tmp_path / "run.csv", GOOD)
     with pytest.raises(
@@ -238,29 +205,15 @@ def test_a_missing_position_lists_the_columns(tmp_path):
         read_table(write(tmp_path / "bare.csv", text(T, X, U)), time=0)
 
 
-@pytest.mark.parametrize(
-    "name",
-    ["u", "U", "u [V]", "input", "input_V", "voltage_V", "Voltage", "volts", "Control Effort", "motor (V)", "drive_mV"],
-)
-def test_an_input_that_is_not_named_is_no_release(tmp_path, name):
-    """Else a step that was read without its input passes for a free release, and the drive is never identified."""
-    file = write(tmp_path / "run.csv", text(T, CM, U, mark=",", head=f"t,x,{name}"))
-    with pytest.raises(InputError) as caught:
-        read_table(file, time="t", position="x", position_scale=0.01)
-    assert f"run.csv: no input is named, so this would be a free release, but the column {name!r}" in caught.value.cause
-    assert f"Give input = {name!r}" in caught.value.remedy
-    assert read_table(file, time=0, position=1, input=2, position_scale=0.01).input[-1] == U[-1]
-    assert read_table(file, time=0, position=1, input=StepInput(level=0.0), position_scale=0.01).is_release
-
-
-@pytest.mark.parametrize(
-    "name", ["acceleration", "unit", "update", "force_N", "V_x", "encoder 2", "Commanded Pos", "x_um"]
-)
-def test_other_columns_leave_a_release_a_release(tmp_path, name):
-    file = write(tmp_path / "run.csv", text(T, CM, U, mark=",", head=f"t,x,{name}"))
-    assert read_table(file, time="t", position="x", position_scale=0.01).is_release
-
-
-def test_an_input_column_of_zeros_is_a_release(tmp_path):
-    file = write(tmp_path / "run.csv", text(T, CM, 0 * U, mark=",", head="t,x,u"))
-    assert read_table(file, time="t", position="x", position_scale=0.01).is_release
+def test_time_and_input_in_units_of_their_own(tmp_path):
+    """As a microcontroller's millis() and an 8-bit PWM give them."""
+    file = write(tmp_path / "run.csv", text(1e3 * T, CM, 255 * U, mark=",", head="t,x,pwm"))
+    run = read_table(
+        file, time="t", time_scale=1e-3, position="x", position_scale=0.01, input="pwm", input_scale=6 / 255
+    )
+    np.testing.assert_allclose(run.time, T, rtol=1e-12)
+    np.testing.assert_allclose(run.input, 6 * U, rtol=1e-12)
+    whole = read_table(file, time=0, time_scale=1e-3, position=1, input=StepInput(level=0.5), input_scale=9)
+    assert whole.input[-1] == 0.5  # it scales the column, not volts that were given
+    same = read_table(file, time=0, time_scale=1e-3, sample_time=0.005, position=1)
+    np.testing.assert_allclose(same.time, T, rtol=1e-12)

@@ -1,4 +1,4 @@
-"""What a table's columns plainly are not: meters by their name or their travel, a free release beside an input."""
+"""What a table's columns plainly are not: SI units by their names, meters by travel, a release beside an input."""
 
 from __future__ import annotations
 
@@ -12,20 +12,32 @@ from stepid.errors import InputError
 
 FARTHEST = 100.0  # m; no teaching plant travels so far, but counts taken for meters do
 NEAREST = 1e-8  # m; nor does one travel less than this
-_UNITS = {"mm": "0.001", "cm": "0.01", "um": "1e-06", "µm": "1e-06"}  # meters per unit, by what a column may be called
+_UNITS = {  # SI units per unit, by what a column may be called
+    "position": {"mm": "0.001", "cm": "0.01", "um": "1e-06", "µm": "1e-06"},
+    "time": {"ms": "0.001", "us": "1e-06", "µs": "1e-06"},
+    "input": {"mV": "0.001"},
+}
+_SI = {
+    "position": "meters per unit; negative where +V gives falling readings",
+    "time": "seconds per unit",
+    "input": "volts per unit",
+}
 _INPUT = re.compile(
     r"(?i:u|input|volts?|voltage|effort|control effort|command|drive|dac)(?![^\W_])|.*[_ (\[](?:m?V|volts?)[)\]]?$"
 )
 
 
-def check_unit(column: object, scale: float, where: str) -> None:
-    """Refuse to read a column as meters, or as more, whose name says that it is in a smaller unit."""
-    named = re.search(r"[_ (\[](mm|cm|um|µm)[)\]]?$", column) if isinstance(column, str) else None
+def check_scale(role: str, column: object, scale: float, where: str) -> None:
+    """Refuse a scale of zero, time that runs back, and one that is not below 1 for a column called "…_mm"."""
+    if scale == 0 or (scale < 0 and role == "time"):
+        size = "zero" if scale == 0 else f"{scale:g}"
+        raise InputError(f"{where}: {role}_scale is {size}", f"Give {_SI[role]}.")
+    units = _UNITS[role]
+    named = re.search(rf"[_ (\[]({'|'.join(units)})[)\]]?$", column) if isinstance(column, str) else None
     if named and abs(scale) >= 1.0:
-        unit = named[1]
         raise InputError(
-            f"{where}: the column {column!r} is in {unit} by its name, but position_scale is {scale:g}",
-            f"Give position_scale = {_UNITS[unit]} (meters per unit; negative where +V gives falling readings).",
+            f"{where}: the column {column!r} is in {named[1]} by its name, but {role}_scale is {scale:g}",
+            f"Give {role}_scale = {units[named[1]]} ({_SI[role]}).",
         )
 
 

@@ -13,7 +13,7 @@ from stepid._base import Array
 from stepid.ecp import FEWEST, check_number
 from stepid.errors import InputError
 from stepid.experiment import Experiment
-from stepid.plausible import check_release, check_travel, check_unit
+from stepid.plausible import check_release, check_scale, check_travel
 from stepid.step_input import InputValues, sample_input
 from stepid.textfile import as_path, common_width, is_name, parse_numbers, read_lines
 
@@ -51,6 +51,8 @@ def read_table(
     time: Column | None = None,
     input: Column | InputValues | None = None,
     position_scale: float = 1.0,
+    time_scale: float = 1.0,
+    input_scale: float = 1.0,
     sample_time: float | None = None,
     name: str | None = None,
     added_mass: float = 0.0,
@@ -81,6 +83,10 @@ def read_table(
         it is a release all the same).
     position_scale : float
         m per unit of the position column, negative where +V gives falling values.
+    time_scale : float
+        s per unit of the time column; of the column only, all other times are in s.
+    input_scale : float
+        V per unit of the input column; of the column only.
     sample_time : float, optional
         s. With `time` too, rows are put at multiples of it after the first, and `time` is checked to agree within
         half a sample: for times that are printed rounded.
@@ -116,14 +122,16 @@ def read_table(
     where = str(files[0]) if len(files) == 1 else f"{files[0]} … {files[-1].name}"
     for label, number in (
         ("position_scale", position_scale),
+        ("time_scale", time_scale),
+        ("input_scale", input_scale),
         ("sample_time", sample_time),
         ("counts_per_meter", counts_per_meter),
         ("input_before", input_before),
     ):
         check_number(label, number, where)
-    if position_scale == 0:
-        raise InputError(f"{where}: position_scale is zero", "Give meters per unit, with its sign.")
-    check_unit(position, position_scale, where)
+    check_scale("position", position, position_scale, where)
+    check_scale("time", time, time_scale, where)
+    check_scale("input", input, input_scale, where)
     if delimiter is not None and (not isinstance(delimiter, str) or not delimiter):
         raise InputError(f"{where}: delimiter is {delimiter!r}", "Give the text that separates columns.")
     table = _join([_parse(file, delimiter) for file in files], where)
@@ -131,10 +139,10 @@ def read_table(
     table = _Table(table.names, table.values[kept], table.places[kept])
     if position is None:
         raise InputError(f"{where}: nothing says which column is the position ({table.listed})", "Give position=….")
-    clock = _time(table, time, sample_time, start, where)
+    clock = _time(table, time, time_scale, sample_time, start, where)
     if input is None:
         check_release(table.names, table.values, (time, position), where)
-    volts = _input(table, input, clock, input_before, where)
+    volts = _input(table, input, input_scale, clock, input_before, where)
     with np.errstate(all="ignore"):  # an overflow is reported by the model: not finite
         meters = table.column(position, "position", where) * float(position_scale) + 0.0
     check_travel(meters, position_scale, where)
@@ -226,7 +234,9 @@ def _stretch(start: int, stop: int | None, rows: int, where: str) -> slice:
     return slice(start, last)
 
 
-def _time(table: _Table, column: Column | None, sample_time: float | None, start: int, where: str) -> Array:
+def _time(
+    table: _Table, column: Column | None, scale: float, sample_time: float | None, start: int, where: str
+) -> Array:
     index = np.arange(len(table.places), dtype=np.float64)
     if sample_time is not None and not sample_time > 0:
         raise InputError(f"{where}: sample_time is {sample_time:g} s", "Give a positive sample time in seconds.")
@@ -234,8 +244,8 @@ def _time(table: _Table, column: Column | None, sample_time: float | None, start
         if sample_time is None:
             raise InputError(f"{where}: nothing says when the rows were taken", "Give time=… or sample_time=… (s).")
         return (start + index) * sample_time
-    time = table.column(column, "time", where)
     with np.errstate(all="ignore"):
+        time = table.column(column, "time", where) * float(scale)
         mean = float((time[-1] - time[0]) / (time.size - 1))
         step = mean if sample_time is None else sample_time
         uniform = _follows(time, index, mean, 0.01)
@@ -262,9 +272,12 @@ def _follows(time: Array, index: Array, step: float, tolerance: float) -> bool:
     return bool(np.all(np.abs(time - time[0] - step * index) / step <= tolerance))
 
 
-def _input(table: _Table, given: Column | InputValues | None, time: Array, before: float, where: str) -> Array:
+def _input(
+    table: _Table, given: Column | InputValues | None, scale: float, time: Array, before: float, where: str
+) -> Array:
     if given is None:
         return np.zeros(time.size)
     if isinstance(given, str | int):
-        return table.column(given, "input", where) + 0.0
+        with np.errstate(all="ignore"):
+            return table.column(given, "input", where) * float(scale) + 0.0
     return sample_input(given, time, before=before, where=where)
