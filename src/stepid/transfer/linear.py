@@ -105,8 +105,7 @@ def _matrices(
         m, c = source.masses[name], source.damping[name]
         matrix = np.array([[0.0, 1.0], [-k / m, -c / m]])
         return matrix, np.array([[0.0], [source.static_gain[name] * k / m]]), name, ["displacement", "velocity"]
-    held: Any = run
-    plant = plant_of(source, held, catalogue=catalogue)
+    plant = plant_of(source, run, catalogue=catalogue)
     refuse(
         plant.law.effects,
         why_not_linear,

@@ -70,7 +70,7 @@ class Plant:
         return total
 
 
-def plant_of(model: PlantModel, run: Experiment, *, catalogue: tuple[Effect, ...]) -> Plant:
+def plant_of(model: PlantModel, run: Experiment | str, *, catalogue: tuple[Effect, ...]) -> Plant:
     """Read one run's plant off a model.
 
     Raises

@@ -87,11 +87,8 @@ def _integrate(system: Any, time: Array, volts: Array, start: Array) -> tuple[Ar
 
     last = time.size - 1
     marks = [0, *(int(i) for i in np.flatnonzero(np.diff(volts)) + 1 if i < last), last]
-    options = {
-        "rtol": _RELATIVE,
-        "atol": _ABSOLUTE,
-        "max_step": float(time[1] - time[0]),
-    }  # so that no kink is leapt over
+    step = float(time[1] - time[0])  # at most, so that no kink is leapt over
+    options = {"rtol": _RELATIVE, "atol": _ABSOLUTE, "max_step": step}
     states, outputs = [], []
     for i, j in pairwise(marks):
         part = time[i : j + 1]
