@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from stepid._base import Finite, Label, Model, NonNegative, Positive
 from stepid._table import html_table, text_table
@@ -17,6 +17,11 @@ _HEADER = ("group", "hidden", "r0", "parameters")
 def digest(campaign: Campaign) -> str:
     """SHA-256 of a campaign's records, hexadecimal; the same after writing and reading."""
     return hashlib.sha256(campaign.model_dump_json().encode()).hexdigest()
+
+
+def in_words(effects: Iterable[str]) -> str:
+    """Canonical names as people speak, ``"nothing"`` where there are none."""
+    return " and ".join(effect.replace("_", " ") for effect in effects) or "nothing"
 
 
 class Answer(Model):
@@ -61,7 +66,7 @@ class Answer(Model):
     @property
     def names(self) -> str:
         """What is hidden, in words."""
-        return " and ".join(e.replace("_", " ") for e in self.effects) or "nothing"
+        return in_words(self.effects)
 
     def __repr__(self) -> str:
         return f"Answer(group {self.group!r}: {self.names} hidden, r0 {self.visibility:.3g})"

@@ -81,8 +81,7 @@ def make(
     >>> assignment = stepid.lab.make(seed="an old sentence that nobody knows", groups=("A", "B"))
     >>> assignment.write("autumn", passphrase="and another one")
     """
-    names, seed = _groups(groups), _seed(seed)
-    low, high = _range(visibility)
+    names, seed, visibility = _groups(groups), _seed(seed), _range(visibility)
     rig = Rig() if rig is None else rig
     choice: Choice = Draw() if effects is None else effects
     extra = sorted(set(choice) - set(names)) if isinstance(choice, Mapping) else []
@@ -91,7 +90,7 @@ def make(
     campaigns, answers = [], []
     for group in names:
         chosen = chosen_for(group, choice, seed, catalogue=catalogue)
-        campaign, answer = _one(group, seed, chosen, (low, high), rig, catalogue)
+        campaign, answer = _one(group, seed, chosen, visibility, rig, catalogue)
         campaigns.append(campaign)
         answers.append(answer)
     return Assignment(campaigns=tuple(campaigns), answers=Answers(seed=seed, answers=tuple(answers)))

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import InputError
-from stepid.lab.answers import Answer
+from stepid.lab.answers import Answer, in_words
 from stepid.lab.checks import Check, Naming, ParameterCheck
 from stepid.lab.submission import Submission
 
@@ -115,7 +115,7 @@ def _refuse_wrong(submission: Submission, units: dict[str, str], who: str) -> No
 
 def _naming(truth: set[str], submission: Submission) -> tuple[Naming, str]:
     said = set(submission.effects)
-    hidden, named = _words(truth), _words(said)
+    hidden, named = in_words(sorted(truth)), in_words(sorted(said))
     others = [set(a) for a in submission.alternatives if set(a) != said]
     if said == truth and not others:
         return "right", f"Right: {hidden} hidden." if truth else "Right: nothing is hidden, and nothing was named."
@@ -123,14 +123,10 @@ def _naming(truth: set[str], submission: Submission) -> tuple[Naming, str]:
         return "among", f"Right, among {1 + len(others)} that the group could not tell apart: {hidden} hidden."
     if said & truth:
         missed, extra = truth - said, said - truth
-        parts = [f"{_words(missed)} missed"] if missed else []
-        parts += [f"{_words(extra)} not in the plant"] if extra else []
-        return "partly", f"Partly right: {_words(said & truth)} found, {', '.join(parts)}."
+        parts = [f"{in_words(sorted(missed))} missed"] if missed else []
+        parts += [f"{in_words(sorted(extra))} not in the plant"] if extra else []
+        return "partly", f"Partly right: {in_words(sorted(said & truth))} found, {', '.join(parts)}."
     return "wrong", f"Wrong: {hidden} hidden, {named} named."
-
-
-def _words(effects: set[str]) -> str:
-    return " and ".join(sorted(e.replace("_", " ") for e in effects)) or "nothing"
 
 
 def _one(
@@ -139,11 +135,12 @@ def _one(
     truth, given = answer.parameters.get(name), submission.parameters.get(name)
     value, spread = (None, None) if given is None else (given.value, given.uncertainty)
     off, inside, close = None, False, False
-    effect = name.partition(".")[0].replace("_", " ")
+    owner = name.partition(".")[0]
+    effect = in_words([owner])
     if truth is None:
         words = f"the plant has no {effect}"
     elif value is None:
-        words = f"not given: {effect} was not {'fitted' if name.partition('.')[0] in named else 'named'}"
+        words = f"not given: {effect} was not {'fitted' if owner in named else 'named'}"
     else:
         away = value - truth
         away = math.remainder(away, 2 * math.pi) if unit == "rad" else away

@@ -8,7 +8,7 @@ from stepid._base import Model
 from stepid._table import html_table, text_table
 from stepid.effects import CATALOGUE, Effect
 from stepid.errors import InputError
-from stepid.lab.answers import Answers
+from stepid.lab.answers import Answers, in_words
 from stepid.lab.checks import Check
 from stepid.lab.marking import check
 from stepid.lab.submission import Submission
@@ -128,6 +128,6 @@ def check_all(
     return Results(
         checks=tuple(check(answers[g], by_group[g], tolerance=tolerance, catalogue=catalogue) for g in given),
         hidden=tuple(answers[g].names for g in given),
-        named=tuple(" and ".join(e.replace("_", " ") for e in by_group[g].effects) or "nothing" for g in given),
+        named=tuple(in_words(by_group[g].effects) for g in given),
         missing=tuple(group for group in answers.groups if group not in by_group),
     )

@@ -7,7 +7,6 @@ text, the key of an HMAC-SHA256 over all of the file, and a sign that tells a wr
 from __future__ import annotations
 
 import base64
-import binascii
 import hashlib
 import hmac
 import json
@@ -111,9 +110,9 @@ def _parts(sealed: bytes, where: str) -> tuple[bytes, bytes, bytes, bytes]:
         if values["format"] != FORMAT:
             raise InputError(f"{where}: its format is {values['format']!r}", f"This version opens {FORMAT!r}.")
         salt, sign, tag, body = (base64.b64decode(values[k], validate=True) for k in ("salt", "sign", "tag", "body"))
-    except (ValueError, KeyError, TypeError, binascii.Error) as error:
-        if isinstance(error, InputError):
-            raise
+    except InputError:
+        raise
+    except (ValueError, KeyError, TypeError):
         raise InputError(
             f"{where}: is not a whole file of sealed answers", "Copy it again; it may be cut off, or another file."
         ) from None

@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from stepid.effects.base import GRAVITY
 from stepid.lab.rig import Scale
 
 Values = dict[str, float]
@@ -27,7 +28,7 @@ def _friction(at: Scale, strength: float) -> float:
 
 
 def _load(_: np.random.Generator, at: Scale, strength: float) -> Values:
-    return {"coefficient": _friction(at, strength) / 9.81 / at.heavy}
+    return {"coefficient": _friction(at, strength) / GRAVITY / at.heavy}
 
 
 def _stribeck(stream: np.random.Generator, at: Scale, strength: float) -> Values:
