@@ -264,3 +264,11 @@ def test_a_wrong_dictionary_is_refused() -> None:
         stepid.Experiment.from_dict(values | {"added_mass": -1.0})
     with pytest.raises(InputError, match="not plain"):
         stepid.Experiment.from_dict(values | {"time": np.arange(3.0)})
+
+
+def test_a_campaigns_frame_without_a_column_is_told_all_it_needs() -> None:
+    frame = {"time": [0.0], "position": [0.0], "input": [0.0]}
+    with pytest.raises(
+        InputError, match=r"no column 'run'; there are: time, position, input. Rename .*: run, time, .*damper"
+    ):
+        stepid.Campaign.from_dataframe(frame, name="rig")

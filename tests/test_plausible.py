@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exports import write
-from stepid import StepInput, read_table
+from stepid import Experiment, StepInput, read_table
 from stepid.errors import InputError
 from test_table import CM, T, U, text
 
@@ -90,3 +90,18 @@ def test_a_time_or_input_that_says_it_is_not_in_si_units(tmp_path, names, messag
         read_table(file, time=time, position=position, input=volts)
     milli = {"time_scale": 1e-3, "input_scale": 1e-3}
     assert read_table(file, time=time, position=position, input=volts, **milli).time.size == 100
+
+
+@pytest.mark.parametrize(
+    ("column", "role", "factor"),
+    [("x_mm", "position", "0.001"), ("t (ms)", "time", "0.001"), ("drive [mV]", "input", "0.001")],
+)
+def test_a_frames_column_that_says_it_is_not_in_si_units(column, role, factor):
+    columns = {"time": "t", "position": "x", "input": "u"} | {role: column}
+    frame = dict(zip(columns.values(), (T, CM, U), strict=True))
+    labels = {"name": "a", "added_mass": 0.0, "spring": "s", "damper": "d"}
+    with pytest.raises(InputError, match=rf"by its name, and {role} is in SI units. Multiply it by {factor}"):
+        Experiment.from_dataframe(frame, **columns, **labels)
+    frame["si"] = float(factor) * frame[column]
+    run = Experiment.from_dataframe(frame, **(columns | {role: "si"}), **labels)
+    np.testing.assert_array_equal(getattr(run, role), frame["si"])

@@ -13,6 +13,7 @@ from pydantic import BeforeValidator, model_validator
 from stepid._base import Finite, Label, Model, NonNegative, Positive, Vector
 from stepid.errors import InputError
 from stepid.frames import constant, make_frame, numbers, split_runs
+from stepid.plausible import check_si
 
 if TYPE_CHECKING:
     from stepid.frames import DataFrame
@@ -129,9 +130,12 @@ class Experiment(Model):
         Raises
         ------
         stepid.errors.InputError
-            If a column is missing or its content is not numeric, or a field is wrong.
+            If a column is missing, its content is not numeric or, by its name, not in SI units (``"x_mm"``), or a
+            field is wrong.
         """
         columns = (("time", time), ("position", position), ("input", input))
+        for field, column in columns:
+            check_si(field, column)
         arrays: dict[str, Any] = {field: numbers(frame, column, field=field) for field, column in columns}
         return cls(
             **arrays,
@@ -244,6 +248,12 @@ class Campaign(Model):
             If a column is missing or not numeric, or what belongs to a whole run changes within it.
         """
         fields = ["added_mass", "spring", "damper"]
+        needed = ["run", "time", "position", "input", *fields]
+        if missing := [field for field in needed if field not in frame]:
+            raise InputError(
+                f"the data frame has no column {missing[0]!r}; there are: {', '.join(map(str, frame))}",
+                f"Rename or add columns, in SI units: {', '.join(needed)}.",
+            )
         fields += [field for field in ("base", "counts_per_meter", "input_before") if field in frame]
         whole = {field: numbers(frame, field, field=field) for field in ("time", "position", "input")}
         runs = []

@@ -27,17 +27,32 @@ _INPUT = re.compile(
 )
 
 
+def small_unit(role: str, column: object) -> tuple[str, str] | None:
+    """Return the unit that a column's name gives it and its factor to SI units, None where that is no smaller unit."""
+    units = _UNITS[role]
+    named = re.search(rf"[_ (\[]({'|'.join(units)})[)\]]?$", column) if isinstance(column, str) else None
+    return (named[1], units[named[1]]) if named else None
+
+
 def check_scale(role: str, column: object, scale: float, where: str) -> None:
     """Refuse a scale of zero, time that runs back, and one that is not below 1 for a column called "…_mm"."""
     if scale == 0 or (scale < 0 and role == "time"):
         size = "zero" if scale == 0 else f"{scale:g}"
         raise InputError(f"{where}: {role}_scale is {size}", f"Give {_SI[role]}.")
-    units = _UNITS[role]
-    named = re.search(rf"[_ (\[]({'|'.join(units)})[)\]]?$", column) if isinstance(column, str) else None
+    named = small_unit(role, column)
     if named and abs(scale) >= 1.0:
         raise InputError(
-            f"{where}: the column {column!r} is in {named[1]} by its name, but {role}_scale is {scale:g}",
-            f"Give {role}_scale = {units[named[1]]} ({_SI[role]}).",
+            f"{where}: the column {column!r} is in {named[0]} by its name, but {role}_scale is {scale:g}",
+            f"Give {role}_scale = {named[1]} ({_SI[role]}).",
+        )
+
+
+def check_si(role: str, column: str) -> None:
+    """Refuse a data frame's column that is not in SI units by its name."""
+    if named := small_unit(role, column):
+        raise InputError(
+            f"the column {column!r} of the data frame is in {named[0]} by its name, and {role} is in SI units",
+            f"Multiply it by {named[1]} in a column of another name, and give that.",
         )
 
 
