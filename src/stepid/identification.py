@@ -5,7 +5,7 @@ from __future__ import annotations
 from stepid.characteristics import characterize_each
 from stepid.errors import IdentificationError, UndeterminedError
 from stepid.experiment import Campaign, Experiment, MassOffset
-from stepid.parameters import IdentifiedParameters
+from stepid.parameters import IdentifiedParameters, StackedSystem
 from stepid.peak import Peak
 from stepid.pooling import pool_steps
 from stepid.response import Characteristics
@@ -46,6 +46,13 @@ def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | N
     Each run counts with all its steps that can be read, pooled. Runs of one base are joined by their known mass
     differences; equal added masses are exact constraints.
     """
+    return identify_with_system(campaign, peak=peak, solver=solver)[1]
+
+
+def identify_with_system(
+    campaign: Campaign, *, peak: Peak | None = None, solver: Solver | None = None
+) -> tuple[StackedSystem, IdentifiedParameters]:
+    """Identify as `identify` does, and return the stacked system that was solved, too."""
     used, excluded = characterize_campaign(campaign, peak=peak)
     while True:
         kept = [run for run in campaign.experiments if run.name in used]
@@ -68,7 +75,8 @@ def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | N
     found = solve(system, solver=solver)
     order = [run.name for run in campaign.experiments]
     left_out = dict(sorted(excluded.items(), key=lambda item: order.index(item[0])))
-    return IdentifiedParameters(**found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out})
+    fields = found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out}
+    return system, IdentifiedParameters(**fields)
 
 
 def characterize_campaign(

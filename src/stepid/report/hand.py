@@ -5,9 +5,8 @@ from __future__ import annotations
 from stepid._base import Model
 from stepid.errors import IdentificationError
 from stepid.experiment import Campaign
-from stepid.identification import characterize_campaign, identify
+from stepid.identification import identify_with_system
 from stepid.parameters import IdentifiedParameters, StackedSystem
-from stepid.stacked import assemble
 from stepid.verification import Verification
 from stepid.verify import verify
 
@@ -45,14 +44,7 @@ def by_hand(campaign: Campaign) -> HandMethod | IdentificationError:
         The error says why the method cannot use the campaign.
     """
     try:
-        found = identify(campaign)
-        read, _ = characterize_campaign(campaign)
-        kept = tuple(run for run in campaign.experiments if run.name in found.masses)
-        used = Campaign(name=campaign.name, experiments=kept, weight_uncertainty=campaign.weight_uncertainty)
-        return HandMethod(
-            system=assemble([read[run.name] for run in kept], used.mass_offsets),
-            found=found,
-            verified=verify(found, campaign),
-        )
+        system, found = identify_with_system(campaign)
+        return HandMethod(system=system, found=found, verified=verify(found, campaign))
     except IdentificationError as error:
         return error
