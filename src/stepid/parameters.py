@@ -220,19 +220,6 @@ class IdentifiedParameters(Model):
             for name in self.masses
         ]
 
-    def _shared(self) -> list[tuple[str, str, str]]:
-        u = self.uncertainty
-        groups = (
-            ("stiffness", self.stiffness, u.stiffness, "N/m"),
-            ("damping, pooled", self.pooled_damping, u.pooled_damping, "N·s/m"),
-            ("base mass", self.base_mass, u.base_mass, "kg"),
-        )
-        return [
-            (f"{what} [{label}]", format_value(value, spread.get(label)), unit)
-            for what, values, spread, unit in groups
-            for label, value in values.items()
-        ]
-
     def to_dataframe(self) -> DataFrame:
         """Return every value as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`.
 
@@ -255,7 +242,7 @@ class IdentifiedParameters(Model):
             text_table(
                 _RUN_HEADER, self._runs(), title=f"Identified parameters{' by ' * bool(self.solver)}{self.solver}"
             ),
-            text_table(("shared", "value", "unit"), self._shared()),
+            text_table(("shared", "value", "unit"), shared_rows(self)),
             *(f"left out: {name}: {why}" for name, why in self.excluded.items()),
         ]
         if self.misfit is not None and self.misfit > _LARGE_MISFIT:
@@ -273,7 +260,7 @@ class IdentifiedParameters(Model):
 
     def _repr_html_(self) -> str:
         out = html_table(_RUN_HEADER, self._runs(), title="Identified parameters")
-        out += html_table(("shared", "value", "unit"), self._shared())
+        out += html_table(("shared", "value", "unit"), shared_rows(self))
         left_out = tuple(self.excluded.items())
         return out + (html_table(("left out", "why"), left_out) if left_out else "")
 
@@ -289,6 +276,21 @@ _UNITS = {
     "base_mass": "kg",
 }
 _RUN_HEADER = ("run", "mass [kg]", "damping [N·s/m]", "damping from k [N·s/m]", "static gain [m/V]")
+
+
+def shared_rows(found: IdentifiedParameters) -> list[tuple[str, str, str]]:
+    """What the runs share: parameter, value ± standard uncertainty, unit."""
+    u = found.uncertainty
+    groups = (
+        ("stiffness", found.stiffness, u.stiffness, "N/m"),
+        ("damping, pooled", found.pooled_damping, u.pooled_damping, "N·s/m"),
+        ("base mass", found.base_mass, u.base_mass, "kg"),
+    )
+    return [
+        (f"{what} [{label}]", format_value(value, spread.get(label)), unit)
+        for what, values, spread, unit in groups
+        for label, value in values.items()
+    ]
 
 
 def _cell(values: Mapping[str, float], spread: Mapping[str, float], name: str) -> str:

@@ -1,8 +1,6 @@
-"""The tables of a report that no summary of a result already holds."""
+"""The tables of a report beside those of the diagnosis' summary."""
 
 from __future__ import annotations
-
-from collections.abc import Mapping
 
 import numpy as np
 
@@ -10,7 +8,7 @@ from stepid.diagnose.result import Diagnosis
 from stepid.diagnose.wording import digits
 from stepid.estimate import format_value
 from stepid.experiment import Experiment
-from stepid.parameters import IdentifiedParameters, StackedSystem
+from stepid.parameters import IdentifiedParameters, StackedSystem, shared_rows
 from stepid.report.chapter import Table
 from stepid.verification import Verification
 
@@ -97,23 +95,14 @@ def _plain(value: float) -> str:
 def found_tables(found: IdentifiedParameters) -> tuple[Table, ...]:
     """The solution with its uncertainties: by run, what the runs share, what was left out."""
     u = found.uncertainty
-
-    def cell(values: Mapping[str, float], spread: Mapping[str, float], name: str) -> str:
-        return format_value(values[name], spread.get(name)) if name in values else "–"
-
-    rows = [(name, cell(found.masses, u.masses, name), cell(found.damping, u.damping, name)) for name in found.masses]
-    shared = [
-        (f"{what} [{label}]", format_value(value, spread.get(label)), unit)
-        for what, values, spread, unit in (
-            ("stiffness", found.stiffness, u.stiffness, "N/m"),
-            ("damping, pooled", found.pooled_damping, u.pooled_damping, "N·s/m"),
-            ("base mass", found.base_mass, u.base_mass, "kg"),
-        )
-        for label, value in values.items()
+    rows = [
+        (name, format_value(mass, u.masses.get(name)), format_value(found.damping[name], u.damping.get(name)))
+        for name, mass in found.masses.items()
     ]
+    shared = tuple(shared_rows(found))
     tables = [
         Table(caption="By run", header=("run", "mass [kg]", "damping [N·s/m]"), rows=tuple(rows)),
-        Table(caption="What runs share", header=("parameter", "value", "unit"), rows=tuple(shared), words=(2,)),
+        Table(caption="What runs share", header=("parameter", "value", "unit"), rows=shared, words=(2,)),
     ]
     if found.excluded:
         left_out = tuple(found.excluded.items())
