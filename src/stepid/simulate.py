@@ -45,12 +45,12 @@ def pack(model: PlantModel, records: Records, effects: tuple[Effect, ...]) -> tu
         for parameter in effect.run_parameters:
             key = f"{effect.name}.{parameter.name}"
             local.append([s.phases.get(key, 0.0) for s in states])
-    local += [[s.states.get(key, 0.0) for s in states] for key in _own_states(effects)]
+    local += [[s.states.get(key, 0.0) for s in states] for key in own_states(effects)]
     return np.array(shared), np.array(local)
 
 
-def _own_states(effects: tuple[Effect, ...]) -> list[str]:
-    """Names of the effects' own states, in the simulator's order."""
+def own_states(effects: tuple[Effect, ...]) -> list[str]:
+    """Names of the effects' own states, in the simulator's order: those with a rate first, memories last."""
     extra = [f"{e.name}.{i + 1}" for e in effects for i in range(e.n_extra)]
     return extra + [f"{e.name}.{e.n_extra + i + 1}" for e in effects for i in range(e.n_memory)]
 
@@ -70,7 +70,7 @@ def unpack(optimum: Optimum, effects: tuple[Effect, ...]) -> PlantModel:
     rest = r.position - optimum.solved.reading
     square = r.weight**2
     keys = [f"{e.name}.{q.name}" for e in effects for q in e.run_parameters]
-    own_keys = _own_states(effects)
+    own_keys = own_states(effects)
     runs = {}
     for i, (run, piece) in enumerate(zip(r.runs, r.pieces(), strict=True)):
         own = optimum.local[:, i]

@@ -42,8 +42,7 @@ def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
     places = np.arange(len(one.runs))
     settings = [one.setting(run).removesuffix(" kg") for run in one.runs]
     crowded = sum(map(len, settings)) > _ROOM
-    color = SERIES[("damping", "mass", "stiffness").index(one.varies)]
-    marker = MARKERS[("damping", "mass", "stiffness").index(one.varies)]
+    kind = ("damping", "mass", "stiffness").index(one.varies)
     with styled():
         for ax, (field, label, factor) in zip(axes, _QUANTITIES, strict=True):
             dress(ax)
@@ -54,8 +53,8 @@ def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
                 places[known],
                 [factor * values[i] for i in known],
                 yerr=[2 * factor * spread[i] for i in known],
-                fmt=f"{marker}-",
-                color=color,
+                fmt=f"{MARKERS[kind]}-",
+                color=SERIES[kind],
                 capsize=2,
                 markersize=4,
             )

@@ -9,7 +9,8 @@ import stepid
 from stepid._base import Model
 from stepid.diagnose.result import Diagnosis
 from stepid.paper import PaperRebuild
-from stepid.parameters import IdentifiedParameters, Verification
+from stepid.parameters import IdentifiedParameters
+from stepid.verification import Verification
 
 FORMAT = 1
 """Raised where a key changes its meaning or goes; keys that are added leave it as it is."""

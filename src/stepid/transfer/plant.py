@@ -14,7 +14,7 @@ from stepid.engine.tables import Point, Tables
 from stepid.errors import InputError
 from stepid.experiment import Campaign, Experiment
 from stepid.model import PlantModel, RunState
-from stepid.simulate import pack
+from stepid.simulate import own_states, pack
 
 _ROWS = {"mass": MASS, "stiffness": STIFFNESS, "damping": DAMPING, "force_gain": GAIN}
 
@@ -34,11 +34,8 @@ class Plant:
 
     @property
     def states(self) -> list[str]:
-        """Names of the states: displacement and velocity, then the effects' own, with a rate first, memories last."""
-        effects = self.law.effects
-        extra = [f"{e.name}.{i + 1}" for e in effects for i in range(e.n_extra)]
-        memory = [f"{e.name}.{e.n_extra + i + 1}" for e in effects for i in range(e.n_memory)]
-        return ["displacement", "velocity", *extra, *memory]
+        """Names of the states: displacement and velocity, then the effects' own."""
+        return ["displacement", "velocity", *own_states(self.law.effects)]
 
     def table(self, parameters: dict[str, float], *, time: float, volts: float) -> Array:
         """Lane table of one lane, shape (n_rows, 1)."""
