@@ -26,7 +26,6 @@ from .model import RunState as RunState
 from .paper import rebuild_paper as rebuild_paper
 from .parameters import IdentifiedParameters as IdentifiedParameters
 from .parameters import StackedSystem as StackedSystem
-from .parameters import Verification as Verification
 from .peak import InterpolatedPeak as InterpolatedPeak
 from .peak import SampledPeak as SampledPeak
 from .response import Characteristics as Characteristics
@@ -46,6 +45,7 @@ from .transfer import state_space as state_space
 from .transfer import to_time_response as to_time_response
 from .transfer import transfer_function as transfer_function
 from .trends import find_trends as find_trends
+from .verification import Verification as Verification
 from .verify import verify as verify
 
 __version__: str

@@ -15,21 +15,10 @@ from stepid.errors import InputError
 from stepid.estimate import Estimate, format_value
 from stepid.experiment import MassOffset
 from stepid.frames import parameter_frame
-from stepid.response import Characteristics, CharacteristicsUncertainty
-from stepid.verification import Verification, VerificationRun
+from stepid.response import Characteristics
 
 if TYPE_CHECKING:
     from stepid.frames import DataFrame
-
-__all__ = [
-    "Characteristics",
-    "CharacteristicsUncertainty",
-    "IdentifiedParameters",
-    "ParameterUncertainty",
-    "StackedSystem",
-    "Verification",
-    "VerificationRun",
-]
 
 
 class StackedSystem(Model):
