@@ -109,7 +109,7 @@ BAD = {
         "zzzz = 2",
         r"run 'case 5': unknown key 'zzzz'. Known keys: name, format, added_mass",
     ),
-    "missing file": ("case4.txt", "case44.txt", r"run 'case 4': there is no file 'case44.txt' in "),
+    "missing file": ("case4.txt", "case44.txt", r"run 'case 4': there is no file 'case44.txt' beside"),
     "missing file of a table": ("data0001.txt", "data0002.txt", r"run 'a table': there is no file 'data0002.txt'"),
     "wrong encoder": ("encoder = 2", "encoder = 3", r"run 'case 5': .*case5.txt: has no column 'Encoder 3 Pos'"),
     "no such encoder": ("encoder = 2", "encoder = 0", r"run 'case 5': .*encoder is 0"),

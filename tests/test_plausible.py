@@ -94,7 +94,7 @@ def test_a_time_or_input_that_says_it_is_not_in_si_units(tmp_path, names, messag
 
 @pytest.mark.parametrize(
     ("column", "role", "factor"),
-    [("x_mm", "position", "0.001"), ("t (ms)", "time", "0.001"), ("drive [mV]", "input", "0.001")],
+    [("x_mm", "position", "0.001"), ("millis", "time", "0.001"), ("drive [mV]", "input", "0.001")],
 )
 def test_a_frames_column_that_says_it_is_not_in_si_units(column, role, factor):
     columns = {"time": "t", "position": "x", "input": "u"} | {role: column}

@@ -217,3 +217,21 @@ def test_time_and_input_in_units_of_their_own(tmp_path):
     assert whole.input[-1] == 0.5  # it scales the column, not volts that were given
     same = read_table(file, time=0, time_scale=1e-3, sample_time=0.005, position=1)
     np.testing.assert_allclose(same.time, T, rtol=1e-12)
+
+
+def test_text_beside_the_readings_is_no_matter(tmp_path):
+    rows = GOOD.splitlines()
+    file = write(tmp_path / "a.csv", "\n".join(["clock," + rows[0], *("12:00:01," + row for row in rows[1:])]))
+    np.testing.assert_array_equal(read_table(file, time="t", position="x", input="u").position, X)
+    with pytest.raises(InputError, match=r"line 2, column 'clock': '12:00:01' is not a number"):
+        read_table(file, time="clock", position="x", input="u")
+    bare = write(tmp_path / "b.csv", "\n".join([*(row + ",ok" for row in rows[1:60]), *rows[60:]]))
+    with pytest.raises(InputError, match=r"b.csv, line 60: the row holds 3 value\(s\) for 4 columns"):
+        read_table(bare, time=0, position=1, input=2)
+
+
+def test_a_line_of_units_is_said_to_be_one_too_many(tmp_path):
+    rows = GOOD.splitlines()
+    file = write(tmp_path / "a.csv", "\n".join([rows[0], "s,m,V", *rows[1:]]))
+    with pytest.raises(InputError, match=r"line 2, column 't': 's' is not a number.*remove it if it holds no readings"):
+        read_table(file, time="t", position="x", input="u")

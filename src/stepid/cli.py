@@ -202,7 +202,9 @@ def _runs(campaign: Campaign) -> str:
     """Say how the runs were understood: a release among steps is easily a forgotten input."""
     runs = campaign.experiments
     released = ", ".join(run.name for run in runs if run.is_release)
-    return f"{campaign.name}: {len(runs)} runs" + (f", free releases (no input): {released}" if released else "")
+    return f"{campaign.name}: {len(runs)} run{'s' * (len(runs) > 1)}" + (
+        f", free releases (no input): {released}" if released else ""
+    )
 
 
 def _write_json(path: Path, values: Any) -> None:

@@ -144,7 +144,8 @@ def parse_manifest(text: str, where: str) -> tuple[dict[str, Any], list[tuple[st
                 f"{where}: is no manifest of a campaign (not TOML: {error})",
                 "Give a campaign.toml that names this file under an [[experiment]]; stepid diagnose --help shows one.",
             ) from None
-        raise InputError(f"{where}: is not TOML ({error})", "Correct it; texts need quotation marks.") from None
+        remedy = "Correct it; texts need quotation marks, numbers points, and runs two brackets: [[experiment]]."
+        raise InputError(f"{where}: is not TOML ({error})", remedy) from None
     runs = document.pop("experiment", None)
     if not isinstance(runs, list) or not runs or not all(isinstance(run, dict) for run in runs):
         raise InputError(f"{where}: lists no experiments", "Add a [[experiment]] table for each run.")

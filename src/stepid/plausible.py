@@ -14,7 +14,7 @@ FARTHEST = 100.0  # m; no teaching plant travels so far, but counts taken for me
 NEAREST = 1e-8  # m; nor does one travel less than this
 _UNITS = {  # SI units per unit, by what a column may be called
     "position": {"mm": "0.001", "cm": "0.01", "um": "1e-06", "µm": "1e-06"},
-    "time": {"ms": "0.001", "us": "1e-06", "µs": "1e-06"},
+    "time": {"ms": "0.001", "millis": "0.001", "us": "1e-06", "µs": "1e-06", "micros": "1e-06"},
     "input": {"mV": "0.001"},
 }
 _SI = {
@@ -30,7 +30,7 @@ _INPUT = re.compile(
 def small_unit(role: str, column: object) -> tuple[str, str] | None:
     """Return the unit that a column's name gives it and its factor to SI units, None where that is no smaller unit."""
     units = _UNITS[role]
-    named = re.search(rf"[_ (\[]({'|'.join(units)})[)\]]?$", column) if isinstance(column, str) else None
+    named = re.search(rf"(?:^|[_ (\[])({'|'.join(units)})[)\]]?$", column) if isinstance(column, str) else None
     return (named[1], units[named[1]]) if named else None
 
 

@@ -15,10 +15,12 @@ from stepid.errors import InputError
 from stepid.experiment import Experiment
 from stepid.plausible import check_release, check_scale, check_travel
 from stepid.step_input import InputValues, sample_input
-from stepid.textfile import as_path, common_width, is_name, parse_numbers, read_lines
+from stepid.textfile import as_path, common_width, is_name, is_number, parse_numbers, read_lines
 
 Column = str | int
-_REPAIR = "Restore the line from the original file, or export it again."
+_REPAIR = (
+    "Restore the line, or remove it if it holds no readings: one line of names may come first; comments start with #."
+)
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,7 @@ def read_table(
     check_scale("input", input, input_scale, where)
     if delimiter is not None and (not isinstance(delimiter, str) or not delimiter):
         raise InputError(f"{where}: delimiter is {delimiter!r}", "Give the text that separates columns.")
-    table = _join([_parse(file, delimiter) for file in files], where)
+    table = _join([_parse(file, delimiter, (time, position, input)) for file in files], where)
     kept = _stretch(start, stop, len(table.places), where)
     table = _Table(table.names, table.values[kept], table.places[kept])
     if position is None:
@@ -171,7 +173,7 @@ def _files(paths: object) -> list[Path]:
     return [as_path(path) for path in paths]
 
 
-def _parse(file: Path, delimiter: str | None) -> _Table:
+def _parse(file: Path, delimiter: str | None, used: Sequence[object]) -> _Table:
     where = str(file)
     kept = [(i + 1, text) for i, line in enumerate(read_lines(file)) if (text := line.strip(" ")) and text.strip()]
     body = [(i, text) for i, text in kept if not text.lstrip().startswith(("#", "%"))]
@@ -195,6 +197,9 @@ def _parse(file: Path, delimiter: str | None) -> _Table:
     if len(set(names)) < len(names):
         raise InputError(f"{where}: its header names a column twice ({', '.join(names)})", "Rename one of them.")
     lines = [i for i, _ in body]
+    for i, (name, first) in enumerate(zip(labels, rows[0], strict=False)):
+        if not is_number(first) and not any(isinstance(c, str | int) and c in (i, name) for c in used):
+            rows = [[*row[:i], "0", *row[i + 1 :]] if i < len(row) else row for row in rows]  # text beside the readings
     values = parse_numbers(rows, lines=lines, columns=labels, where=where, remedy=_REPAIR)
     return _Table(names, values, [f"{where}, line {i}" for i in lines])
 
@@ -263,8 +268,8 @@ def _time(
     row = int(np.argmax(odd)) + 1
     raise InputError(
         f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s, where rows are about {usual:.6g} s "
-        "apart: a gap, two different sample times or rounded times",
-        "Give sample_time=… (s) if times are rounded; leave time out if each file starts a clock of its own.",
+        "apart: a gap, two different sample times, jitter or rounded times",
+        "Give sample_time=… (s) if only the times are uneven; leave time out if each file starts a clock of its own.",
     )
 
 
