@@ -88,6 +88,11 @@ def named(*, runs: tuple[str, ...] = RUNS) -> Diagnosis:
     )
 
 
+def changed(d: Diagnosis, **fields: object) -> Diagnosis:
+    """A diagnosis with other values of some fields."""
+    return Diagnosis(**{name: getattr(d, name) for name in Diagnosis.model_fields} | fields)
+
+
 def adequate() -> Diagnosis:
     """Nothing missing: the same numbers, with all the gap taken for noise."""
     d = named()
@@ -107,14 +112,10 @@ def adequate() -> Diagnosis:
 
 def ambiguous() -> Diagnosis:
     """Two that cannot be told apart."""
-    d = named()
-    fields = {name: getattr(d, name) for name in Diagnosis.model_fields}
-    return Diagnosis(
-        **fields
-        | {
-            "verdict": "ambiguous",
-            "alternatives": (("load_proportional_friction",),),
-            "next_experiment": "record with more mass",
-            "notes": ("The fit did not converge.",),
-        }
+    return changed(
+        named(),
+        verdict="ambiguous",
+        alternatives=(("load_proportional_friction",),),
+        next_experiment="record with more mass",
+        notes=("The fit did not converge.",),
     )

@@ -14,10 +14,6 @@ from stepid.diagnose.result import Diagnosis
 NINE = tuple(f"case {number}" for number in range(1, 10))
 
 
-def changed(d: Diagnosis, **fields: object) -> Diagnosis:
-    return Diagnosis(**{name: getattr(d, name) for name in Diagnosis.model_fields} | fields)
-
-
 @cache
 def page() -> Path:
     """The page of four runs."""

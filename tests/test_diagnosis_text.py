@@ -8,16 +8,13 @@ import pytest
 
 import diagnosis_example as example
 import stepid
+from diagnosis_example import changed
 from stepid.diagnose.result import Diagnosis, Gap, Where
 from stepid.diagnose.summary import QUESTIONS, next_steps
 from stepid.diagnose.wording import digits, effect_names, length
 from stepid.estimate import Estimate
 from stepid.parameters import IdentifiedParameters, ParameterUncertainty
 from stepid.report import diagnosis_report, hand_method_table
-
-
-def changed(d: Diagnosis, **fields: object) -> Diagnosis:
-    return Diagnosis(**{name: getattr(d, name) for name in Diagnosis.model_fields} | fields)
 
 
 def rows(text: str, header: str) -> dict[str, list[str]]:

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 
 import diagnosis_example as example
+from diagnosis_example import changed
 from stepid import plot
 from stepid.diagnose.result import Diagnosis, Gap
 from stepid.errors import InputError
@@ -27,10 +28,6 @@ def _no_windows() -> Iterator[None]:
 @pytest.fixture
 def axes() -> Axes:
     return plt.subplots()[1]
-
-
-def changed(d: Diagnosis, **fields: object) -> Diagnosis:
-    return Diagnosis(**{name: getattr(d, name) for name in Diagnosis.model_fields} | fields)
 
 
 def test_response_shows_measured_before_and_after(axes: Axes) -> None:

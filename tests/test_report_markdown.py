@@ -11,7 +11,7 @@ import pytest
 
 import diagnosis_example as example
 import stepid
-from report_example import changed
+from diagnosis_example import changed
 from stepid.report.markdown import markdown
 from stepid.report.provenance import of_data
 from stepid.report.write import hand_of

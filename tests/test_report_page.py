@@ -19,7 +19,7 @@ import pytest
 import diagnosis_example as example
 import report_example
 import stepid
-from report_example import changed
+from diagnosis_example import changed
 from stepid.diagnose.result import Diagnosis, Gap, RunGap
 from stepid.diagnose.wording import length
 from stepid.report import provenance

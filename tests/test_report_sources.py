@@ -10,7 +10,7 @@ import numpy as np
 
 import diagnosis_example as example
 import stepid
-from report_example import changed
+from diagnosis_example import changed
 from stepid.diagnose.result import RunGap
 from stepid.report import provenance, story
 from stepid.report.story import tell
