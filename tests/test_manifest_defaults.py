@@ -85,3 +85,13 @@ def test_a_record_in_place_of_the_manifest(tables):
         InputError, match=r"a\.csv: is no manifest of a campaign \(.*Give a campaign\.toml that names this"
     ):
         read_campaign(tables / "a.csv")
+
+
+def test_a_free_release_among_runs_with_an_input(tables):
+    rows = (f"{0.005 * i:.3f},{x!r}" for i, x in enumerate(CM[::-1].tolist()))
+    write(tables / "let go.csv", "t,x\n" + "\n".join(rows))
+    write(tables / "campaign.toml", ABOVE + RUN.format("a") + RUN.format("let go"))
+    with pytest.raises(InputError, match=r"run 'let go': .*no column 'u' for input \(t, x\).*0.0 for a free release"):
+        read_campaign(tables)
+    write(tables / "campaign.toml", ABOVE + RUN.format("a") + RUN.format("let go") + "step = { level = 0.0 }\n")
+    assert [e.is_release for e in read_campaign(tables).experiments] == [False, True]

@@ -149,7 +149,10 @@ def test_a_damaged_first_row_is_not_taken_for_a_header(tmp_path):
         ({"time": True}, "no column True for time"),
         ({"time": 2}, "apart"),
         ({"time": 0, "position": "y"}, "no column 'y' for position"),
-        ({"time": 0, "input": "volts"}, "no column 'volts' for input"),
+        (
+            {"time": 0, "input": "volts"},
+            r"no column 'volts' for input .*Correct input=…, or give StepInput.*step = \{ level = … \}",
+        ),
         ({"time": 0, "position_scale": 0.0}, "position_scale is zero"),
         ({"time": 0, "input": 2, "input_scale": 0}, r"input_scale is zero. Give volts per unit"),
         ({"time": 0, "time_scale": 0.0}, "time_scale is zero. Give seconds per unit"),

@@ -12,6 +12,7 @@ from stepid.errors import InputError
 
 FARTHEST = 100.0  # m; no teaching plant travels so far, but counts taken for meters do
 NEAREST = 1e-8  # m; nor does one travel less than this
+NO_COLUMN = "StepInput(level=…), in a manifest step = { level = … } (V; 0.0 for a free release)"
 _UNITS = {  # SI units per unit, by what a column may be called
     "position": {"mm": "0.001", "cm": "0.01", "um": "1e-06", "µm": "1e-06"},
     "time": {"ms": "0.001", "millis": "0.001", "us": "1e-06", "µs": "1e-06", "micros": "1e-06"},
@@ -72,6 +73,5 @@ def check_release(names: Sequence[str], values: Array, used: Sequence[object], w
         if name not in used and i not in used and _INPUT.match(name) and np.any(values[:, i]):
             raise InputError(
                 f"{where}: no input is named, so this would be a free release, but the column {name!r} is not zero",
-                f"Give input = {name!r}. For a free release all the same, give StepInput(level=0.0), "
-                "in a manifest step = { level = 0.0 }.",
+                f"Give input = {name!r}, or {NO_COLUMN}.",
             )

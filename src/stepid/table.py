@@ -13,7 +13,7 @@ from stepid._base import Array
 from stepid.ecp import FEWEST, check_number
 from stepid.errors import InputError
 from stepid.experiment import Experiment
-from stepid.plausible import check_release, check_scale, check_travel
+from stepid.plausible import NO_COLUMN, check_release, check_scale, check_travel
 from stepid.step_input import InputValues, sample_input
 from stepid.textfile import as_path, common_width, is_name, is_number, parse_numbers, read_lines
 
@@ -41,7 +41,8 @@ class _Table:
         elif isinstance(which, int) and not isinstance(which, bool) and 0 <= which < width:
             index = which
         else:
-            raise InputError(f"{where}: has no column {which!r} for {role} ({self.listed})", f"Correct {role}=….")
+            remedy = f"Correct {role}=…{', or give ' + NO_COLUMN if role == 'input' else ''}."
+            raise InputError(f"{where}: has no column {which!r} for {role} ({self.listed})", remedy)
         values: Array = self.values[:, index]
         return values
 
