@@ -1,4 +1,4 @@
-"""Text reports: what the command line prints and writes. No arithmetic beyond changing units and comparing."""
+"""Reports: they change units and compare, and compute nothing else. Exported are the texts of the command line."""
 
 from stepid.report.pull import hand_method_table
 from stepid.report.section import Section, as_text
