@@ -17,7 +17,7 @@ from plotly.offline import get_plotlyjs
 from stepid.diagnose.result import Diagnosis
 from stepid.diagnose.summary import answer
 from stepid.diagnose.wording import digits, effect_names, length
-from stepid.report.frame import run_line
+from stepid.report.axes import run_line
 from stepid.report.hand import Hand, HandMethod
 from stepid.report.pictures import pictures
 from stepid.report.provenance import Provenance

@@ -14,7 +14,7 @@ from stepid.diagnose.result import Diagnosis, RunGap
 from stepid.diagnose.wording import effect_names
 from stepid.plot.causes import leading
 from stepid.plot.scale import length_unit, reach_of
-from stepid.report.frame import BAR, bars, framed, noise_across, noise_upright, own_line, paired, run_line
+from stepid.report.axes import BAR, bars, framed, noise_across, noise_upright, own_line, paired, run_line
 from stepid.report.pull import linear_pull
 from stepid.report.thin import kept_samples
 from stepid.verification import VerificationRun

@@ -15,7 +15,7 @@ from stepid.diagnose.summary import (
 )
 from stepid.diagnose.wording import digits, effect_names, length
 from stepid.errors import IdentificationError
-from stepid.report import show
+from stepid.report import captions
 from stepid.report.chapter import Chapter, Table
 from stepid.report.hand import Hand, HandMethod
 from stepid.report.provenance import Provenance
@@ -65,7 +65,7 @@ def _runs(d: Diagnosis) -> Chapter:
         name="runs",
         title="The runs",
         lead=f"{len(d.runs)} records of one plant, {samples} samples in all.",
-        pictures=(show.records(d),),
+        pictures=(captions.records(d),),
         tables=(runs_table(d),),
     )
 
@@ -104,7 +104,7 @@ def _verification(hand: Hand) -> Chapter:
         title=title,
         lead="Each identified model, simulated on the input that was measured, against the record, as in the paper's "
         f"Figs. 3 and 6 to 8. The fit is {min(fits):.1f} to {max(fits):.1f} %; 100 % is perfect.",
-        pictures=(show.verification(hand.verified),),
+        pictures=(captions.verification(hand.verified),),
         tables=(verification_table(hand.verified),),
     )
 
@@ -117,7 +117,7 @@ def _where(d: Diagnosis) -> Chapter:
         lead="One linear plant fitted to all runs together is the best that any linear model can do. It leaves "
         f"{length(d.gap.before)} RMS where noise alone would leave {length(d.gap.noise)}{times}.",
         points=tuple(_sentence(s) for s in d.where.sentences),
-        pictures=show.where(d),
+        pictures=captions.where(d),
         tables=(phase_table(d),),
     )
 
@@ -133,7 +133,7 @@ def _missing(d: Diagnosis) -> Chapter:
         title="What is missing",
         lead=answer(d),
         points=d.reasons,
-        pictures=(show.candidates(d),) if d.ranking else (),
+        pictures=(captions.candidates(d),) if d.ranking else (),
         tables=(ranking,) if d.ranking else (),
     )
 
@@ -156,7 +156,7 @@ def _gap(d: Diagnosis) -> Chapter:
         name="gap",
         title="The gap, before and after",
         lead=lead,
-        pictures=(show.gap(d), show.gap_runs(d)),
+        pictures=(captions.gap(d), captions.gap_runs(d)),
         tables=(Table(caption="The gap by run", header=GAP_HEADER, rows=tuple(gap_rows(d))),),
     )
 
@@ -180,7 +180,7 @@ def _parameters(d: Diagnosis, hand: Hand) -> Chapter:
         name="parameters",
         title="Parameters",
         lead="Value ± standard uncertainty, of one fit to all runs together." + missing * bool(d.effects),
-        pictures=(show.pull(d),) if d.effects else (),
+        pictures=(captions.pull(d),) if d.effects else (),
         tables=tuple(tables),
     )
 
