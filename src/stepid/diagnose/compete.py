@@ -27,6 +27,7 @@ _NEAR = 3.0  # times the floor's cost at which a contender runs on at once
 _HOPELESS = 6.0  # times the cost of one that reached the floor
 _ROOM = 6.0  # times the price of the starting displacements that holding them at zero may seem to cost
 _STUCK = 3.0  # χ² by which a simple effect may be worse than one that contains it, before it is tried from there
+_SLOW = 60.0  # χ² by which a law that has just begun may be worse than one it contains
 _WORTH = 0.05  # share of what a simpler effect leaves that a costly general one must promise to take away
 PROMISE = 3.0  # χ² that a more general effect must promise where a simpler one reached the floor
 
@@ -253,9 +254,30 @@ def advance(ground: Ground, contenders: list[Contender], laps: tuple[int, ...] =
         best = contenders[0].cost if contenders else np.inf
         hopeless = _HOPELESS * best if settled(ground, contenders[:1]) else np.inf
         for place, contender in enumerate(contenders):
+            if lags(ground, contender, contenders, begun=lap == laps[0]):
+                continue
             if contender.cost < hopeless and (place < keep or contender.cost < 1.5 * best):
                 contender.run(laps=lap, tolerance=max(0.003 * (contender.cost - best), 0.002 * contender.excess))
     contenders.sort(key=lambda c: c.cost)
+
+
+def lags(ground: Ground, contender: Contender, others: list[Contender], *, begun: bool = False) -> bool:
+    """Tell whether a law is plainly worse than a simpler one that it contains: stuck, and slow to get free.
+
+    One that has just begun may be worse for a while, unless the simpler one is at the floor.
+    """
+    if contender.coarse.simulator.law.affine:
+        return False
+    inner = [c for c in others if c.effects != contender.effects and includes(contender.effects, c.effects)]
+    least = min((c.cost for c in inner), default=np.inf)
+    if settled(ground, inner):
+        return contender.cost > least + (_SLOW if begun else _STUCK) * ground.unit
+    return not begun and contender.cost > least + max(_SLOW * ground.unit, 0.02 * least)
+
+
+def includes(bigger: tuple[Effect, ...], smaller: tuple[Effect, ...]) -> bool:
+    """Tell whether every effect of `smaller` is in `bigger` or contained in one of its effects."""
+    return all(any(e.name == b.name or e.name in b.contains for b in bigger) for e in smaller)
 
 
 def final(ground: Ground, contenders: list[Contender], *, count: int = 2, spread: float = 0.02) -> list[Candidate]:
@@ -265,6 +287,7 @@ def final(ground: Ground, contenders: list[Contender], *, count: int = 2, spread
     near = best + max(60 * ground.unit, spread * best)
     hopeless = _HOPELESS * best if settled(ground, contenders[:1]) else np.inf
     found = {}
+    contenders = [c for c in contenders if not lags(ground, c, contenders)]
     for place, contender in enumerate(contenders):
         if (place < count and contender.cost < hopeless) or contender.cost < near:
             done = polish(ground, contender)

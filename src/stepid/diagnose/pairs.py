@@ -16,8 +16,10 @@ from stepid.engine.search import Contender, Ground, Scored, Start
 from stepid.engine.sketch import full_residual
 
 STRONG = 20.0  # evidence that a further effect must bring
-_BASES = 4  # fits on which a further effect is tried
+_STARTS = 3  # of each addition: of what rings, the loudest may not be what is missing
 _TRIED = 5  # additions that are raced on each
+_MOST = 14  # combinations that are raced
+_LEADS = 0.5  # of the best cost so far, at which a combination runs on a little at once
 _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
 _TWIN = 0.9  # of an effect's own gain by its score that one must gain to race in its place
 _SWAPS = 3  # twins that are raced for each effect of a combination
@@ -54,7 +56,7 @@ def extend(
     simple = tuple(e for e in catalogue if not e.contains)
     offers: list[_Offer] = []  # the same two effects may come from either: one way may lead where the other does not
     for base in bases:
-        base.run(laps=20, tolerance=0.002 * base.excess)
+        base.run(laps=10, tolerance=0.01 * base.excess)
         if base.best is None:
             continue
         # what rings in this base's residual may be hidden in the linear one
@@ -66,11 +68,14 @@ def extend(
         for scored in score(ground, base.best, table):
             if not any(_related(scored.effect, e) for e in base.effects):
                 own.setdefault(scored.effect.name, []).append(scored)
-        offers += [_Offer(base, base.best.cost - found[0].gain, found[:2]) for found in list(own.values())[:tried]]
+        offers += [_Offer(base, base.best.cost - found[0].gain, found[:_STARTS]) for found in list(own.values())[:tried]]
     contenders: list[Contender] = []
-    for offer in sorted(offers, key=lambda o: o.left):
+    for offer in sorted(offers, key=lambda o: o.left)[:_MOST]:
         contender = _added(ground, offer, progress)
+        leads = all(contender.cost < _LEADS * c.cost for c in contenders)
         contenders.append(contender)
+        if leads:
+            contender.run(laps=6, tolerance=0.01 * contender.excess)
         if contender.cost < _NEAR * ground.floored:
             contender.run(laps=12)
             if settled(ground, [contender]):
@@ -85,13 +90,14 @@ def _added(ground: Ground, offer: _Offer, progress: Progress) -> Contender:
     progress(" + ".join([*(e.name for e in base.effects), effect.name]))
     contender = Contender(ground, (*base.effects, effect))
     here = _values(base, None)
-    starts = []
+    starts, faint = [], []
     for scored in offer.additions:
         there = _values(base, scored.shared)
         starts.append(Start(there.linear, (*there.values, scored.values)))
-        starts.append(Start(here.linear, (*here.values, effect.faint(scored.values, 0.03))))
+        faint.append(Start(here.linear, (*here.values, effect.faint(scored.values, 0.03))))
     assert base.best is not None
-    contender.begin(starts, like=base.best)
+    starts += faint[:2]
+    contender.begin(starts, like=base.best, keep=len(starts) if effect.run_parameters else 3)
     return contender
 
 
@@ -111,7 +117,7 @@ def swap(ground: Ground, winner: Contender, catalogue: tuple[Effect, ...], progr
         own = offers[effect][0].gain if effect in offers else 0.0
         foreign = [s for e, s in offers.items() if not any(_related(e, w) for w in winner.effects)]
         for additions in [s for s in foreign if s[0].gain > _TWIN * own][:_SWAPS]:
-            found.append(_added(ground, _Offer(base, base.best.cost - additions[0].gain, additions[:2]), progress))
+            found.append(_added(ground, _Offer(base, base.best.cost - additions[0].gain, additions[:_STARTS]), progress))
     advance(ground, [winner, *found])
     return found
 
@@ -136,24 +142,11 @@ def _without(ground: Ground, contender: Contender, place: int) -> Contender:
 
 
 def pairs(ground: Ground, alone: list[Contender], catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
-    """Race pairs of effects: on the best single ones, then on whatever the best pairs brought in.
+    """Race pairs of effects: what is added to each single one.
 
     Effects that contain a simpler one wait until `generalize`.
     """
-    alone = [c for c in alone if not c.effects[0].contains]
-    found = extend(ground, alone[:_BASES], catalogue, progress)
-    by_name = {c.effects[0].name: c for c in alone}
-    fresh = [
-        by_name[e.name]
-        for c in found[:3]
-        for e in c.effects
-        if e.name in by_name and by_name[e.name] not in alone[:_BASES]
-    ]
-    fresh = list(dict.fromkeys(fresh))[:1]
-    if fresh and not settled(ground, found[:1]):
-        found += extend(ground, fresh, catalogue, progress, tried=4)
-        found.sort(key=lambda c: c.cost)
-    return found
+    return extend(ground, [c for c in alone if not c.effects[0].contains], catalogue, progress)
 
 
 def generalize(
@@ -181,8 +174,8 @@ def generalize(
             grown_up = Contender(ground, effects)
             grown_up.begin(starts, like=contender.best)
             found.append(grown_up)
-    advance(ground, found)
-    return found
+    advance(ground, [contender, *found])
+    return sorted(found, key=lambda c: c.cost)
 
 
 def finish(ground: Ground, contenders: list[Contender], count: int = 4) -> list[Candidate]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepid.diagnose.compete import Candidate, Progress, final, linear_candidate, settled, singles, widen
+from stepid.diagnose.compete import Candidate, Progress, final, includes, linear_candidate, settled, singles, widen
 from stepid.diagnose.pairs import STRONG, extend, finish, generalize, pairs, swap
 from stepid.diagnose.partial import partial_lead, same_law
 from stepid.diagnose.result import Verdict
@@ -124,11 +124,11 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         )
         reasons += [suspect.words] if suspect is not None else []
         return Judgment("unexplained", linear, (), everything, tuple(reasons))
-    nested = [c for c in rivals if _contains(best, c)]
+    nested = [c for c in rivals if includes(best.effects, c.effects)]
     if nested:  # a law of more parameters leads by too little: the simpler one is named, the rest is undetermined
         best, *rivals = [nested[0], best, *(c for c in rivals if c is not nested[0])]
     reasons.append(f"With {_title(best)} it leaves {best.optimum.rms / floor:.3g} times the floor.")
-    foreign = [c for c in rivals if not _contains(c, best) and c not in same_law(ground, best, ranked)]
+    foreign = [c for c in rivals if not includes(c.effects, best.effects) and c not in same_law(ground, best, ranked)]
     if foreign and rms < _FAINT * floor:
         reasons.append("The gap is too faint to tell its causes apart.")
         return Judgment("adequate", linear, (), everything, tuple(reasons))
@@ -141,7 +141,7 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         rivals = rest
         reasons.append("The data cannot tell it from " + ", ".join(_title(c) for c in rivals) + ".")
         return Judgment("ambiguous", best, tuple(rivals), everything, tuple(reasons))
-    others = [c for c in ranked if c is not best and c not in rivals and not _contains(c, best)]
+    others = [c for c in ranked if c is not best and c not in rivals and not includes(c.effects, best.effects)]
     if others:
         reasons.append(
             f"The next best, {_title(others[0])}, is {others[0].evidence - best.evidence:.0f} worse in evidence."
@@ -177,11 +177,6 @@ def _accept(ranked: list[Candidate], more: list[Candidate]) -> list[Candidate]:
     return sorted([*ranked, *leads, *follows], key=lambda c: c.evidence)
 
 
-def _contains(bigger: Candidate, smaller: Candidate) -> bool:
-    """Tell whether every effect of `smaller` is in `bigger` or contained in one of its effects."""
-    return all(any(e.name == b.name or e.name in b.contains for b in bigger.effects) for e in smaller.effects)
-
-
 def _rivals(ground: Ground, ranked: list[Candidate]) -> list[Candidate]:
     """Candidates that the data do not tell from the best."""
     best = ranked[0]
@@ -189,7 +184,7 @@ def _rivals(ground: Ground, ranked: list[Candidate]) -> list[Candidate]:
     for other in ranked[1:]:
         if len(other.effects) > len(best.effects):
             continue
-        if _contains(other, best):
+        if includes(other.effects, best.effects):
             # more general: a rival only where its freedom buys some fit, or where nothing fixes it
             bought = (best.optimum.cost - other.optimum.cost) / ground.floor**2
             near = other.evidence - best.evidence < 2 * _TIE and (bought > _HINT or _is_open(ground, other))

@@ -16,6 +16,8 @@ from stepid.engine.records import Records
 from stepid.engine.search import Ground, Scored, Start
 from stepid.engine.tables import Point
 
+_OPEN = 1e-5  # singular value of a direction that the data leave open: no start moves along it
+
 
 class _Column(NamedTuple):
     effect: Effect
@@ -154,7 +156,7 @@ def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
         if values is None:
             continue
         left = residual - r @ coefficients
-        change = np.linalg.lstsq(upper, q.T @ (residual - seen @ coefficients), rcond=1e-9)[0] / size
+        change = np.linalg.lstsq(upper, q.T @ (residual - seen @ coefficients), rcond=_OPEN)[0] / size
         shared = base.shared.copy()
         shared[problem.free] += change[:n_free]
         shared = np.clip(shared, problem.lower, problem.upper)
