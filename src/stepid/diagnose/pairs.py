@@ -49,6 +49,10 @@ class _Offer(NamedTuple):
     additions: list[Scored]
 
 
+def _offer(base: Contender, additions: list[Scored]) -> _Offer:
+    return _Offer(base, base.cost - additions[0].gain, additions[:_STARTS])
+
+
 def extend(
     ground: Ground, bases: list[Contender], catalogue: tuple[Effect, ...], progress: Progress, *, tried: int = _TRIED
 ) -> list[Contender]:
@@ -68,7 +72,7 @@ def extend(
         for scored in score(ground, base.best, table):
             if not any(_related(scored.effect, e) for e in base.effects):
                 own.setdefault(scored.effect.name, []).append(scored)
-        offers += [_Offer(base, base.best.cost - found[0].gain, found[:_STARTS]) for found in list(own.values())[:tried]]
+        offers += [_offer(base, found) for found in list(own.values())[:tried]]
     contenders: list[Contender] = []
     for offer in sorted(offers, key=lambda o: o.left)[:_MOST]:
         contender = _added(ground, offer, progress)
@@ -117,7 +121,7 @@ def swap(ground: Ground, winner: Contender, catalogue: tuple[Effect, ...], progr
         own = offers[effect][0].gain if effect in offers else 0.0
         foreign = [s for e, s in offers.items() if not any(_related(e, w) for w in winner.effects)]
         for additions in [s for s in foreign if s[0].gain > _TWIN * own][:_SWAPS]:
-            found.append(_added(ground, _Offer(base, base.best.cost - additions[0].gain, additions[:_STARTS]), progress))
+            found.append(_added(ground, _offer(base, additions), progress))
     advance(ground, [winner, *found])
     return found
 
