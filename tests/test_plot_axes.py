@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 import matplotlib as mpl
 import numpy as np
@@ -48,8 +49,18 @@ def test_gaps_of_every_run() -> None:
 def test_trends_say_what_varies_and_what_is_held() -> None:
     _, mine = plt.subplots(2, 4)
     assert plot.trends(cases.trends(), axes=mine) is mine
-    assert mine[0, 0].get_title(loc="left") == "What mass does (medium spring, damper 1/2 turn)"
+    (head,) = mine[0, 0].texts
+    assert head.get_text() == "What mass does (medium spring, damper 1/2 turn)"
     assert all(dressed(a) and a.get_xlabel() and a.get_ylabel() for a in mine.ravel())
+
+
+def test_a_long_head_of_a_trend_pushes_no_axes_away() -> None:
+    plt.close("all")
+    drawn = plot.trends(cases.trends())
+    figure_of(drawn[0, 0]).canvas.draw()
+    places = [one.get_position() for one in drawn[0]]
+    apart = [right.x0 - left.x1 for left, right in pairwise(places)]
+    assert max(apart) < 1.5 * min(apart)
 
 
 def test_panels_of_a_diagnosis_in_a_mosaic() -> None:

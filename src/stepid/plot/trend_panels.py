@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
+from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 
 from stepid.plot.layout import new_figure
@@ -62,8 +63,17 @@ def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
             ax.set_xlim(-0.4, len(one.runs) - 0.6)
             ax.set_xlabel("added mass [kg]" if one.varies == "mass" else f"more {one.varies} →")
             ax.set_ylabel(label)
-        axes[0].set_title(f"What {one.varies} does ({one.held})").set_in_layout(False)  # may be wider than its axes
-        axes[1].set_title(" ")  # keeps its line free
+            ax.set_title(" ")  # keeps the line free for what is wider than its axes; a title would push the next away
+        axes[0].annotate(
+            f"What {one.varies} does ({one.held})",
+            xy=(0, 1),
+            xycoords="axes fraction",
+            xytext=(0, plt.rcParams["axes.titlepad"]),
+            textcoords="offset points",
+            fontsize=plt.rcParams["axes.titlesize"],
+            annotation_clip=False,
+            in_layout=False,
+        )
     return axes
 
 
