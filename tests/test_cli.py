@@ -6,10 +6,12 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import matplotlib as mpl
 import pytest
+from matplotlib import pyplot as plt
 
 import stepid
 from stepid.cli import run
@@ -19,8 +21,10 @@ MANIFEST = Path(stepid.datasets.__file__).parent / "lab" / "campaign.toml"
 
 
 @pytest.fixture(autouse=True)
-def _no_windows() -> None:
+def _no_windows() -> Iterator[None]:
     mpl.use("Agg")
+    yield
+    plt.close("all")  # what a test kept from being saved would be in the next one's way
 
 
 def test_paper_prints_table_2_beside_the_printed_one(capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import pytest
+from matplotlib import pyplot as plt
 
 import diagnosis_example as example
 import stepid
@@ -20,8 +22,10 @@ LAB = Path(stepid.datasets.__file__).parent / "lab" / "campaign.toml"
 
 
 @pytest.fixture(autouse=True)
-def _no_windows() -> None:
+def _no_windows() -> Iterator[None]:
     mpl.use("Agg")
+    yield
+    plt.close("all")  # what a test kept from being saved would be in the next one's way
 
 
 @pytest.fixture
