@@ -43,7 +43,7 @@ def named(*, runs: tuple[str, ...] = RUNS) -> Diagnosis:
     problem = build(records, effects)
     final = minimize(problem, np.append(linear.shared, LEVEL), start_local(problem, linear))
     assert final is not None
-    phases = phases_of(records, linear)
+    phases = phases_of(records, linear, floor)
     gaps = []
     for run, piece in zip(records.runs, records.pieces(), strict=True):
         y, before, after = records.position[piece], linear.residual[piece], final.residual[piece]

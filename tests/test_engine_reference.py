@@ -55,6 +55,25 @@ def test_a_tenth_of_a_count_at_the_papers_sample_time(name: str) -> None:
     assert np.sqrt(np.mean(change**2)) < 0.1
 
 
+def everything(sim: Simulator) -> np.ndarray:
+    return np.ones(sim.n_shared + sim.n_local, dtype=bool)
+
+
+def test_sensitivities_are_those_that_are_wanted() -> None:
+    campaign = exact_campaign({"cubic_stiffness": EFFECTS["cubic_stiffness"]}, SHORT)
+    effects, records = resolve(["cubic_stiffness"]), lay_out(campaign)
+    sim = Simulator(records, effects)
+    shared, local = pack(true_model(campaign, "cubic_stiffness", EFFECTS["cubic_stiffness"]), records, effects)
+    every = sim.solve(shared, local, wanted=everything(sim))
+    some = sim.solve(shared, local, wanted=np.arange(sim.n_shared + sim.n_local) % 2 == 0)
+    assert every is not None
+    assert some is not None
+    assert every.tangent is not None
+    assert some.tangent is not None
+    np.testing.assert_allclose(some.tangent[::2], every.tangent[::2], rtol=1e-9, atol=1e-12)
+    assert not some.tangent[1::2].any()
+
+
 @pytest.mark.parametrize("name", SEVERAL)
 def test_sensitivities_are_the_derivatives_of_the_reading(name: str) -> None:
     values = EFFECTS[name]
@@ -63,13 +82,13 @@ def test_sensitivities_are_the_derivatives_of_the_reading(name: str) -> None:
     sim = Simulator(records, effects)
     shared, local = pack(true_model(campaign, name, values), records, effects)
     near = sim.march(shared[None], local[None])[0]
-    solved = sim.solve(shared, local, start=near)
+    solved = sim.solve(shared, local, start=near, wanted=everything(sim))
     assert solved is not None
     assert solved.shared is not None
     assert solved.local is not None
 
     def reading(moved: np.ndarray, own: np.ndarray) -> np.ndarray:
-        again = sim.solve(moved, own, start=near, sensitive=False)
+        again = sim.solve(moved, own, start=near)
         assert again is not None
         return again.reading
 
@@ -98,7 +117,7 @@ def test_own_states_count_where_a_record_starts_in_motion(name: str) -> None:
     records = replace(still, moving=np.ones_like(still.moving))
     sim = Simulator(records, effects, 4.0)  # fine steps, that the number of substeps does not change on the way
     shared, local = pack(true_model(campaign, name, values), records, effects)
-    solved = sim.solve(shared, local, start=sim.march(shared[None], local[None])[0])
+    solved = sim.solve(shared, local, start=sim.march(shared[None], local[None])[0], wanted=everything(sim))
     assert solved is not None
     assert solved.local is not None
     assert build(records, effects).active[sim.own_states].all()
@@ -108,7 +127,7 @@ def test_own_states_count_where_a_record_starts_in_motion(name: str) -> None:
         step = 1e-7
         up[q] += step
         down[q] -= step
-        ends = [sim.solve(shared, moved, start=solved.states, sensitive=False) for moved in (up, down)]
+        ends = [sim.solve(shared, moved, start=solved.states) for moved in (up, down)]
         assert ends[0] is not None
         assert ends[1] is not None
         slope = (ends[0].reading - ends[1].reading) / (2 * step)
@@ -127,13 +146,13 @@ def test_a_parameter_at_zero_has_a_sensitivity(name: str, parameter: str) -> Non
     effects, records = resolve([name]), lay_out(campaign)
     sim = Simulator(records, effects)
     shared, local = pack(true_model(campaign, name, {**values, parameter: 0.0}), records, effects)
-    solved = sim.solve(shared, local)
+    solved = sim.solve(shared, local, wanted=everything(sim))
     assert solved is not None
     assert solved.shared is not None
     j = sim.n_linear + [q.name for q in effects[0].parameters].index(parameter)
     moved = shared.copy()
     moved[j] = step = 1e-5 * values[parameter]
-    again = sim.solve(moved, local, sensitive=False)
+    again = sim.solve(moved, local)
     assert again is not None
     slope = (again.reading - solved.reading) / step
     assert np.linalg.norm(solved.shared[j] - slope) < 2e-3 * np.linalg.norm(slope)

@@ -111,7 +111,7 @@ def test_an_input_without_steps_drives() -> None:
 def test_phase_rms_is_that_of_the_samples() -> None:
     campaign = stepid.datasets.lab_campaign()
     records, linear, floor = fitted(campaign)
-    where, each = locate(records, linear, floor), phases_of(records, linear)
+    where, each = locate(records, linear, floor), phases_of(records, linear, floor)
     assert list(where.phases) == [p for p in PHASES if p in where.phases]
     residual, total = linear.residual, dict.fromkeys(where.phases, 0.0)
     for name, piece, label in zip(where.runs, records.pieces(), labels(campaign), strict=True):

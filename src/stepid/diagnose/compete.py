@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from stepid.diagnose.candidate import Candidate, polish
 from stepid.effects.base import Effect
 from stepid.engine.displace import resettle
-from stepid.engine.least_squares import Optimum, minimize
+from stepid.engine.least_squares import minimize
 from stepid.engine.problem import start_local
 from stepid.engine.score import columns, promise, score
 from stepid.engine.search import Contender, Ground, Start, race_starts
-from stepid.floor import structure
 
 Progress = Callable[[str], None]
 _FIELD = 8  # effects that race after the first scoring
@@ -25,98 +22,10 @@ _PLAINEST = 16.0  # the same for effects that are hard to score
 _AS_WELL = 4.0  # times the winner's score within which another may explain as much
 _NEAR = 3.0  # times the floor's cost at which a contender runs on at once
 _HOPELESS = 6.0  # times the cost of one that reached the floor
-_ROOM = 6.0  # times the price of the starting displacements that holding them at zero may seem to cost
 _STUCK = 3.0  # χ² by which a simple effect may be worse than one that contains it, before it is tried from there
 _SLOW = 60.0  # χ² by which a law that has just begun may be worse than one it contains
 _WORTH = 0.05  # share of what a simpler effect leaves that a costly general one must promise to take away
 PROMISE = 3.0  # χ² that a more general effect must promise where a simpler one reached the floor
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A set of effects, fitted to all data.
-
-    `evidence` is its χ² plus the price of its parameters (BIC); smaller is better.
-    """
-
-    effects: tuple[Effect, ...]
-    optimum: Optimum
-    evidence: float
-    structure: float
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Canonical names."""
-        return tuple(e.name for e in self.effects)
-
-
-def evidence(optimum: Optimum, floor: float) -> float:
-    """χ² plus log(n) a shared parameter and log(n of the run) a parameter of a run (BIC)."""
-    problem = optimum.problem
-    records = problem.simulator.records
-    counts = np.add.reduceat(records.weight**2, records.first)
-    price = float(problem.free.sum()) * math.log(float(counts.sum()))
-    price += float(np.sum(problem.active * np.log(np.maximum(counts, 2.0))))
-    return optimum.cost / floor**2 + price
-
-
-def candidate(ground: Ground, effects: tuple[Effect, ...], optimum: Optimum) -> Candidate:
-    """Judge a fit."""
-    records = ground.records
-    white = structure(records, optimum.problem.residual(optimum.solved), ground.floor, ground.period)
-    return Candidate(effects, optimum, evidence(optimum, ground.floor), white)
-
-
-def polish(ground: Ground, contender: Contender) -> Candidate | None:
-    """Converge a contender on all samples, with the starting states free and at rest; keep the better."""
-    tolerance = 0.002 * contender.excess if contender.excess > 0.4 * contender.cost else 0.0
-    for _ in range(3):
-        contender.polish(laps=15, tolerance=tolerance)
-        if contender.polished is None or contender.polished.converged:
-            break
-    best = contender.polished
-    if best is None:
-        return None
-    found = candidate(ground, contender.effects, best)
-    problem = best.problem
-    active = problem.active.copy()
-    active[:2] = ground.records.moving
-    active[problem.simulator.own_states] = False
-    if not np.array_equal(active, problem.active):
-        if not _worth_holding(ground, best, active):
-            return found
-        local = np.where(active, best.local, 0.0)
-        held = minimize(
-            replace(problem, active=active),
-            best.shared,
-            local,
-            start=best.solved.states,
-            tolerance=ground.tolerance,
-            iterations=12,
-        )
-        if held is not None:
-            other = candidate(ground, contender.effects, held)
-            if other.evidence < found.evidence:
-                found = other
-    return found
-
-
-def _worth_holding(ground: Ground, best: Optimum, active: npt.NDArray[np.bool_]) -> bool:
-    """Tell whether starting states may be those at rest: by one linearized step, with room for its error."""
-    problem = best.problem
-    jacobian, residual = problem.jacobian(best.solved), problem.residual(best.solved)
-    if not np.isfinite(jacobian).all():  # at a runaway's edge nothing is linear
-        return True
-    where = np.argwhere(problem.active)
-    kept = np.concatenate([np.ones(int(problem.free.sum()), dtype=bool), active[where[:, 0], where[:, 1]]])
-    own = best.local[where[:, 0], where[:, 1]][~kept[-len(where) :]]
-    residual = residual + jacobian[:, ~kept] @ own
-    size = np.linalg.norm(jacobian, axis=0)
-    size[size == 0] = np.inf
-    q = np.linalg.qr((jacobian / size)[:, kept])[0]
-    left = residual - q @ (q.T @ residual)
-    price = own.size * math.log(ground.records.size)
-    return bool(float(left @ left) - best.cost < _ROOM * price * ground.floor**2)
 
 
 def singles(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
@@ -306,8 +215,3 @@ def final(ground: Ground, contenders: list[Contender], *, count: int = 2, spread
                         found[contender] = again
                 break
     return sorted(found.values(), key=lambda c: c.evidence)
-
-
-def linear_candidate(ground: Ground) -> Candidate:
-    """The plain plant as a candidate."""
-    return candidate(ground, (), ground.linear)

@@ -10,7 +10,7 @@ import numpy as np
 
 from stepid._base import Array
 from stepid.diagnose.advise import next_experiment
-from stepid.diagnose.compete import Candidate
+from stepid.diagnose.candidate import Candidate
 from stepid.diagnose.held_out import held_out_residuals
 from stepid.diagnose.locate import locate, phases_of
 from stepid.diagnose.notes import notes_on
@@ -144,7 +144,7 @@ def _report(campaign: Campaign, ground: Ground, judgment: Judgment) -> Diagnosis
         ),
         parameters=estimates(final, effects, floor)[0],
         linear_parameters=estimates(linear, (), floor)[0],
-        where=locate(records, linear, floor),
+        where=locate(records, linear, floor, ground.measured),
         next_experiment=advice,
         reasons=reasons,
         notes=notes_on(campaign, ground, final, effects),
@@ -176,7 +176,7 @@ def _runs(
 ) -> tuple[RunGap, ...]:
     records, linear = ground.records, ground.linear
     before, after = linear.residual, final.residual
-    phases = phases_of(records, linear)
+    phases = phases_of(records, linear, ground.floor, ground.measured)
     out = []
     for i, (run, piece) in enumerate(zip(records.runs, records.pieces(), strict=True)):
         y = records.position[piece]

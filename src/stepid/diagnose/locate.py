@@ -11,18 +11,18 @@ from stepid.diagnose.force import CLEAR, residual_force, shape
 from stepid.diagnose.phases import PHASES, phase_of_samples, phase_rms
 from stepid.diagnose.result import Where
 from stepid.diagnose.wording import sentences
+from stepid.effects.base import Motion
 from stepid.engine.least_squares import Optimum
 from stepid.engine.problem import strongest_period
 from stepid.engine.records import Records
 from stepid.engine.weak import measured_motion
-from stepid.floor import noise_floor
 
 _BINS = 24  # of velocity and of position
 _VARIES = 0.02  # relative spread of what differs between runs
 _LEAST = 6  # samples that make a bin
 
 
-def locate(records: Records, linear: Optimum, floor: float) -> Where:
+def locate(records: Records, linear: Optimum, floor: float, motion: Motion | None = None) -> Where:
     """Say where the linear joint fit and the measurement disagree.
 
     Parameters
@@ -32,13 +32,15 @@ def locate(records: Records, linear: Optimum, floor: float) -> Where:
         The linear joint fit to these records.
     floor : float
         m, noise floor.
+    motion : Motion, optional
+        As measured, where it is known already.
 
     Returns
     -------
     Where
     """
     residual = linear.residual
-    motion = measured_motion(records, linear.shared, floor, strongest_period(records))
+    motion = motion or _motion(records, linear, floor)
     phase = phase_of_samples(records, linear, motion, floor)
     square = residual**2
     phases = {name: _rms(square[phase == i]) for i, name in enumerate(PHASES) if np.any(phase == i)}
@@ -62,12 +64,17 @@ def locate(records: Records, linear: Optimum, floor: float) -> Where:
     )
 
 
-def phases_of(records: Records, linear: Optimum) -> dict[str, dict[str, float]]:
+def phases_of(
+    records: Records, linear: Optimum, floor: float, motion: Motion | None = None
+) -> dict[str, dict[str, float]]:
     """RMS [m] of the linear fit's residual by run name and phase of the response."""
-    floor = noise_floor(records)
-    motion = measured_motion(records, linear.shared, floor, strongest_period(records))
-    found = phase_rms(records, linear.residual, phase_of_samples(records, linear, motion, floor))
+    phase = phase_of_samples(records, linear, motion or _motion(records, linear, floor), floor)
+    found = phase_rms(records, linear.residual, phase)
     return {run.name: phases for run, phases in zip(records.runs, found, strict=True)}
+
+
+def _motion(records: Records, linear: Optimum, floor: float) -> Motion:
+    return measured_motion(records, linear.shared, floor, strongest_period(records))
 
 
 def _rms(square: Array) -> float:

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid._base import Array
-from stepid.diagnose.compete import PROMISE, Candidate, Progress, advance, final, settled
+from stepid.diagnose.candidate import Candidate
+from stepid.diagnose.compete import PROMISE, Progress, advance, final, settled
 from stepid.effects.base import Effect
 from stepid.engine.least_squares import minimize
 from stepid.engine.problem import resonances, start_local

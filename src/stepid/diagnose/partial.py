@@ -6,7 +6,7 @@ from collections import Counter
 
 import numpy as np
 
-from stepid.diagnose.compete import Candidate
+from stepid.diagnose.candidate import Candidate
 from stepid.diagnose.held_out import held_out_residuals
 from stepid.engine.search import Ground
 from stepid.floor import repeats, sensor_noise

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid._base import Array
-from stepid.diagnose.compete import Candidate, candidate, polish
+from stepid.diagnose.candidate import Candidate, candidate, polish
 from stepid.diagnose.pairs import STRONG
 from stepid.engine.least_squares import Optimum, minimize
 from stepid.engine.problem import build

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepid.diagnose.compete import Candidate, Progress, final, includes, linear_candidate, settled, singles, widen
+from stepid.diagnose.candidate import Candidate, linear_candidate
+from stepid.diagnose.compete import Progress, final, includes, settled, singles, widen
 from stepid.diagnose.pairs import STRONG, extend, finish, generalize, pairs, swap
 from stepid.diagnose.partial import partial_lead, same_law
 from stepid.diagnose.result import Verdict

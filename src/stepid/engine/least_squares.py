@@ -24,6 +24,11 @@ class Problem:
     upper: Array
     active: npt.NDArray[np.bool_]  # (Q, R)
 
+    @property
+    def wanted(self) -> npt.NDArray[np.bool_]:
+        """Parameters that are fitted, in any run: only their sensitivities are needed, shape (P + Q,)."""
+        return np.concatenate([self.free, self.active.any(axis=1)])
+
     def residual(self, solved: Solved) -> Array:
         """Measured minus simulated, each run's rest position fitted, times the weights, m."""
         r = self.simulator.records
@@ -76,11 +81,11 @@ class Optimum:
 def evaluate(problem: Problem, shared: Array, local: Array, start: Array | None) -> Solved | None:
     """Solve all records at a point, marching where Newton does not settle."""
     sim = problem.simulator
-    solved = sim.solve(shared, local, start=start)
+    solved = sim.solve(shared, local, start=start, wanted=problem.wanted)
     if solved is None and not sim.law.linear:
         marched = sim.march(shared[None], local[None])[0]
         if np.isfinite(marched).all() and np.abs(marched[0]).max() < 1e3:
-            solved = sim.solve(shared, local, start=marched)
+            solved = sim.solve(shared, local, start=marched, wanted=problem.wanted)
     return solved
 
 
@@ -181,7 +186,7 @@ def evaluate_near(
             run = sim.records.run
             for q in range(sim.n_local):
                 start = start + local_change[q, run] * solved.tangent[sim.n_shared + q]
-    return sim.solve(shared, local, start=start)
+    return sim.solve(shared, local, start=start, wanted=problem.wanted)
 
 
 def _blocked(problem: Problem, shared: Array, jacobian: Array, residual: Array) -> npt.NDArray[np.bool_]:

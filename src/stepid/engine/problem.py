@@ -88,7 +88,7 @@ def start_phases(problem: Problem, shared: Array, local: Array, start: Array | N
             for phase in (0.0, np.pi, np.pi / 2):
                 tried = out.copy()
                 tried[q] = phase
-                solved = sim.solve(shared, tried, start=start, sensitive=False)
+                solved = sim.solve(shared, tried, start=start)
                 if solved is None:
                     return out
                 seen.append(solved.reading)

@@ -112,7 +112,9 @@ def _difference(ground: Ground, effect: Effect, values: tuple[float, ...]) -> Ar
     states = np.zeros((sim.law.n_states, records.size))
     states[:2] = linear.solved.states
     states = sim.remembered(shared, local, states)
-    solved = sim.solve(shared, local, start=states)
+    wanted = problem.wanted
+    wanted[: sim.n_linear] = False
+    solved = sim.solve(shared, local, start=states, wanted=wanted)
     if solved is None or solved.shared is None or solved.local is None:
         return None
     parts = [(solved.reading - linear.solved.reading)[:, None]]
@@ -179,10 +181,10 @@ def promise(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], start: 
     known = inner.problem.simulator.own_states.start
     local[:known] = inner.local[:known]
     states = sim.remembered(shared, local, states)
-    solved = sim.solve(shared, local, start=states, sensitive=False)
+    solved = sim.solve(shared, local, start=states)
     if solved is None:
         marched = sim.march(shared[None], local[None])[0]
-        solved = sim.solve(shared, local, start=marched, sensitive=False)
+        solved = sim.solve(shared, local, start=marched)
     if solved is None or not np.isfinite(solved.reading).all():
         return np.inf  # cannot tell: let it race
     jacobian = inner.problem.jacobian(inner.solved)

@@ -45,7 +45,8 @@ class Ground:
         self.scales: Scales = scales(records, linear, floor)
         self.columns: dict[Effect, list[Any]] = {}  # of `stepid.engine.score`, kept for the next race
         self.period = period = strongest_period(records)
-        self.motion: Motion = measured_motion(records, linear.shared, floor, period)
+        self.measured: Motion = measured_motion(records, linear.shared, floor, period)
+        self.motion = self.measured
         if linear.rms < 4 * floor:  # the fit is better known than the noisy velocity
             x, v = linear.solved.states[:2]
             self.motion = self.motion._replace(x=x, v=v, sign=np.where(v < 0, -1.0, 1.0))

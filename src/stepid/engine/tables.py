@@ -39,9 +39,11 @@ class Tables:
     # ---- magnitudes -----------------------------------------------------------------------------------------------
 
     def steps(self, shared: Array) -> Array:
-        """Finite-difference steps of the shared parameters."""
-        out: Array = 1e-6 * np.maximum(np.abs(shared), 1e-2 * self.typical(shared))
-        return out
+        """Finite-difference steps of the shared and the local parameters, shape (P + Q,)."""
+        local = np.full(self.n_local, 1e-6)
+        local[:2] = 1e-6 * self._scale, 1e-5 * self._scale
+        local[self.own_states] = 1e-6 * self._scale
+        return np.concatenate([1e-6 * np.maximum(np.abs(shared), 1e-2 * self.typical(shared)), local])
 
     def typical(self, shared: Array) -> Array:
         """Magnitudes by which the shared parameters are judged."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from scipy.linalg import lapack
 
 from stepid._base import Array
@@ -20,6 +21,8 @@ from stepid.engine.law import LENGTH
 from stepid.engine.records import Records
 from stepid.engine.tables import Point, Tables
 
+Mask = npt.NDArray[np.bool_]
+
 _ITERATIONS = 14
 _TOLERANCE = 1e-9  # m and m/s·s: far below a count
 _FAR = 1e3  # states this many times larger than the data are a runaway
@@ -29,7 +32,7 @@ class Solved(NamedTuple):
     """A solved trajectory.
 
     States (d, S), reading (S,), its sensitivities to the shared (P, S) and local (Q, S) parameters, and the tangents of
-    the states to all of them (P + Q, d, S); None where not wanted.
+    the states to all of them (P + Q, d, S); None where not wanted, zero by parameters that are not.
     """
 
     states: Array
@@ -55,8 +58,6 @@ class Simulator(Tables):
         w = np.median(records.sample_time)
         self._eps = np.array([1e-7, 1e-7 / w * 0.1] + [1e-7] * (self.law.n_states - 2)) * self._scale
         self._eps[2 : self.law.n_rates] = 1e-6 * max(self._scale, 1e-3)
-
-    # ---- one step of everything -------------------------------------------------------------------------------
 
     def _stages(self, point: Point) -> list[_Stage]:
         """Lane tables and exact steps of each part of a sample."""
@@ -116,8 +117,6 @@ class Simulator(Tables):
         psi = self._step(stages, copies.reshape(d, -1), np.tile(index, d + 1)).reshape(d, d + 1, n)
         return psi[:, 0], (psi[:, 1:] - psi[:, :1]) / self._eps[None, :, None]
 
-    # ---- all samples at once --------------------------------------------------------------------------------------
-
     def band(self, slope: Array) -> Array:
         """Banded matrix of the chained steps for slopes (d, d, S), as LAPACK's dtbtrs takes it."""
         d, size = self.law.n_states, self.records.size
@@ -133,6 +132,8 @@ class Simulator(Tables):
     def triangular(self, band: Array, rhs: Array) -> Array:
         """Solve for stacked right-hand sides, shape (n, d, S) in and out."""
         n, d, size = rhs.shape
+        if not n:
+            return rhs
         b = np.asfortranarray(rhs.transpose(2, 1, 0).reshape(size * d, n))
         x, info = lapack.dtbtrs(band, b, uplo="L", diag="U", overwrite_b=1)
         if info:
@@ -176,7 +177,7 @@ class Simulator(Tables):
         return out
 
     def solve(
-        self, shared: Array, local: Array, *, start: Array | None = None, sensitive: bool = True
+        self, shared: Array, local: Array, *, start: Array | None = None, wanted: Mask | None = None
     ) -> Solved | None:
         """Solve all records for parameter values.
 
@@ -186,8 +187,8 @@ class Simulator(Tables):
         local : array, shape (Q, R)
         start : array, shape (d, S), optional
             A nearby trajectory.
-        sensitive : bool
-            Whether sensitivities are wanted.
+        wanted : array of bool, shape (P + Q,), optional
+            Parameters to which sensitivities are wanted; none at all by default.
 
         Returns
         -------
@@ -197,11 +198,11 @@ class Simulator(Tables):
         point = Point(shared[None], local[None])
         with np.errstate(all="ignore"):
             try:
-                return self._newton(point, self.guess() if start is None else start, sensitive)
+                return self._newton(point, self.guess() if start is None else start, wanted)
             except (FloatingPointError, np.linalg.LinAlgError):
                 return None
 
-    def _newton(self, point: Point, z: Array, sensitive: bool) -> Solved | None:
+    def _newton(self, point: Point, z: Array, wanted: Mask | None) -> Solved | None:
         initial = self.initial(point)[:, 0]
         limit = _FAR * self._scale
         weight = np.array([1.0, 0.01] + [1.0] * (self.law.n_states - 2))[:, None]
@@ -229,7 +230,7 @@ class Simulator(Tables):
         else:
             return None
         reading = z[0] + self._reading(point)[0]
-        return self._sensitivities(point, z, band, reading) if sensitive else Solved(z, reading)
+        return Solved(z, reading) if wanted is None else self._sensitivities(point, z, band, reading, wanted)
 
     def march(self, shared: Array, local: Array) -> Array:
         """Solve sample by sample from each record's start: slower, but it needs no start and cannot fail to settle.
@@ -272,29 +273,28 @@ class Simulator(Tables):
         out: Array = self._reading(Point(shared[None], local[None]))[0]
         return out
 
-    def _sensitivities(self, point: Point, z: Array, band: Array, reading: Array) -> Solved:
-        p, q = self.n_shared, self.n_local
-        shared = np.repeat(point.shared, 1 + p + q, 0)
-        local = np.repeat(point.local, 1 + p + q, 0)
-        steps = np.concatenate([self.steps(point.shared[0]), np.full(q, 1e-6)])
-        steps[p : p + 2] = 1e-6 * self._scale, 1e-5 * self._scale
-        begin = p + self.own_states.start
-        steps[begin:] = 1e-6 * self._scale
-        for j in range(p):
-            shared[1 + j, j] += steps[j]
-        for j in range(q):
-            local[1 + p + j, j] += steps[p + j]
+    def _sensitivities(self, point: Point, z: Array, band: Array, reading: Array, wanted: Mask) -> Solved:
+        p, columns = self.n_shared, np.flatnonzero(wanted)
+        n = columns.size
+        steps = self.steps(point.shared[0])[columns]
+        shared, local = np.repeat(point.shared, 1 + n, 0), np.repeat(point.local, 1 + n, 0)
+        first = int(np.sum(columns < p))
+        shared[np.arange(first) + 1, columns[:first]] += steps[:first]
+        local[np.arange(first, n) + 1, columns[first:] - p] += steps[first:, None]
         many = Point(shared, local)
         start = self.initial(many)
-        rhs = np.zeros((p + q, z.shape[0], self.records.size))
-        own = [0, *range(1, p + 1), *range(p + 3, 1 + begin)]  # the starting state acts at the start only
-        copies = np.repeat(z[:, None], len(own), axis=1).reshape(z.shape[0], -1)
-        psi = self._step(self._stages(Point(shared[own], local[own])), copies).reshape(z.shape[0], len(own), -1)
-        column = np.array(own[1:]) - 1
-        moved = (psi[:, 1:] - psi[:, :1]).transpose(1, 0, 2) / steps[column, None, None]
-        rhs[column, :, 1:] = moved[..., :-1]
+        rhs = np.zeros((n, z.shape[0], self.records.size))
+        begin = (columns == p) | (columns == p + 1) | (columns >= p + self.own_states.start)
+        own = np.flatnonzero(~begin)  # the starting state acts at the start only
+        some = np.append(0, own + 1)
+        copies = np.repeat(z[:, None], some.size, axis=1).reshape(z.shape[0], -1)
+        psi = self._step(self._stages(Point(shared[some], local[some])), copies).reshape(z.shape[0], some.size, -1)
+        moved = (psi[:, 1:] - psi[:, :1]).transpose(1, 0, 2) / steps[own, None, None]
+        rhs[own, :, 1:] = moved[..., :-1]
         rhs[..., self.records.first] = (start[:, 1:] - start[:, :1]).transpose(1, 0, 2) / steps[:, None, None]
         shown = self._reading(many)
-        tangent = self.triangular(band, rhs)
-        seen = tangent[:, 0] + (shown[1:] - shown[:1]) / steps[:, None]
+        tangent = np.zeros((wanted.size, *z.shape))
+        tangent[columns] = self.triangular(band, rhs)
+        seen = tangent[:, 0].copy()
+        seen[columns] += (shown[1:] - shown[:1]) / steps[:, None]
         return Solved(z, reading, seen[:p], seen[p:], tangent)
