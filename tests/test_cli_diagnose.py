@@ -92,11 +92,18 @@ def test_progress_is_shown_on_a_terminal(
     monkeypatch.delenv("NO_COLOR", raising=False)
     monkeypatch.setenv("FORCE_COLOR", "1")
     seen: list[str] = []
+    ready = stepid.diagnose
+
+    def search(campaign: stepid.Campaign, *, progress: Any) -> Diagnosis:
+        progress("linear fit")
+        time.sleep(0.3)  # several times what the line needs to be drawn
+        return ready(campaign, progress=progress)
 
     def draw(*_: object) -> None:
         time.sleep(0.3)
         seen.append(capsys.readouterr().err)
 
+    monkeypatch.setattr(stepid, "diagnose", search)
     monkeypatch.setattr("stepid.plot.save", draw)
     monkeypatch.setattr("stepid.report.write.write_all", draw)
     assert run(["diagnose", str(manifest), "--out", str(tmp_path / "out [1]")]) == 0
