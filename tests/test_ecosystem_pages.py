@@ -15,7 +15,7 @@ import diagnosis_example as example
 import stepid
 from stepid.cli import app, run
 from stepid.effects import CATALOGUE
-from stepid.report.plain import FORMAT
+from stepid.report.json_values import FORMAT
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 COMMAND_LINE = (DOCS / "how-to" / "command-line.md").read_text(encoding="utf-8")

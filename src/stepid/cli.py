@@ -90,8 +90,8 @@ def _root(
 def paper(out: Out = None, as_json: Json = False) -> None:
     """Rebuild Burchett's Table 2 and Eqs. 12 to 15 beside the printed ones, name the misprints, draw the figures."""
     from stepid.report import as_text, paper_report
-    from stepid.report.folder import staged
-    from stepid.report.plain import paper_values
+    from stepid.report.json_values import paper_values
+    from stepid.staging import staged
 
     rebuilt = stepid.rebuild_paper()
     sections = paper_report(rebuilt)
@@ -119,8 +119,9 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
     """Find masses, stiffness and damping by the paper's method, and verify them against the records."""
     from stepid.identification import characterize_campaign
     from stepid.report import as_text, identify_report
-    from stepid.report.folder import file_names, staged
-    from stepid.report.plain import identify_values
+    from stepid.report.file_names import file_names
+    from stepid.report.json_values import identify_values
+    from stepid.staging import staged
 
     read = stepid.read_campaign(campaign)
     parameters = stepid.identify(read)
@@ -154,10 +155,10 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
 def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False, quiet: Quiet = False) -> None:
     """Say whether a linear model is adequate, and if not, which effect is missing; show the gap before and after."""
     from stepid.report import as_text, diagnosis_report
-    from stepid.report.folder import staged
-    from stepid.report.plain import diagnosis_values
+    from stepid.report.json_values import diagnosis_values
     from stepid.report.provenance import of_files
     from stepid.report.write import write_all
+    from stepid.staging import staged
 
     written: list[Path] = []
     read = stepid.read_campaign(campaign)

@@ -1,11 +1,9 @@
-"""File names for results; `staged` writes them all at once or not at all."""
+"""File names for results."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-
-from stepid.staging import staged as staged
 
 
 def file_names(runs: Iterable[str]) -> dict[str, str]:
