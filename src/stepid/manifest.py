@@ -7,78 +7,90 @@ import math
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, TypeVar
 
 from stepid.errors import InputError
 from stepid.step_input import StepInput
 
 
-def _text(value: object) -> object:
-    return value if isinstance(value, str) and value else _bad("text that is not empty")
+class _WantedError(Exception):
+    """What a value should have been."""
 
 
-def _number(value: object) -> object:
+def _text(value: object) -> str:
+    if not (isinstance(value, str) and value):
+        raise _WantedError("text that is not empty")
+    return value
+
+
+def _number(value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        return _bad("a number")
+        raise _WantedError("a number")
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
-    return number if math.isfinite(number) else _bad("a finite number")
-
-
-def _positive(value: object) -> object:
-    number = _number(value)
-    return number if isinstance(number, _Bad) or (isinstance(number, float) and number > 0) else _bad("above zero")
-
-
-def _mass(value: object) -> object:
-    number = _number(value)
-    if isinstance(number, float) and number < 0:
-        return _bad("the mass in kg that was added, 0 or more")
+    if not math.isfinite(number):
+        raise _WantedError("a finite number")
     return number
 
 
-def _scale(value: object) -> object:
+def _positive(value: object) -> float:
     number = _number(value)
-    return _bad("a number other than zero") if number == 0 else number
+    if number <= 0:
+        raise _WantedError("above zero")
+    return number
 
 
-def _whole(value: object) -> object:
-    return value if isinstance(value, int) and not isinstance(value, bool) else _bad("a whole number")
+def _mass(value: object) -> float:
+    number = _number(value)
+    if number < 0:
+        raise _WantedError("the mass in kg that was added, 0 or more")
+    return number
 
 
-def _column(value: object) -> object:
-    ok = isinstance(value, str | int) and not isinstance(value, bool)
-    return value if ok else _bad("a column's name or its index from 0")
+def _scale(value: object) -> float:
+    number = _number(value)
+    if number == 0:
+        raise _WantedError("a number other than zero")
+    return number
 
 
-def _texts(value: object) -> object:
-    ok = isinstance(value, list) and value and all(isinstance(v, str) and v for v in value)
-    return tuple(value) if ok and isinstance(value, list) else _bad("a list of texts")
+def _whole(value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise _WantedError("a whole number")
+    return value
 
 
-def _format(value: object) -> object:
-    return value if value in ("ecp", "table") else _bad('"ecp" (the default) or "table" (CSV or any delimited text)')
+def _column(value: object) -> str | int:
+    if isinstance(value, bool) or not isinstance(value, str | int):
+        raise _WantedError("a column's name or its index from 0")
+    return value
 
 
-def _step(value: object) -> object:
+def _texts(value: object) -> tuple[str, ...]:
+    if not (isinstance(value, list) and value and all(isinstance(v, str) and v for v in value)):
+        raise _WantedError("a list of texts")
+    return tuple(value)
+
+
+def _format(value: object) -> str:
+    if value not in ("ecp", "table"):
+        raise _WantedError('"ecp" (the default) or "table" (CSV or any delimited text)')
+    return str(value)
+
+
+def _step(value: object) -> StepInput:
     if not isinstance(value, dict) or "level" not in value or not value.keys() <= {"level", "start", "end"}:
-        return _bad("a table like { level = 0.5, start = 0.0 }, in V and s (end is optional)")
-    numbers = {key: _number(v) for key, v in value.items()}
-    if any(isinstance(v, _Bad) for v in numbers.values()):
-        return _bad("a table of numbers like { level = 0.5, start = 0.0 }")
-    return StepInput(**numbers)  # type: ignore[arg-type]
+        raise _WantedError("a table like { level = 0.5, start = 0.0 }, in V and s (end is optional)")
+    try:
+        numbers = {key: _number(v) for key, v in value.items()}
+    except _WantedError:
+        raise _WantedError("a table of numbers like { level = 0.5, start = 0.0 }") from None
+    return StepInput(**numbers)
 
 
-class _Bad(str):
-    """What a value should have been."""
-
-
-def _bad(wanted: str) -> _Bad:
-    return _Bad(wanted)
-
-
+T = TypeVar("T")
 Check = Callable[[object], object]
 CAMPAIGN: Mapping[str, Check] = {"name": _text, "weight_uncertainty": _positive}
 _SHARED: Mapping[str, Check] = {
@@ -171,9 +183,7 @@ _ONLY = {
 def _run(run: dict[str, Any], defaults: dict[str, Any], index: int, where: str) -> tuple[str, dict[str, Any]]:
     who = f"{where}, run {run['name']!r}" if isinstance(run.get("name"), str) else f"{where}, experiment {index + 1}"
     kind = run.get("format", defaults.get("format", "ecp"))
-    if isinstance(wanted := _format(kind), _Bad):
-        raise InputError(f"{who}: format is {_shown(kind)}", f"It must be {wanted}.")
-    known = KEYS[kind]
+    known = KEYS[_right(_format, "format", kind, who)]
     if kind == "ecp" and (only := [key for key in run if key in TABLE and key not in EXPORT]):
         raise InputError(f"{who}: the key {only[0]!r} is for tables", _ONLY["table"][1])
     said = {"step", "input"} & run.keys()  # one takes the place of the other
@@ -199,9 +209,7 @@ def _checked(
             near = get_close_matches(key, checks, n=1, cutoff=0.5)
             known = f"Did you mean {near[0]!r}?" if near else f"Known keys: {', '.join(checks)}."
             raise InputError(f"{who}: unknown key {key!r}", known)
-        result[key] = checks[key](value)
-        if isinstance(result[key], _Bad):
-            raise InputError(f"{who}: {key} is {_shown(value)}", f"It must be {result[key]}.")
+        result[key] = _right(checks[key], key, value, who)
     missing = [key for key in required if key not in result]
     if missing:
         place = "; above the first [[experiment]] it is for all runs" if missing[0] in DEFAULTS else ""
@@ -209,9 +217,13 @@ def _checked(
     return result
 
 
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+def _right(check: Callable[[object], T], key: str, value: object, who: str) -> T:
+    try:
+        return check(value)
+    except _WantedError as wanted:
+        text = repr(value)
+        shown = text if len(text) <= 60 else text[:57] + "..."
+        raise InputError(f"{who}: {key} is {shown}", f"It must be {wanted}.") from None
 
 
 def render_manifest(campaign: Mapping[str, object], experiments: Sequence[Mapping[str, object]]) -> str:
