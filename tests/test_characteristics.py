@@ -8,7 +8,7 @@ import pytest
 import stepid
 from closed_form import SAMPLE_TIME, Plant, make_run
 from stepid import characteristics as ch
-from stepid.second_order import settling_time
+from stepid.second_order import damping_ratio_slope, settling_time
 
 PLANT = Plant(base_mass=0.954, stiffness=216.2, damping=14.0)
 ADDED = (0.0, 0.5, 1.5, 2.0)
@@ -45,6 +45,9 @@ def test_formulas_are_inverse_to_each_other() -> None:
         assert ch.damping_ratio(ch.overshoot_of(ratio)) == pytest.approx(ratio, rel=1e-12)
     assert ch.overshoot_of(0.48781) == pytest.approx(0.17281, abs=1e-5)  # reading notes, case 4
     assert ch.damped_frequency(0.23903) == pytest.approx(np.pi / 0.23903)
+    for overshoot in (0.01, 0.17, 0.6):  # the closed derivative against a central difference
+        difference = (ch.damping_ratio(overshoot + 1e-6) - ch.damping_ratio(overshoot - 1e-6)) / 2e-6
+        assert damping_ratio_slope(overshoot, ch.damping_ratio(overshoot)) == pytest.approx(difference, rel=1e-6)
     assert ch.overshoot(1.25, 1.0) == 0.25
     assert ch.static_gain(-0.018, -0.5) == pytest.approx(0.036)
 

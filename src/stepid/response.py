@@ -12,7 +12,13 @@ from pydantic import model_validator
 from stepid._base import Finite, Label, Model, NonNegative, Positive
 from stepid._table import html_table, text_table
 from stepid.estimate import format_value
-from stepid.second_order import damped_fraction, damped_frequency, damping_ratio, natural_frequency
+from stepid.second_order import (
+    damped_fraction,
+    damped_frequency,
+    damping_ratio,
+    damping_ratio_slope,
+    natural_frequency,
+)
 
 
 class CharacteristicsUncertainty(Model):
@@ -193,8 +199,7 @@ def _propagate(data: Mapping[str, Any], given: CharacteristicsUncertainty) -> Ch
     if given.peak_time is not None and "damped_frequency" not in given.model_fields_set:
         fields["damped_frequency"] = w**2 / math.pi * given.peak_time
     if given.overshoot is not None and "damping_ratio" not in given.model_fields_set and _number(data, "overshoot"):
-        # dζ/dM_p = −(1 − ζ²)^(3/2)/(π M_p)
-        fields["damping_ratio"] = (1 - z**2) ** 1.5 / (math.pi * data["overshoot"]) * given.overshoot
+        fields["damping_ratio"] = abs(damping_ratio_slope(data["overshoot"], z)) * given.overshoot
     if "natural_frequency" not in given.model_fields_set:
         a, b = fields["damped_frequency"] / w, z * fields["damping_ratio"] / (1 - z**2)
         rho = data.get("correlation", 0.0) if _number(data, "correlation") else 0.0

@@ -57,6 +57,24 @@ def damping_ratio(overshoot: float) -> float:
     return decrement / math.hypot(decrement, math.pi)
 
 
+def damping_ratio_slope(overshoot: float, damping_ratio: float) -> float:
+    """Derivative of the damping ratio by the overshoot, by which errors of the one pass to the other (Eq. 8).
+
+    Parameters
+    ----------
+    overshoot : float
+        Decimal fraction M_p, above 0.
+    damping_ratio : float
+        At least 0 and below 1.
+
+    Returns
+    -------
+    float
+        dζ/dM_p = −(1 − ζ²)^(3/2)/(π M_p), below zero.
+    """
+    return -(damped_fraction(damping_ratio) ** 3) / (math.pi * overshoot)
+
+
 def overshoot_of(damping_ratio: float) -> float:
     """Overshoot M_p = exp(−ζπ/√(1 − ζ²)) of a damping ratio, the inverse of Eq. 8.
 

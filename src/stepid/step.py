@@ -12,7 +12,7 @@ from stepid.experiment import Experiment
 from stepid.noise import apparent_resolution, noise_level
 from stepid.peak import Peak
 from stepid.response import Characteristics, CharacteristicsUncertainty
-from stepid.second_order import damped_frequency, damping_ratio
+from stepid.second_order import damped_frequency, damping_ratio, damping_ratio_slope
 from stepid.settle import last_swing, settling_time_measured, steady_state
 from stepid.steps import Step
 
@@ -109,7 +109,7 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
 
     ring = _ringing(experiment, step, found.time, noise) / level
     time_spread = math.hypot(found.time_uncertainty, found.time * ring / math.pi / math.sqrt(2))
-    slope = (1 - ratio**2) ** 1.5 / (math.pi * excess)  # −dζ/dM_p
+    slope = abs(damping_ratio_slope(excess, ratio))
     frequency_spread = frequency**2 / math.pi * time_spread
     first = math.hypot(found.height_uncertainty, tail.uncertainty) / level * slope
     tail_spread = math.hypot(
