@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from stepid._base import Matrix, Model, NonNegative
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.engine.least_squares import Optimum
@@ -22,6 +20,7 @@ from stepid.experiment import Campaign
 from stepid.floor import enough, noise_floor, repeat_notes, weights
 from stepid.frames import parameter_frame
 from stepid.model import PlantModel
+from stepid.noise import rms
 from stepid.screen import screen
 from stepid.simulate import unpack
 from stepid.suspects import find_suspect
@@ -195,10 +194,7 @@ def report(optimum: Optimum, effects: tuple[Effect, ...], floor: float, *, notes
         model=unpack(optimum, effects),
         rms=optimum.rms,
         noise=floor,
-        run_rms={
-            run.name: float(np.sqrt(np.mean(residual[piece] ** 2)))
-            for run, piece in zip(records.runs, records.pieces(), strict=True)
-        },
+        run_rms={run.name: rms(residual[piece]) for run, piece in zip(records.runs, records.pieces(), strict=True)},
         correlation=correlation,
         converged=optimum.converged,
         notes=notes,

@@ -9,6 +9,7 @@ import numpy as np
 from stepid._base import Array
 from stepid.engine.records import Records
 from stepid.experiment import Experiment
+from stepid.noise import rms
 
 _ORDER = 8  # of the differences: a swing sampled 12 times a period leaves 1e-5 of itself
 _CLIP = 3.5  # kinks and jumps beyond so many standard deviations do not count
@@ -55,7 +56,7 @@ def sensor_noise(records: Records) -> float:
         spread = float(np.std(d))
     for _ in range(4):
         kept = d[np.abs(d) <= _CLIP * spread]
-        spread = float(np.sqrt(np.mean(kept**2))) * 1.0023 if kept.size else spread
+        spread = rms(kept) * 1.0023 if kept.size else spread
     return max(spread, least, 1e-12)
 
 

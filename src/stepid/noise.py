@@ -1,4 +1,4 @@
-"""How noisy a record is, read off the record itself."""
+"""How large residuals are, and how noisy a record is, read off the record itself."""
 
 from __future__ import annotations
 
@@ -9,6 +9,11 @@ import numpy as np
 from stepid._base import Array
 
 _ORDER = 6  # a settled ring-down of 11 samples a half period leaves 5e-4 of its swing in sixth differences
+
+
+def rms(values: Array) -> float:
+    """Root mean square, in the unit of the values, shape (n,)."""
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def noise_level(position: Array, *, resolution: float | None = None) -> float:

@@ -10,6 +10,7 @@ from stepid._base import Array
 from stepid.characteristics import characterize, characterize_each
 from stepid.errors import IdentificationError
 from stepid.experiment import Campaign, Experiment
+from stepid.noise import rms
 from stepid.parameters import IdentifiedParameters
 from stepid.response import Characteristics
 from stepid.second_order import settling_time
@@ -155,14 +156,10 @@ def _compared(
         measured=measured,
         simulated=simulated,
         fit_percent=fit_percent(measured, simulated),
-        rms=_rms(error),
-        rms_before_peak=None if peak is None else _rms(error[: peak + 1]),
-        rms_after_peak=None if peak is None else _rms(error[peak + 1 :]),
+        rms=rms(error),
+        rms_before_peak=None if peak is None else rms(error[: peak + 1]),
+        rms_after_peak=None if peak is None else rms(error[peak + 1 :]),
         peak_time=None if peak is None else float(time[peak]),
         settling_time_measured=settles,
         settling_time_simulated=model_settles,
     )
-
-
-def _rms(error: Array) -> float:
-    return float(np.sqrt(np.mean(error**2)))

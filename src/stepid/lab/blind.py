@@ -24,6 +24,7 @@ from stepid.lab.choice import Choice, Draw, chosen_for, stream
 from stepid.lab.hide import Start, campaign_of, linear_misfit, model_of, respond, sized
 from stepid.lab.rig import Plant, Rig, draw_plant
 from stepid.model import EffectModel, PlantModel
+from stepid.noise import rms
 from stepid.simulate import pack
 
 _NAME = re.compile(r"\w(?:[\w .+-]{0,38}\w)?")  # of a group: also a folder's
@@ -168,7 +169,7 @@ def _one(
     read = _read(rig, respond(rig, model, catalogue=catalogue, inputs=noisy), own("reading"))
     campaign = campaign_of(rig, positions=read, name=f"group {group}")
     error = np.concatenate([x - y - np.mean(x - y) for x, y in zip(read, exact, strict=True)])
-    random = max(float(np.sqrt(np.mean(error**2))), rounding)
+    random = max(rms(error), rounding)
     values = dict(zip(rig.labels, plant, strict=True))
     units = dict(zip(rig.labels, _UNITS, strict=True))
     for (effect, _), own_values in zip(chosen, effects, strict=True):
