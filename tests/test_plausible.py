@@ -3,10 +3,15 @@
 import numpy as np
 import pytest
 
+import stepid
+from closed_form import Plant, make_run
 from exports import write
 from stepid import Experiment, StepInput, read_table
 from stepid.errors import InputError
+from stepid.plausible import check_speed
 from test_table import CM, T, U, text
+
+PLANT = Plant(base_mass=0.954, stiffness=216.2, damping=14.0)
 
 
 @pytest.mark.parametrize(("name", "scale"), [("position_mm", "0.001"), ("x [cm]", "0.01"), ("travel (um)", "1e-06")])
@@ -45,6 +50,26 @@ def test_a_scale_the_wrong_way_round_is_named(tmp_path, name, scale, factor, mes
     file = write(tmp_path / "run.csv", text(T, CM * factor, U, mark=",", head=f"t,{name},u"))
     with pytest.raises(InputError, match=message):
         read_table(file, time="t", position=name, input="u", position_scale=scale)
+
+
+@pytest.mark.parametrize("use", [stepid.identify, stepid.fit, stepid.diagnose])
+def test_millimeters_taken_for_meters(use):
+    """Under a neutral name nothing else shows them: a cart that swings 25 m, 3 times a second."""
+    runs = [make_run(PLANT, added, name=f"{added:g} kg") for added in (0.0, 0.5)]
+    wrong = [run.model_copy(update={"position": 1e3 * run.position}) for run in runs]
+    with pytest.raises(InputError, match=r"run '0 kg': its positions move at 1\d\d m/s, which is no plant's speed"):
+        use(stepid.Campaign(name="mm", experiments=wrong))
+
+
+def test_speed_is_that_of_the_plant_and_not_of_its_readings():
+    """A heavy rig's swing of meters, a coarse sensor at 100 kHz and lost readings are no reason to refuse."""
+    rng = np.random.default_rng(1)
+    time = 1e-5 * np.arange(4000)
+    rig = 5.0 * (1 - np.cos(20.0 * time)) + 1e-3 * rng.standard_normal(time.size)
+    rig[[500, 1700]] = 0.0, 90.0
+    check_speed(rig, 1e-5, "the rig's positions")
+    with pytest.raises(InputError, match=r"the rig's positions move at .* Positions are in meters, time in seconds"):
+        check_speed(rig, 1e-6, "the rig's positions")
 
 
 @pytest.mark.parametrize(

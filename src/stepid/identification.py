@@ -7,6 +7,7 @@ from stepid.errors import IdentificationError, UndeterminedError
 from stepid.experiment import Campaign, Experiment, MassOffset
 from stepid.parameters import IdentifiedParameters, StackedSystem
 from stepid.peak import Peak
+from stepid.plausible import check_speed
 from stepid.pooling import pool_steps
 from stepid.response import Characteristics
 from stepid.solution import solve
@@ -40,6 +41,8 @@ def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | N
     ------
     stepid.errors.UndeterminedError
         If the runs that are left do not fix the parameters; the message says what to add.
+    stepid.errors.InputError
+        If positions cannot be meters: they move faster than 100 m/s.
 
     Notes
     -----
@@ -93,10 +96,16 @@ def characterize_campaign(
     -------
     tuple
         Run name to `Characteristics`, and run name to the reason why there are none.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If positions cannot be meters.
     """
     used: dict[str, Characteristics] = {}
     excluded: dict[str, str] = {}
     for experiment in campaign.experiments:
+        check_speed(experiment.position, experiment.sample_time, f"run {experiment.name!r}: its positions")
         try:
             used[experiment.name] = _readable(experiment, peak)
         except IdentificationError as error:

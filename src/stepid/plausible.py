@@ -1,4 +1,4 @@
-"""What a table's columns plainly are not: SI units by their names, meters by travel, a release beside an input."""
+"""What data plainly are not: SI units by a column's name, meters by travel or speed, a release beside an input."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from stepid.errors import InputError
 
 FARTHEST = 100.0  # m; no teaching plant travels so far, but counts taken for meters do
 NEAREST = 1e-8  # m; nor does one travel less than this
+FASTEST = 100.0  # m/s; nor does one move so fast, but the millimeters of a cart taken for meters do
+_APART = 8  # samples over which speed is measured, so that noise has none; single lost readings do not count either
+UNIT = "Positions are in meters, time in seconds: divide counts by counts_per_meter, or give position_scale."
 NO_COLUMN = "StepInput(level=…), in a manifest step = { level = … } (V; 0.0 for a free release)"
 _UNITS = {  # SI units per unit, by what a column may be called
     "position": {"mm": "0.001", "cm": "0.01", "um": "1e-06", "µm": "1e-06"},
@@ -57,14 +60,20 @@ def check_si(role: str, column: str) -> None:
         )
 
 
-def check_travel(meters: Array, scale: float, where: str) -> None:
-    """Refuse a scale that was given where it makes of the record what no plant travels."""
-    travel = float(np.ptp(meters)) if abs(scale) != 1.0 and np.isfinite(meters).all() else 0.0
+def check_travel(meters: Array, who: str, remedy: str) -> None:
+    """Refuse positions, shape (n,), that span what no plant travels; `who` says whose they are, for the error."""
+    with np.errstate(over="ignore"):
+        travel = float(np.ptp(meters))
     if travel > FARTHEST or 0 < travel < NEAREST:
-        raise InputError(
-            f"{where}: with position_scale = {scale:g} the positions span {travel:.3g} m, which is no plant's travel",
-            "Give it in meters per unit of the column: 0.001 for mm, 1 / counts_per_meter for counts.",
-        )
+        raise InputError(f"{who} span {travel:.3g} m, which is no plant's travel", remedy)
+
+
+def check_speed(meters: Array, sample_time: float, who: str) -> None:
+    """Refuse positions, shape (n,), that move as fast as no plant; `who` says whose they are, for the error."""
+    with np.errstate(over="ignore"):
+        moved = np.abs(meters[_APART:] - meters[:-_APART])
+    if moved.size and (speed := float(np.quantile(moved, 0.99)) / (_APART * sample_time)) > FASTEST:
+        raise InputError(f"{who} move at {speed:.3g} m/s, which is no plant's speed", UNIT)
 
 
 def check_release(names: Sequence[str], values: Array, used: Sequence[object], where: str) -> None:

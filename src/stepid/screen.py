@@ -9,7 +9,7 @@ import numpy as np
 from stepid.errors import InputError
 from stepid.experiment import Campaign, Experiment
 from stepid.noise import noise_level
-from stepid.plausible import FARTHEST, NEAREST
+from stepid.plausible import UNIT, check_speed, check_travel
 
 _LIKE = 0.9  # share of an input change that another must have to be as strong
 _LATE = 4.0  # times the usual time to an answer
@@ -53,7 +53,9 @@ def screen(campaign: Campaign) -> Screened:
         If no run is left, or the positions cannot be meters.
     """
     for run in campaign.experiments:
-        _check_unit(run)
+        who = f"run {run.name!r}: its positions"
+        check_travel(run.position, who, UNIT)
+        check_speed(run.position, run.sample_time, who)
     notes: list[str] = []
     kept = [run for run in campaign.experiments if not _still(run)]
     for run in campaign.experiments:
@@ -69,15 +71,6 @@ def screen(campaign: Campaign) -> Screened:
     if not notes:
         return Screened(campaign, ())
     return Screened(campaign.model_copy(update={"experiments": tuple(kept)}), tuple(notes))
-
-
-def _check_unit(run: Experiment) -> None:
-    travel = float(np.abs(run.position - run.position[0]).max())
-    if travel > FARTHEST or 0 < travel < NEAREST:
-        raise InputError(
-            f"run {run.name!r}: its positions span {travel:.3g} m, which is no plant's travel",
-            "Positions are in meters: divide counts by counts_per_meter, or give position_scale.",
-        )
 
 
 def _quiet(run: Experiment) -> float:

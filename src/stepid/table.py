@@ -148,7 +148,12 @@ def read_table(
     volts = _input(table, input, input_scale, clock, input_before, where)
     with np.errstate(all="ignore"):  # an overflow is reported by the model: not finite
         meters = table.column(position, "position", where) * float(position_scale) + 0.0
-    check_travel(meters, position_scale, where)
+    if abs(position_scale) != 1.0 and np.isfinite(meters).all():
+        check_travel(
+            meters,
+            f"{where}: with position_scale = {position_scale:g} the positions",
+            "Give it in meters per unit of the column: 0.001 for mm, 1 / counts_per_meter for counts.",
+        )
     try:
         return Experiment(
             name=files[0].stem if name is None else name,
