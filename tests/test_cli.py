@@ -112,6 +112,28 @@ def test_nothing_is_left_when_drawing_fails(tmp_path: Path, monkeypatch: pytest.
     assert not list(tmp_path.iterdir())
 
 
+def test_staged_puts_back_what_it_replaced(tmp_path: Path) -> None:
+    out = tmp_path / "a"
+    (out / "c").mkdir(parents=True)  # a folder where a file shall go: the third of four cannot be moved
+    (out / "a").write_text("mine")
+    before = (out / "a").stat()
+
+    def blocked() -> None:
+        with staged(out) as folder:
+            for name in "abcd":
+                (folder / name).write_text("new")
+
+    with pytest.raises(stepid.errors.InputError, match=r"a: cannot be written \("):
+        blocked()
+    assert sorted(path.name for path in out.iterdir()) == ["a", "c"]
+    assert ((out / "a").read_text(), (out / "a").stat().st_mtime_ns) == ("mine", before.st_mtime_ns)
+    assert (out / "c").is_dir()
+    (out / "c").rmdir()
+    blocked()
+    assert {path.name: path.read_text() for path in out.iterdir()} == dict.fromkeys("abcd", "new")
+    assert [path.name for path in tmp_path.iterdir()] == ["a"]
+
+
 def test_staged_moves_all_or_nothing(tmp_path: Path) -> None:
     def half_done() -> None:
         with staged(tmp_path / "a") as folder:

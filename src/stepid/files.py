@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
-import tempfile
-from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +12,7 @@ from stepid.ecp_write import render_export
 from stepid.errors import InputError
 from stepid.experiment import WEIGHT_UNCERTAINTY, Campaign, Experiment
 from stepid.manifest import parse_manifest, render_manifest
+from stepid.staging import staged
 from stepid.table import read_table
 from stepid.textfile import as_path, decode, read_bytes
 
@@ -114,35 +111,10 @@ def write_campaign(campaign: Campaign, folder: str | os.PathLike[str]) -> Path:
     for name in files:
         if os.path.lexists(target / name):
             raise InputError(f"{target / name}: exists already", "Choose a new folder, or move the file away.")
-    missing = [path for path in (target, *target.parents) if not os.path.exists(path)]
-    placed: list[Path] = []
-    workshop = None
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-        workshop = Path(tempfile.mkdtemp(prefix=".writing-", dir=target))
+    with staged(target) as scratch:  # by name the manifest is last, so a campaign is seen whole or not at all
         for name, content in files.items():
-            (workshop / name).write_bytes(content)
-        for name in files:  # the manifest is last, so a campaign is seen whole or not at all
-            (workshop / name).replace(target / name)
-            placed.append(target / name)
-        workshop.rmdir()
-    except BaseException as error:
-        _take_back(placed, workshop, missing)
-        if isinstance(error, OSError | ValueError):
-            reason = getattr(error, "strerror", None) or str(error)
-            raise InputError(f"{target}: cannot be written ({reason})", "Choose another folder.") from None
-        raise
+            (scratch / name).write_bytes(content)
     return target / MANIFEST
-
-
-def _take_back(placed: Sequence[Path], workshop: Path | None, made: Sequence[Path]) -> None:
-    with suppress(OSError, ValueError):
-        for path in placed:
-            path.unlink(missing_ok=True)
-        if workshop is not None:
-            shutil.rmtree(workshop, ignore_errors=True)
-        for path in made:
-            path.rmdir()
 
 
 def _render(campaign: Campaign) -> dict[str, bytes]:
