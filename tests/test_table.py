@@ -118,7 +118,10 @@ def replaced(number, old, new):
         (replaced(1, "t,x,u", "t,x,x"), "names a column twice"),
         (replaced(1, "t,x,u", "t,x"), r"line 2: rows hold 3 values under a header of 2 names"),
         (replaced(1, "t,x,u", "t,y,u"), r"no column 'x' for position \(t, y, u\)"),
-        (text(T, X, U, mark=";", head="t;x;u").replace(".", ","), r"line 2, column 't': '0,0' has a decimal comma"),
+        (
+            text(T, X, U, mark=";", head="t;x;u").replace(".", ","),
+            r"column 't': '0,0' has a decimal comma. Give decimal",
+        ),
     ],
 )
 def test_damaged_tables_name_line_and_column(tmp_path, content, message):

@@ -80,6 +80,12 @@ def _format(value: object) -> str:
     return str(value)
 
 
+def _decimal(value: object) -> str:
+    if value not in (".", ","):
+        raise _WantedError('"." (the default) or ","')
+    return str(value)
+
+
 def _step(value: object) -> StepInput:
     if not isinstance(value, dict) or "level" not in value or not value.keys() <= {"level", "start", "end"}:
         raise _WantedError("a table like { level = 0.5, start = 0.0 }, in V and s (end is optional)")
@@ -123,6 +129,8 @@ TABLE: Mapping[str, Check] = {
     "position_scale": _scale,
     "input_scale": _scale,
     "delimiter": _text,
+    "decimal": _decimal,
+    "skiprows": _whole,
     "start": _whole,
     "stop": _whole,
 }

@@ -4,47 +4,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from stepid._base import Array
+from stepid.delimited import Layout, Table, join_tables, parse_table
 from stepid.ecp import FEWEST, check_number
 from stepid.errors import InputError
 from stepid.experiment import Experiment
-from stepid.plausible import NO_COLUMN, check_release, check_scale, check_travel
+from stepid.plausible import check_release, check_scale, check_travel
 from stepid.step_input import InputValues, sample_input
-from stepid.textfile import as_path, common_width, is_name, is_number, parse_numbers, read_lines
+from stepid.textfile import as_path
 
 Column = str | int
-_REPAIR = (
-    "Restore the line, or remove it if it holds no readings: one line of names may come first; comments start with #."
-)
-
-
-@dataclass(frozen=True)
-class _Table:
-    names: tuple[str, ...]  # empty without a header
-    values: Array
-    places: Sequence[str]  # "file, line n" of each row
-
-    @property
-    def listed(self) -> str:
-        width = self.values.shape[1]
-        return ", ".join(self.names) if self.names else f"no header; columns count from 0 to {width - 1}"
-
-    def column(self, which: object, role: str, where: str) -> Array:
-        width = self.values.shape[1]
-        if isinstance(which, str) and which in self.names:
-            index = self.names.index(which)
-        elif isinstance(which, int) and not isinstance(which, bool) and 0 <= which < width:
-            index = which
-        else:
-            remedy = f"Correct {role}=…{', or give ' + NO_COLUMN if role == 'input' else ''}."
-            raise InputError(f"{where}: has no column {which!r} for {role} ({self.listed})", remedy)
-        values: Array = self.values[:, index]
-        return values
 
 
 def read_table(
@@ -65,6 +38,8 @@ def read_table(
     counts_per_meter: float | None = None,
     input_before: float = 0.0,
     delimiter: str | None = None,
+    decimal: str = ".",
+    skiprows: int = 0,
     start: int = 0,
     stop: int | None = None,
 ) -> Experiment:
@@ -105,6 +80,10 @@ def read_table(
         V, before the first sample.
     delimiter : str, optional
         What separates columns; by default a tab, semicolon, comma or blanks, whichever is found first in this order.
+    decimal : str
+        The decimal mark, ``"."`` or ``","``, as pandas has it.
+    skiprows : int
+        Lines to leave out at the start of each file, above its header or first row.
     start, stop : int
         Rows to keep, counted from 0 over the joined files, `stop` not included: for stretches in which the plant
         was switched off.
@@ -135,11 +114,11 @@ def read_table(
     check_scale("position", position, position_scale, where)
     check_scale("time", time, time_scale, where)
     check_scale("input", input, input_scale, where)
-    if delimiter is not None and (not isinstance(delimiter, str) or not delimiter):
-        raise InputError(f"{where}: delimiter is {delimiter!r}", "Give the text that separates columns.")
-    table = _join([_parse(file, delimiter, (time, position, input)) for file in files], where)
+    layout = Layout(delimiter, decimal, skiprows, (time, position, input))
+    layout.check(where)
+    table = join_tables([parse_table(file, layout) for file in files])
     kept = _stretch(start, stop, len(table.places), where)
-    table = _Table(table.names, table.values[kept], table.places[kept])
+    table = Table(table.names, table.values[kept], table.places[kept])
     if position is None:
         raise InputError(f"{where}: nothing says which column is the position ({table.listed})", "Give position=….")
     clock = _time(table, time, time_scale, sample_time, start, where)
@@ -179,57 +158,6 @@ def _files(paths: object) -> list[Path]:
     return [as_path(path) for path in paths]
 
 
-def _parse(file: Path, delimiter: str | None, used: Sequence[object]) -> _Table:
-    where = str(file)
-    kept = [(i + 1, text) for i, line in enumerate(read_lines(file)) if (text := line.strip(" ")) and text.strip()]
-    body = [(i, text) for i, text in kept if not text.lstrip().startswith(("#", "%"))]
-    if not body:
-        raise InputError(f"{where}: holds no rows of numbers", "Export the record again.")
-    separator = _sniff(body[-1][1]) if delimiter is None else delimiter
-    rows = [_cells(text, separator) for _, text in body]
-    names: tuple[str, ...] = ()
-    if all(map(is_name, rows[0])):
-        names, rows, body = tuple(rows[0]), rows[1:], body[1:]
-    if not rows:
-        raise InputError(f"{where}: holds a header and no rows", "Export the record again.")
-    labels = names
-    if not names or not any(len(row) == len(names) for row in rows):
-        width = common_width(rows)
-        if names:
-            raise InputError(
-                f"{where}, line {body[0][0]}: rows hold {width} values under a header of {len(names)} names", _REPAIR
-            )
-        labels = tuple(str(i) for i in range(width))
-    if len(set(names)) < len(names):
-        raise InputError(f"{where}: its header names a column twice ({', '.join(names)})", "Rename one of them.")
-    lines = [i for i, _ in body]
-    for i, (name, first) in enumerate(zip(labels, rows[0], strict=False)):
-        if not is_number(first) and not any(isinstance(c, str | int) and c in (i, name) for c in used):
-            rows = [[*row[:i], "0", *row[i + 1 :]] if i < len(row) else row for row in rows]  # text beside the readings
-    values = parse_numbers(rows, lines=lines, columns=labels, where=where, remedy=_REPAIR)
-    return _Table(names, values, [f"{where}, line {i}" for i in lines])
-
-
-def _sniff(text: str) -> str | None:
-    return next((mark for mark in "\t;," if mark in text), None)
-
-
-def _cells(text: str, separator: str | None) -> list[str]:
-    return [cell.strip().strip("\"'") for cell in text.split(None if separator in (None, " ") else separator)]
-
-
-def _join(tables: Sequence[_Table], where: str) -> _Table:
-    first = tables[0]
-    for table in tables[1:]:
-        if table.names != first.names or table.values.shape[1] != first.values.shape[1]:
-            raise InputError(
-                f"{table.places[0]}: has other columns than {first.places[0]}", "Join files of one layout only."
-            )
-    return _Table(
-        first.names, np.concatenate([t.values for t in tables]), [place for t in tables for place in t.places]
-    )
-
-
 def _stretch(start: int, stop: int | None, rows: int, where: str) -> slice:
     last = rows if stop is None else stop
     for label, value in (("start", start), ("stop", last)):
@@ -246,7 +174,7 @@ def _stretch(start: int, stop: int | None, rows: int, where: str) -> slice:
 
 
 def _time(
-    table: _Table, column: Column | None, scale: float, sample_time: float | None, start: int, where: str
+    table: Table, column: Column | None, scale: float, sample_time: float | None, start: int, where: str
 ) -> Array:
     index = np.arange(len(table.places), dtype=np.float64)
     if sample_time is not None and not sample_time > 0:
@@ -284,7 +212,7 @@ def _follows(time: Array, index: Array, step: float, tolerance: float) -> bool:
 
 
 def _input(
-    table: _Table, given: Column | InputValues | None, scale: float, time: Array, before: float, where: str
+    table: Table, given: Column | InputValues | None, scale: float, time: Array, before: float, where: str
 ) -> Array:
     if given is None:
         return np.zeros(time.size)

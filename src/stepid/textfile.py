@@ -16,6 +16,7 @@ from stepid.errors import InputError
 _FOREIGN = re.compile(r"[^0-9eE+\-.]")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+", re.ASCII)
+_SWAPPED = str.maketrans(".,", ",.")
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)|-?1\.#\w+", re.IGNORECASE)
 
 
@@ -75,9 +76,9 @@ def decode(raw: bytes, where: str) -> str:
     return text
 
 
-def is_number(token: str) -> bool:
+def is_number(token: str, *, decimal: str = ".") -> bool:
     """Say whether `token` is a plain decimal number (no NaN, no infinity, no underscores)."""
-    return _NUMBER.fullmatch(token) is not None
+    return _NUMBER.fullmatch(_pointed(token, decimal)) is not None
 
 
 def is_name(token: str) -> bool:
@@ -86,7 +87,14 @@ def is_name(token: str) -> bool:
 
 
 def parse_numbers(
-    rows: Sequence[Sequence[str]], *, lines: Sequence[int], columns: Sequence[str], where: str, remedy: str
+    rows: Sequence[Sequence[str]],
+    *,
+    lines: Sequence[int],
+    columns: Sequence[str],
+    where: str,
+    remedy: str,
+    decimal: str = ".",
+    other_mark: str | None = None,
 ) -> Array:
     """Parse rows of tokens into an array.
 
@@ -101,6 +109,10 @@ def parse_numbers(
         The file, for errors.
     remedy : str
         What to do about a row that is damaged.
+    decimal : str
+        The decimal mark, ``"."`` or ``","``.
+    other_mark : str, optional
+        What to do about numbers with the other mark; `remedy` by default.
 
     Returns
     -------
@@ -113,6 +125,8 @@ def parse_numbers(
     """
     width = len(columns)
     flat = [token for row in rows for token in row]
+    if decimal != ".":
+        flat = [_pointed(token, decimal) for token in flat]
     if all(len(row) == width for row in rows) and not _FOREIGN.search("".join(flat)):
         try:
             table = np.array(list(map(float, flat)), dtype=np.float64).reshape(len(rows), width)
@@ -121,7 +135,7 @@ def parse_numbers(
         else:
             if np.isfinite(table).all():
                 return table
-    raise _locate(rows, lines, columns, where, remedy)
+    raise _locate(rows, lines, columns, where, remedy, decimal, remedy if other_mark is None else other_mark)
 
 
 def common_width(rows: Sequence[Sequence[str]]) -> int:
@@ -129,19 +143,32 @@ def common_width(rows: Sequence[Sequence[str]]) -> int:
     return Counter(map(len, rows)).most_common(1)[0][0]
 
 
+def _pointed(token: str, decimal: str) -> str:
+    # swapped and not replaced, so that 1.234,5 is no number
+    return token if decimal == "." else token.translate(_SWAPPED)
+
+
 def _locate(
-    rows: Sequence[Sequence[str]], lines: Sequence[int], columns: Sequence[str], where: str, remedy: str
+    rows: Sequence[Sequence[str]],
+    lines: Sequence[int],
+    columns: Sequence[str],
+    where: str,
+    remedy: str,
+    decimal: str,
+    other_mark: str,
 ) -> InputError:
     for row, line in zip(rows, lines, strict=True):
         for token, column in zip(row, columns, strict=False):
-            if is_number(token):
-                if np.isfinite(float(token)):
+            plain = _pointed(token, decimal)
+            if is_number(plain):
+                if np.isfinite(float(plain)):
                     continue
                 trouble = f"{_short(token)} is too large a number"
-            elif _NOT_FINITE.fullmatch(token):
+            elif _NOT_FINITE.fullmatch(plain):
                 trouble = f"{token} is not a measurement"
-            elif _DECIMAL_COMMA.fullmatch(token):
-                trouble = f"{_short(token)} has a decimal comma; use points"
+            elif _DECIMAL_COMMA.fullmatch(plain):
+                trouble = f"{_short(token)} has a decimal {'comma' if decimal == '.' else 'point'}"
+                return InputError(f"{where}, line {line}, column {column!r}: {trouble}", other_mark)
             elif token:
                 trouble = f"{_short(token)} is not a number"
             else:
