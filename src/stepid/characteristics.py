@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from stepid.arguments import as_experiment
 from stepid.errors import IdentificationError
 from stepid.experiment import Experiment
 from stepid.peak import InterpolatedPeak, Peak, SampledPeak
@@ -58,6 +59,7 @@ def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Charact
     stepid.errors.NotSettledError
         If the record is cut before its peak or before the plant rests, or the plant moved before the step.
     """
+    experiment = as_experiment(experiment)
     how = InterpolatedPeak() if peak is None else peak
     if experiment.is_release:
         return release_characteristics(experiment, peak=how)
@@ -84,6 +86,7 @@ def characterize_each(
     stepid.errors.NoStepError
         If there is no step at all.
     """
+    experiment = as_experiment(experiment)
     how = InterpolatedPeak() if peak is None else peak
     if experiment.is_release:
         return (characterize(experiment, peak=how),)

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+from stepid.arguments import as_campaign
 from stepid.ecp import read_ecp
 from stepid.ecp_write import render_export
 from stepid.errors import InputError
@@ -107,7 +108,7 @@ def write_campaign(campaign: Campaign, folder: str | os.PathLike[str]) -> Path:
         If the folder holds a file of one of the names to be written, or cannot be written to.
     """
     target = as_path(folder)
-    files = _render(campaign)
+    files = _render(as_campaign(campaign))
     for name in files:
         if os.path.lexists(target / name):
             raise InputError(f"{target / name}: exists already", "Choose a new folder, or move the file away.")

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from stepid._base import Matrix, Model, NonNegative
+from stepid.arguments import as_campaign
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.engine.least_squares import Optimum
 from stepid.engine.problem import fit_linear
@@ -80,7 +81,7 @@ def ground_of(campaign: Campaign) -> tuple[Records, Ground]:
     stepid.errors.ConvergenceError
         If no linear plant can be fitted at all.
     """
-    records = lay_out(screen(campaign).campaign)
+    records = lay_out(screen(as_campaign(campaign)).campaign)
     if not enough(records):
         raise UndeterminedError(
             f"campaign {campaign.name!r}: too few samples to tell the noise from the motion ({records.size} in all)",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from stepid.arguments import as_campaign
 from stepid.characteristics import characterize_each
 from stepid.errors import IdentificationError, UndeterminedError
 from stepid.experiment import Campaign, Experiment, MassOffset
@@ -102,6 +103,7 @@ def characterize_campaign(
     stepid.errors.InputError
         If positions cannot be meters.
     """
+    campaign = as_campaign(campaign)
     used: dict[str, Characteristics] = {}
     excluded: dict[str, str] = {}
     for experiment in campaign.experiments:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stepid._base import Array
+from stepid.arguments import as_campaign
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.engine.least_squares import Optimum
 from stepid.engine.records import Records, lay_out
@@ -96,7 +97,7 @@ def solve_model(
 ) -> tuple[Records, Solved]:
     """Simulate all records; see `simulate`."""
     effects = resolve([e.name for e in model.effects], catalogue=catalogue)
-    records = lay_out(campaign)
+    records = lay_out(as_campaign(campaign))
     sim = Simulator(records, effects, fineness)
     shared, local = pack(model, records, effects)
     solved = sim.solve(shared, local, sensitive=False)

@@ -7,6 +7,7 @@ from typing import Literal
 
 from stepid._base import Label, Model
 from stepid._table import html_table, text_table
+from stepid.errors import InputError
 from stepid.estimate import format_value
 from stepid.response import Characteristics
 
@@ -120,8 +121,20 @@ def find_trends(runs: Iterable[Characteristics]) -> Trends:
     Trends
         Damping is ordered by damping ratio, mass by added mass, stiffness by natural frequency; each group has at
         least two runs.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If a run is no `Characteristics`.
     """
-    known = [run for run in runs if run.added_mass is not None and run.peak_time is not None]
+    given: list[object] = list(runs)
+    characterized = [run for run in given if isinstance(run, Characteristics)]
+    if len(characterized) < len(given):
+        raise InputError(
+            "trends are found among the characteristics of runs, and there is something else",
+            "Give [stepid.characterize(run) for run in campaign.experiments].",
+        )
+    known = [run for run in characterized if run.added_mass is not None and run.peak_time is not None]
     found = []
     for varies, key, order, held in _KINDS:
         groups: dict[tuple[object, ...], dict[object, Characteristics]] = {}

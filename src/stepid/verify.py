@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from stepid._base import Array
+from stepid.arguments import as_campaign
 from stepid.characteristics import characterize, characterize_each
 from stepid.errors import IdentificationError
 from stepid.experiment import Campaign, Experiment
@@ -52,6 +53,7 @@ def verify(parameters: IdentifiedParameters, campaign: Campaign) -> Verification
     stepid.errors.IdentificationError
         If no run is left.
     """
+    campaign = as_campaign(campaign)
     runs = tuple(_verify_run(parameters, e) for e in campaign.experiments if e.name not in parameters.excluded)
     if not runs:
         raise IdentificationError(

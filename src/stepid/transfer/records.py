@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from stepid.arguments import as_experiment
 from stepid.errors import InputError
 from stepid.experiment import Experiment
 
@@ -36,6 +37,7 @@ def to_time_response(run: Experiment, *, position: npt.ArrayLike | None = None) 
     """
     import control
 
+    run = as_experiment(run)
     shown = np.array(run.position if position is None else position, dtype=np.float64)
     if shown.shape != run.time.shape:
         raise InputError(

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid._base import Array
+from stepid.arguments import as_experiment
 from stepid.engine.records import release_index, starts_in_motion
 from stepid.errors import ConvergenceError, InputError
 from stepid.experiment import Experiment
@@ -51,7 +52,7 @@ def simulate_system(
     """
     import control
 
-    _check(system, run, initial_state)
+    _check(system, as_experiment(run), initial_state)
     name = system.name
     if isinstance(system, control.LTI):
         system = control.ss(system)  # a transfer function has no states to begin in
