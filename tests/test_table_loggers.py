@@ -50,6 +50,14 @@ def test_numbers_that_do_not_fit_decimal_commas(tmp_path, old, new, message):
         read_table(file, **NAMED, decimal=",")
 
 
+def test_lines_that_end_with_the_delimiter(tmp_path):
+    ended = text(T, CM, U, mark=";", head="t;x;u").replace("\n", ";\n")
+    for content, columns in ((ended, NAMED), (ended.split("\n", 1)[1], {"time": 0, "position": 1, "input": 2})):
+        run = read_table(write(tmp_path / "a.csv", content), **columns)
+        np.testing.assert_array_equal(run.position, CM)
+        np.testing.assert_array_equal(run.input, U)
+
+
 @pytest.mark.parametrize("above", [PREAMBLE, "# made up\nTitle\n\n", "1;2;3\n", "a;b;c\ns;m;V\n"])
 def test_lines_above_the_header_are_left_out_on_request(tmp_path, above):
     plain = text(T, CM, U, mark=";", head="t;x;u")
@@ -68,7 +76,7 @@ def test_lines_above_the_header_are_left_out_on_request(tmp_path, above):
 
 def test_columns_by_index_under_a_preamble_are_told_of_skiprows(tmp_path):
     file = write(tmp_path / "a.csv", PREAMBLE + text(T, CM, U, mark=";", head="t;x;u"))
-    with pytest.raises(InputError, match=r"a.csv, line 1.*skiprows"):
+    with pytest.raises(InputError, match=r"a.csv, line 2: rows hold 3 values under a header of 2 names.*skiprows"):
         read_table(file, time=0, position=1, input=2)
 
 

@@ -106,7 +106,7 @@ def parse_table(file: Path, layout: Layout) -> Table:
     rows = [_cells(text, separator) for _, text in body]
     _check_above(rows, [i for i, _ in body], layout, where)
     names: tuple[str, ...] = ()
-    if all(map(is_name, rows[0])):
+    if _is_header(rows[0]):
         names, rows, body = tuple(rows[0]), rows[1:], body[1:]
     if not rows:
         raise InputError(f"{where}: holds a header and no rows", "Export the record again.")
@@ -152,6 +152,11 @@ def join_tables(tables: Sequence[Table]) -> Table:
 
 def _cells(text: str, separator: str | None) -> list[str]:
     return [cell.strip().strip("\"'") for cell in text.split(None if separator in (None, " ") else separator)]
+
+
+def _is_header(cells: Sequence[str]) -> bool:
+    *most, last = cells
+    return all(map(is_name, most)) and (is_name(last) or bool(most and not last))  # lines may end with the delimiter
 
 
 def _check_above(rows: Sequence[Sequence[str]], lines: Sequence[int], layout: Layout, where: str) -> None:
