@@ -112,7 +112,7 @@ def test_theory_covers_the_diagnosis() -> None:
         "floor",
         "diagnose.force",
         "diagnose.locate",
-        "diagnose.compete",
+        "diagnose.candidate",
         "diagnose.verdict",
         "diagnose.held_out",
         "diagnose.advise",
