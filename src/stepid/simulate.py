@@ -100,7 +100,7 @@ def solve_model(
     records = lay_out(as_campaign(campaign))
     sim = Simulator(records, effects, fineness)
     shared, local = pack(model, records, effects)
-    solved = sim.solve(shared, local, sensitive=False)
+    solved = sim.solve(shared, local)
     if solved is None:
         marched = sim.march(shared[None], local[None])[0]
         if not np.isfinite(marched).all():
