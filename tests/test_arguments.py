@@ -20,6 +20,7 @@ MODEL = stepid.PlantModel(
 )
 OF_CAMPAIGNS = {
     "identify": stepid.identify,
+    "diagnose": stepid.diagnose,
     "fit": stepid.fit,
     "verify": lambda given: stepid.verify(PARAMETERS, given),
     "simulate": lambda given: stepid.simulate(MODEL, given),

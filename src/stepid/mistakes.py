@@ -105,7 +105,7 @@ def mistakes(
     drift = alone.with_effect("sensor_drift", 0.0)
     if drift is not None:
         rate = float(drift.shared[-1])
-        yield Mistake(f"With its zero drifting by {1e6 * rate:.3g} µm/s it agrees.", drift.cost, False)
+        yield Mistake(f"With its zero drifting by {1e6 * rate:.3g} µm/s it agrees.", drift.cost, False, single=False)
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,8 @@ _STANDS_OUT = 0.3  # the same where it alone is to tell
 _LOUD = 1.5  # times the others' misfit that the run's may then be, its mistake mended
 _DECIDES = 10.0  # χ²
 
+Rest = dict[int, Optimum | None]  # fits to the other runs, by the run left out
+
 
 @dataclass(frozen=True)
 class Suspect:
@@ -72,19 +74,18 @@ def find_suspect(ground: Ground, fits: Sequence[Optimum]) -> Suspect | None:
     if len(ground.records.runs) < 3 or at_floor(ground, fits[0], SLACK, WHITE):
         return None
     if any(at_floor(ground, fit, SLACK, WHITE) for fit in fits[1:]):
-        return _suspect(ground, fits[0], promise=_LIKELY)  # an effect explains it; a mistake must do so as well
-    for place, fit in enumerate(fits):
-        found = None if at_floor(ground, fit, SLACK, WHITE) else _suspect(ground, fit)
-        if found is None and place == 0:
-            found = _gross(ground)
-        if found is not None:
-            return found
-    return None
+        return _suspect(ground, fits[0], {}, promise=_LIKELY)  # an effect explains it; a mistake must do so as well
+    rest: Rest = {}
+    found = _suspect(ground, fits[0], rest) or _gross(ground, rest)
+    for fit in fits[1:]:
+        found = found or _suspect(ground, fit, {})
+    return found
 
 
-def _suspect(ground: Ground, fit: Optimum, *, promise: float = np.inf) -> Suspect | None:
+def _suspect(ground: Ground, fit: Optimum, rest: Rest, *, promise: float = np.inf) -> Suspect | None:
+    """Find the run without which this fit reaches the noise floor; the fits without each run are left in `rest`."""
     records = ground.records
-    linear = fit.problem.simulator.law.n_states == 2 and not fit.problem.simulator.law.effects
+    linear = not fit.problem.simulator.law.effects
     noise = np.add.reduceat(records.weight**2, records.first) * ground.floor**2
     left = _left_without(fit)
     order = [int(i) for i in np.argsort(left) if left[i] < promise * (noise.sum() - noise[i])]
@@ -92,7 +93,7 @@ def _suspect(ground: Ground, fit: Optimum, *, promise: float = np.inf) -> Suspec
         order = [i for i in order if left[i] < _PROMISE * fit.cost][:_TRIED]
     found = []
     for i in order:
-        others = _without(fit, i, ground.tolerance)
+        others = rest[i] = _without(fit, i, ground.tolerance)
         if others is not None and at_floor(ground, others, SLACK, WHITE):
             best = min(mistakes(ground, fit, others, i), key=lambda m: m.cost, default=None)
             cost = (others.cost + (best.cost if best else float(noise[i]))) / ground.floor**2
@@ -110,11 +111,10 @@ def _suspect(ground: Ground, fit: Optimum, *, promise: float = np.inf) -> Suspec
     return Suspect(names[i], rivals, best, cost + price)
 
 
-def _gross(ground: Ground) -> Suspect | None:
+def _gross(ground: Ground, fits: Rest) -> Suspect | None:
     """A run with a plain mistake, seen by the linear plant although more than that is missing."""
     records, fit = ground.records, ground.linear
     counts = np.add.reduceat(records.weight**2, records.first)
-    fits = {i: _without(fit, i, ground.tolerance) for i in range(len(records.runs))}
     power = {i: f.cost / (counts.sum() - counts[i]) for i, f in fits.items() if f is not None}
     if len(power) < 2:
         return None

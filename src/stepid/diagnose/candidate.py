@@ -51,9 +51,14 @@ def candidate(ground: Ground, effects: tuple[Effect, ...], optimum: Optimum) -> 
     return Candidate(effects, optimum, evidence(optimum, ground.floor), white)
 
 
-def polish(ground: Ground, contender: Contender) -> Candidate | None:
-    """Converge a contender on all samples, with the starting states free and at rest; keep the better."""
-    tolerance = 0.002 * contender.excess if contender.excess > 0.4 * contender.cost else 0.0
+def polish(ground: Ground, contender: Contender, *, enough: float = 0.05) -> Candidate | None:
+    """Converge a contender on all samples, with the starting states free and at rest; keep the better.
+
+    It has converged where a step promises less than `enough` χ².
+    """
+    tolerance = enough * ground.floor**2
+    if contender.excess > 0.4 * contender.cost:
+        tolerance = max(tolerance, 0.002 * contender.excess)
     for _ in range(3):
         contender.polish(laps=15, tolerance=tolerance)
         if contender.polished is None or contender.polished.converged:
@@ -75,7 +80,7 @@ def polish(ground: Ground, contender: Contender) -> Candidate | None:
             best.shared,
             local,
             start=best.solved.states,
-            tolerance=ground.tolerance,
+            tolerance=enough * ground.floor**2,
             iterations=12,
         )
         if held is not None:

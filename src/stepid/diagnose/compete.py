@@ -24,6 +24,7 @@ _NEAR = 3.0  # times the floor's cost at which a contender runs on at once
 _HOPELESS = 6.0  # times the cost of one that reached the floor
 _STUCK = 3.0  # χ² by which a simple effect may be worse than one that contains it, before it is tried from there
 _SLOW = 60.0  # χ² by which a law that has just begun may be worse than one it contains
+_IDLE = 1.0  # χ² that a step must promise, of a law that does no better than a simpler one inside it
 _WORTH = 0.05  # share of what a simpler effect leaves that a costly general one must promise to take away
 PROMISE = 3.0  # χ² that a more general effect must promise where a simpler one reached the floor
 
@@ -166,7 +167,8 @@ def advance(ground: Ground, contenders: list[Contender], laps: tuple[int, ...] =
             if lags(ground, contender, contenders, begun=lap == laps[0]):
                 continue
             if contender.cost < hopeless and (place < keep or contender.cost < 1.5 * best):
-                contender.run(laps=lap, tolerance=max(0.003 * (contender.cost - best), 0.002 * contender.excess))
+                enough = max(0.003 * (contender.cost - best), 0.002 * contender.excess, 0.2 * ground.unit)
+                contender.run(laps=lap, tolerance=enough)
     contenders.sort(key=lambda c: c.cost)
 
 
@@ -184,6 +186,13 @@ def lags(ground: Ground, contender: Contender, others: list[Contender], *, begun
     return not begun and contender.cost > least + max(_SLOW * ground.unit, 0.02 * least)
 
 
+def _idle(ground: Ground, contender: Contender, others: list[Contender]) -> bool:
+    """Tell whether a simpler law, inside this one, is at the floor and this one does no better."""
+    inner = [c for c in others if c.effects != contender.effects and includes(contender.effects, c.effects)]
+    least = min((c.cost for c in inner), default=np.inf)
+    return settled(ground, inner) and contender.cost > least - PROMISE * ground.unit
+
+
 def includes(bigger: tuple[Effect, ...], smaller: tuple[Effect, ...]) -> bool:
     """Tell whether every effect of `smaller` is in `bigger` or contained in one of its effects."""
     return all(any(e.name == b.name or e.name in b.contains for b in bigger) for e in smaller)
@@ -199,7 +208,7 @@ def final(ground: Ground, contenders: list[Contender], *, count: int = 2, spread
     contenders = [c for c in contenders if not lags(ground, c, contenders)]
     for place, contender in enumerate(contenders):
         if (place < count and contender.cost < hopeless) or contender.cost < near:
-            done = polish(ground, contender)
+            done = polish(ground, contender, enough=_IDLE if _idle(ground, contender, contenders) else 0.05)
             if done is not None:
                 found[contender] = done
     lead = min(found, key=lambda c: found[c].evidence, default=None)

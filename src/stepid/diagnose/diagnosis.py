@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from stepid._base import Array
+from stepid.arguments import as_campaign
 from stepid.diagnose.advise import next_experiment
 from stepid.diagnose.candidate import Candidate
 from stepid.diagnose.held_out import held_out_residuals
@@ -16,6 +17,7 @@ from stepid.diagnose.locate import locate, phases_of
 from stepid.diagnose.notes import notes_on
 from stepid.diagnose.result import Diagnosis, Gap, Ranked, RunGap
 from stepid.diagnose.verdict import Judgment, judge
+from stepid.diagnose.wording import effect_names
 from stepid.effects import CATALOGUE, Effect
 from stepid.engine.least_squares import Optimum
 from stepid.engine.search import Ground
@@ -24,6 +26,7 @@ from stepid.errors import UndeterminedError
 from stepid.estimates import estimates, parameter_names
 from stepid.experiment import Campaign
 from stepid.fit import ground_of
+from stepid.noise import rms
 from stepid.screen import screen
 from stepid.simulate import unpack
 from stepid.suspects import Suspect
@@ -63,6 +66,7 @@ def diagnose(
     stepid.errors.ConvergenceError
         If not even a linear plant can be fitted.
     """
+    campaign = as_campaign(campaign)
     tell = progress or _silent
     if len(campaign.experiments) < 2:
         raise UndeterminedError(
@@ -93,12 +97,8 @@ def _diagnose_without(
     return found.model_copy(update={"notes": notes, "data": campaign})
 
 
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
-
-
 def _pooled(residuals: dict[int, Array]) -> float | None:
-    return _rms(np.concatenate(list(residuals.values()))) if residuals else None
+    return rms(np.concatenate(list(residuals.values()))) if residuals else None
 
 
 def _report(campaign: Campaign, ground: Ground, judgment: Judgment) -> Diagnosis:
@@ -114,9 +114,7 @@ def _report(campaign: Campaign, ground: Ground, judgment: Judgment) -> Diagnosis
     seen_after = {i: seen_after[i] for i in sorted(both)}
     advice = None
     if judgment.alternatives:
-        words = {
-            id(c.optimum): " and ".join(c.names).replace("_", " ") for c in (judgment.chosen, *judgment.alternatives)
-        }
+        words = {id(c.optimum): effect_names(c.names) for c in (judgment.chosen, *judgment.alternatives)}
         advice = next_experiment(
             campaign,
             judgment.chosen.optimum,
@@ -187,10 +185,10 @@ def _runs(
                 measured=y,
                 linear=y - before[piece],
                 model=y - after[piece],
-                before=_rms(before[piece]),
-                after=_rms(after[piece]),
-                held_out_before=_rms(seen_before[i]) if i in seen_before else None,
-                held_out_after=_rms(seen_after[i]) if i in seen_after else None,
+                before=rms(before[piece]),
+                after=rms(after[piece]),
+                held_out_before=rms(seen_before[i]) if i in seen_before else None,
+                held_out_after=rms(seen_after[i]) if i in seen_after else None,
                 phases=phases[run.name],
             )
         )

@@ -21,9 +21,11 @@ _STARTS = 3  # of each addition: of what rings, the loudest may not be what is m
 _TRIED = 5  # additions that are raced on each
 _MOST = 14  # combinations that are raced
 _LEADS = 0.5  # of the best cost so far, at which a combination runs on a little at once
+_MORE = 3  # combinations that are raced beside one at the floor
+_AHEAD = 0.7  # of the best simple effect's cost, at which a more general one is added to as well
 _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
 _TWIN = 0.9  # of an effect's own gain by its score that one must gain to race in its place
-_SWAPS = 3  # twins that are raced for each effect of a combination
+_SWAPS = 2  # twins that are raced for each effect of a combination
 
 
 def _related(one: Effect, other: Effect) -> bool:
@@ -48,6 +50,10 @@ class _Offer(NamedTuple):
     base: Contender
     left: float
     additions: list[Scored]
+
+    @property
+    def names(self) -> set[str]:
+        return {*self.base.names, self.additions[0].effect.name}
 
 
 def _offer(base: Contender, additions: list[Scored]) -> _Offer:
@@ -75,7 +81,14 @@ def extend(
                 own.setdefault(scored.effect.name, []).append(scored)
         offers += [_offer(base, found) for found in list(own.values())[:tried]]
     contenders: list[Contender] = []
+    more = _MORE
     for offer in sorted(offers, key=lambda o: o.left)[:_MOST]:
+        if settled(ground, contenders):  # race on with what promises as much
+            if more == 0 or offer.left > ground.floored:
+                break
+            if offer.names in [set(c.names) for c in contenders]:
+                continue
+            more -= 1
         contender = _added(ground, offer, progress)
         leads = all(contender.cost < _LEADS * c.cost for c in contenders)
         contenders.append(contender)
@@ -83,8 +96,6 @@ def extend(
             contender.run(laps=6, tolerance=0.01 * contender.excess)
         if contender.cost < _NEAR * ground.floored:
             contender.run(laps=12)
-            if settled(ground, [contender]):
-                break
     advance(ground, contenders)
     return contenders
 
@@ -92,7 +103,7 @@ def extend(
 def _added(ground: Ground, offer: _Offer, progress: Progress) -> Contender:
     """Race a base with one effect more: from where the linearized step leads, and with hardly any of it."""
     base, effect = offer.base, offer.additions[0].effect
-    progress(" + ".join([*(e.name for e in base.effects), effect.name]))
+    progress(" + ".join([*base.names, effect.name]))
     contender = Contender(ground, (*base.effects, effect))
     here = _values(base, None)
     starts, faint = [], []
@@ -102,12 +113,16 @@ def _added(ground: Ground, offer: _Offer, progress: Progress) -> Contender:
         faint.append(Start(here.linear, (*here.values, effect.faint(scored.values, 0.03))))
     assert base.best is not None
     starts += faint[:2]
-    contender.begin(starts, like=base.best, keep=len(starts) if effect.run_parameters else 3)
+    contender.begin(starts, like=base.best, keep=len(starts) if effect.run_parameters else 4)
     return contender
 
 
-def swap(ground: Ground, winner: Contender, catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
-    """Race a combination with each of its effects replaced by what may do as well; best first."""
+def swap(ground: Ground, raced: list[Contender], catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
+    """Race the best combination with each of its effects replaced by what may do as well, or by a simpler one inside.
+
+    Combinations in `raced` are not raced again.
+    """
+    winner, known = raced[0], [set(c.names) for c in raced]
     assert winner.best is not None
     simple = tuple(e for e in catalogue if not e.contains)
     found: list[Contender] = []
@@ -120,9 +135,11 @@ def swap(ground: Ground, winner: Contender, catalogue: tuple[Effect, ...], progr
         for scored in score(ground, base.best, table):
             offers.setdefault(scored.effect, []).append(scored)
         own = offers[effect][0].gain if effect in offers else 0.0
-        foreign = [s for e, s in offers.items() if not any(_related(e, w) for w in winner.effects)]
-        for additions in [s for s in foreign if s[0].gain > _TWIN * own][:_SWAPS]:
-            found.append(_added(ground, _offer(base, additions), progress))
+        others = [e for e in offers if e is not effect and not any(_related(e, w) for w in base.effects)]
+        for other in [e for e in others if e.name in effect.contains or offers[e][0].gain > _TWIN * own][:_SWAPS]:
+            offer = _offer(base, offers[other][:1])
+            if offer.names not in known:
+                found.append(_added(ground, offer, progress))
     advance(ground, [winner, *found])
     return found
 
@@ -149,9 +166,11 @@ def _without(ground: Ground, contender: Contender, place: int) -> Contender:
 def pairs(ground: Ground, alone: list[Contender], catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
     """Race pairs of effects: what is added to each single one.
 
-    Effects that contain a simpler one wait until `generalize`.
+    Effects that contain a simpler one wait until `generalize`, unless they are far ahead.
     """
-    return extend(ground, [c for c in alone if not c.effects[0].contains], catalogue, progress)
+    simple = [c for c in alone if not c.effects[0].contains]
+    best = min((c.cost for c in simple), default=np.inf)
+    return extend(ground, [c for c in alone if c in simple or c.cost < _AHEAD * best], catalogue, progress)
 
 
 def generalize(

@@ -20,6 +20,7 @@ from stepid.estimates import estimates
 from stepid.suspects import Suspect, find_suspect
 
 _WHITE = 6.0  # standard deviations of structure that noise may show
+_PURE = 3.0  # the same, where an effect is as free as a disturbance in time
 _GATE = 5.0  # below this the linear residual is white and nothing is searched
 _TIE = 10.0  # a difference of evidence that does not decide
 _MISTAKE = 50.0  # by which a mistake in one run must explain better than an effect that explains everything
@@ -52,6 +53,8 @@ def _believable(ground: Ground, linear: Candidate, best: Candidate) -> bool:
     """Tell whether a fit is close enough to the floor for its name; the more effects it needs, the closer."""
     if _slowest(best) * float(np.max(ground.records.time)) < 1.0:
         return False  # a "period" longer than every record can imitate anything slow
+    if any(e.never_rests for e in best.effects) and best.structure > _PURE:
+        return False  # a sine with a phase and a start a run comes near many a disturbance that is none
     if len(best.effects) == 1:
         return at_floor(ground, best) or best.optimum.rms <= _NEAR * ground.floor
     faint = linear.optimum.rms < 2.0 * ground.floor and len(best.effects) > 2
@@ -148,7 +151,11 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
             f"The next best, {_title(others[0])}, is {others[0].evidence - best.evidence:.0f} worse in evidence."
         )
     if rivals:
-        reasons.append("What would tell it from " + ", ".join(_title(c) for c in rivals) + " is undetermined.")
+        reasons.append(
+            "The data leave open whether it is "
+            + " or ".join(_title(c) for c in rivals)
+            + " instead, which is more general."
+        )
     return Judgment("named", best, tuple(rivals), everything, tuple(reasons))
 
 
@@ -158,12 +165,12 @@ def _combine(
     """Try two effects, then three, while the floor is not reached."""
     twos = pairs(ground, alone, catalogue, progress)
     if twos and settled(ground, twos[:1]):
-        twos = sorted([*twos, *swap(ground, twos[0], catalogue, progress)], key=lambda c: c.cost)
+        twos = sorted([*twos, *swap(ground, twos, catalogue, progress)], key=lambda c: c.cost)
     done = finish(ground, twos)
     ranked = _accept(ranked, done)
     if done and len(ranked[0].effects) == 2:
         wider = generalize(ground, twos[0], catalogue, progress)
-        ranked = _accept(ranked, finish(ground, wider))
+        ranked = _accept(ranked, finish(ground, [twos[0], *wider]))
     if done and not at_floor(ground, ranked[0]) and len(ranked[0].effects) == 2:
         threes = extend(ground, twos[:2], catalogue, progress, tried=5)
         ranked = _accept(ranked, finish(ground, threes, 2))
@@ -172,7 +179,8 @@ def _combine(
 
 def _accept(ranked: list[Candidate], more: list[Candidate]) -> list[Candidate]:
     """Add combinations to a ranking; a further effect leads only where its evidence is strong."""
-    best = ranked[0]
+    best, known = ranked[0], {c.names for c in ranked}
+    more = [c for c in more if c.names not in known]
     leads = [c for c in more if len(c.effects) <= len(best.effects) or c.evidence < best.evidence - STRONG]
     follows = [c for c in more if c not in leads and c.evidence > best.evidence]
     return sorted([*ranked, *leads, *follows], key=lambda c: c.evidence)
@@ -188,7 +196,7 @@ def _rivals(ground: Ground, ranked: list[Candidate]) -> list[Candidate]:
         if includes(other.effects, best.effects):
             # more general: a rival only where its freedom buys some fit, or where nothing fixes it
             bought = (best.optimum.cost - other.optimum.cost) / ground.floor**2
-            near = other.evidence - best.evidence < 2 * _TIE and (bought > _HINT or _is_open(ground, other))
+            near = other.evidence - best.evidence < 2 * _TIE and (bought > _HINT or _is_open(ground, other, best))
             # one may be fitted with fewer parameters of the runs: then the simpler one is not nested in it
             if near or (other.evidence - best.evidence < _TIE and _freedom(other) < _freedom(best)):
                 out.append(other)
@@ -202,10 +210,11 @@ def _freedom(found: Candidate) -> int:
     return int(found.optimum.problem.free.sum() + found.optimum.problem.active.sum())
 
 
-def _is_open(ground: Ground, found: Candidate) -> bool:
-    """Tell whether the data leave the effects' own parameters open, so that the simpler effect stands for all of it."""
+def _is_open(ground: Ground, found: Candidate, simpler: Candidate) -> bool:
+    """Tell whether the data leave open what `found` has beyond `simpler`, which then stands for all of it."""
     values, _ = estimates(found.optimum, found.effects, ground.floor)
-    own = [e for name, e in values.items() if "." in name]
+    more = set(found.names) - set(simpler.names)
+    own = [e for name, e in values.items() if name.split(".")[0] in more]
     return all(e.uncertainty is None or e.uncertainty > 0.3 * abs(e.value) for e in own)
 
 

@@ -74,9 +74,9 @@ class Law:
             table[STIFFNESS],
             table[DAMPING],
             table[VOLTS],
-            tuple(sides[place.sides]),
-            tuple(z[place.extra]),
-            tuple(z[place.memory]),
+            tuple(sides[place.sides]) if place.effect.n_switches else (),
+            tuple(z[place.extra]) if place.effect.n_extra else (),
+            tuple(z[place.memory]) if place.effect.n_memory else (),
         )
 
     def rates(

@@ -102,6 +102,11 @@ class Contender:
         self._tolerance = 0.0  # with which the best fit so far ended, m²
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Canonical names."""
+        return tuple(e.name for e in self.effects)
+
+    @property
     def excess(self) -> float:
         """Cost above that of the noise floor, m²; 0 at the floor."""
         return max(self.cost - self.ground.noise_cost, 0.0)
@@ -143,13 +148,14 @@ class Contender:
         return [replace(self.coarse, active=active), self.coarse]
 
     def _try(self, problem: Problem, shared: Array, local: Array, near: Array, like: Optimum, laps: int) -> bool:
-        """Run a few steps from a start; True at the floor, or where a start before it ended."""
+        """Run a few steps from a start; True at the floor, or where a start before it ended, better than `like`."""
         ground = self.ground
         tolerance = max(ground.tolerance, 0.003 * (min(self.cost, like.cost) - ground.noise_cost))
         found = minimize(problem, shared, local, start=near, tolerance=tolerance, iterations=laps)
         if found is None:
             return False
-        again = self.best is not None and abs(found.cost - self.cost) < 0.01 * self.excess + ground.unit
+        gained = like.cost - found.cost > 0.01 * (like.cost - ground.noise_cost) + ground.unit
+        again = gained and self.best is not None and abs(found.cost - self.cost) < 0.01 * self.excess + ground.unit
         if found.cost < self.cost:
             self.best, self._tolerance = found, tolerance
         return found.converged and (again or found.cost < 1.02 * ground.noise_cost)
