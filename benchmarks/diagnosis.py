@@ -79,7 +79,7 @@ def diagnose_case(case: Case, *, twins: bool = True) -> dict[str, Any]:
     }
     if (
         twins
-        and len(record["truth"]) == 1
+        and record["truth"]
         and truth["r0"] >= 2
         and not (score.first_right(record) and d.verdict == "named")
     ):

@@ -65,6 +65,7 @@ def named(*, runs: tuple[str, ...] = RUNS) -> Diagnosis:
         campaign=measured.name,
         verdict="named",
         effects=("coulomb_friction",),
+        advice={"coulomb_friction": resolve(["coulomb_friction"])[0].advice},
         gap=Gap(
             before=linear.rms,
             after=final.rms,

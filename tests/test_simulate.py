@@ -99,6 +99,7 @@ def test_an_effect_from_outside_is_named(damped: stepid.Campaign) -> None:
     assert found.effects == ("cubic_damping",)
     assert found.gap.after < 1.1 * found.gap.noise
     assert "cubic damping" in found.summary()
+    assert "cubic damping: take smaller steps." in found.summary()
 
 
 def test_an_effect_that_is_not_in_the_catalogue_is_refused(damped: stepid.Campaign) -> None:

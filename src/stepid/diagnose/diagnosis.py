@@ -112,10 +112,10 @@ def _report(campaign: Campaign, ground: Ground, judgment: Judgment) -> Diagnosis
     both = seen_before.keys() & seen_after.keys()
     seen_before = {i: seen_before[i] for i in sorted(both)}
     seen_after = {i: seen_after[i] for i in sorted(both)}
-    advice = None
+    proposal = None
     if judgment.alternatives:
         words = {id(c.optimum): effect_names(c.names) for c in (judgment.chosen, *judgment.alternatives)}
-        advice = next_experiment(
+        proposal = next_experiment(
             campaign,
             judgment.chosen.optimum,
             [c.optimum for c in judgment.alternatives],
@@ -123,7 +123,7 @@ def _report(campaign: Campaign, ground: Ground, judgment: Judgment) -> Diagnosis
             tell=lambda o: words[id(o)],
         )
     elif judgment.verdict == "unexplained":
-        advice = (
+        proposal = (
             "Repeat one run without changing anything: what differs between the repeats is no property of the plant. "
             "Then a free release and a step the other way."
         )
@@ -143,7 +143,8 @@ def _report(campaign: Campaign, ground: Ground, judgment: Judgment) -> Diagnosis
         parameters=estimates(final, effects, floor)[0],
         linear_parameters=estimates(linear, (), floor)[0],
         where=locate(records, linear, floor, ground.measured),
-        next_experiment=advice,
+        next_experiment=proposal,
+        advice={e.name: e.advice for e in effects if e.advice},
         reasons=reasons,
         notes=notes_on(campaign, ground, final, effects),
         ranking=_ranking(judgment),

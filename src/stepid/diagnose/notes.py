@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from stepid._base import Array
 from stepid.effects.base import Effect
 from stepid.engine.least_squares import Optimum
 from stepid.engine.problem import fixes_mass
@@ -46,8 +47,7 @@ def notes_on(campaign: Campaign, ground: Ground, final: Optimum, effects: tuple[
     return tuple(out)
 
 
-def _is_clipped(position: object) -> bool:
-    y = np.asarray(position)
+def _is_clipped(y: Array) -> bool:
     for extreme in (y.max(), y.min()):
         at = np.flatnonzero(y == extreme)
         if at.size >= _CLIPPED and at[0] > 0 and at[-1] < y.size - 1:

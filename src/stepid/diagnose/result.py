@@ -151,6 +151,8 @@ class Diagnosis(Model):
     where : Where
     next_experiment : str or None
         What to measure next when the data cannot tell.
+    advice : mapping
+        What to do about each named effect in the lab, by its name.
     reasons : tuple of str
         Why the verdict is what it is, in words.
     notes : tuple of str
@@ -172,6 +174,7 @@ class Diagnosis(Model):
     linear_parameters: Mapping[str, Estimate]
     where: Where
     next_experiment: str | None = None
+    advice: Mapping[str, str] = {}
     reasons: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     ranking: tuple[Ranked, ...] = ()

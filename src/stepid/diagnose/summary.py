@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from stepid._table import Rows, html_table, text_table
 from stepid.diagnose.wording import digits, effect_names, length
-from stepid.effects import CATALOGUE
 from stepid.estimate import Estimate, format_value
 
 if TYPE_CHECKING:
@@ -97,14 +96,16 @@ def ranking_rows(d: Diagnosis) -> list[tuple[str, ...]]:
         (
             effect_names(one.effects) if one.effects else "nothing (linear)",
             digits(1e6 * one.rms),
-            "0"
-            if abs(one.evidence) < 0.5
-            else f"{one.evidence:.0f}"
-            if abs(one.evidence) < 1e4
-            else f"{one.evidence:.1e}",
+            _lost(one.evidence),
         )
         for one in shown
     ]
+
+
+def _lost(evidence: float) -> str:
+    if abs(evidence) < 1e4:
+        return f"{evidence:.0f}" if abs(evidence) >= 0.5 else "0"
+    return f"{evidence:.1e}"
 
 
 RANKING_HEADER = ("candidate", "RMS [µm]", "evidence lost")
@@ -118,14 +119,13 @@ def phase_rows(d: Diagnosis) -> list[tuple[str, ...]]:
 
 def next_steps(d: Diagnosis) -> tuple[str, ...]:
     """What to measure next, and what to do about the effects that were named."""
-    said = () if d.next_experiment is None else (d.next_experiment,)
-    if d.verdict == "adequate" and not said:
+    steps = () if d.next_experiment is None else (d.next_experiment,)
+    if d.verdict == "adequate" and not steps:
         return ("Nothing is missing at this noise. Less noise or larger steps would show smaller effects.",)
     if d.verdict != "named":
-        return said
-    known = {effect.name: effect.advice for effect in CATALOGUE}
-    advice = tuple(f"{effect_names((name,))}: {known[name]}." for name in d.effects if known.get(name))
-    return (*said, *advice) or ("Keep the effect in the model.",)
+        return steps
+    advice = tuple(f"{effect_names((name,))}: {said}." for name, said in d.advice.items())
+    return (*steps, *advice) or ("Keep the effect in the model.",)
 
 
 _Table = Callable[[Sequence[str], Rows], str]

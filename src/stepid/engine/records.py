@@ -157,10 +157,3 @@ def _lay(
         weight=np.ones(sum(sizes)) if weight is None else weight,
         length=np.repeat(sample_time, sizes),
     )
-
-
-def own_base(records: Records, run: int) -> Records:
-    """Give one run a base mass of its own, the last of the labels."""
-    base = records.base.copy()
-    base[run] = len(records.bases)
-    return replace(records, base=base, bases=(*records.bases, f"that of {records.runs[run].name}"))
