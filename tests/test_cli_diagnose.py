@@ -172,6 +172,26 @@ def test_nothing_is_left_when_drawing_fails(
     assert stages
 
 
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_a_report_that_fails_does_not_lose_the_answer(
+    options: list[str],
+    manifest: Path,
+    stages: list[str],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fail(*_: object) -> None:
+        raise RuntimeError("a mistake of ours")
+
+    monkeypatch.setattr("stepid.plot.save", fail)
+    with pytest.raises(RuntimeError, match="a mistake of ours"):
+        run(["diagnose", str(manifest), *options, "--out", str(tmp_path / "out")])
+    printed = capsys.readouterr().out
+    assert json.loads(printed)["verdict"] == "named" if options else example.named().summary() in printed
+    assert stages
+
+
 def test_a_diagnosis_that_fails_is_status_2(
     manifest: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

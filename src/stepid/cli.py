@@ -160,9 +160,10 @@ def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False, qui
     from stepid.report.write import write_all
     from stepid.staging import staged
 
-    written: list[Path] = []
     read = stepid.read_campaign(campaign)
-    with _progress(_runs(read), lines=not (quiet or as_json), status=not quiet) as tell:
+    if not (quiet or as_json):
+        _console(stderr=True).print(_runs(read), markup=False)
+    with _progress(lines=not (quiet or as_json), status=not quiet) as tell:
         found = stepid.diagnose(read, progress=lambda stage: tell(f"diagnosing: {stage.replace('_', ' ')}"))
         by_hand: IdentifiedParameters | StepidError
         try:
@@ -170,28 +171,30 @@ def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False, qui
         except IdentificationError as error:
             by_hand = error
         sections = diagnosis_report(found, by_hand)
-        if out is not None:
-            tell(f"writing {out}")
-            from stepid import plot
-
-            with staged(out) as folder:
-                (folder / "diagnosis.txt").write_text(as_text(sections), encoding="utf-8")
-                _write_json(folder / "diagnosis.json", found.to_dict())
-                plot.save(plot.diagnosis(found)["gap"], folder / "diagnosis.png")
-                write_all(found, of_files(campaign), folder)
-                written = sorted(out / path.name for path in folder.iterdir())
-    if as_json:
+    if as_json:  # before the report: what fails there does not take the search with it
         _print_json(diagnosis_values(found))
     else:
-        _show(sections, written)
+        _show(sections, ())
+    if out is None:
+        return
+    with _progress(lines=not (quiet or as_json), status=not quiet) as tell:
+        tell(f"writing {out}")
+        from stepid import plot
+
+        with staged(out) as folder:
+            (folder / "diagnosis.txt").write_text(as_text(sections), encoding="utf-8")
+            _write_json(folder / "diagnosis.json", found.to_dict())
+            plot.save(plot.diagnosis(found)["gap"], folder / "diagnosis.png")
+            write_all(found, of_files(campaign), folder)
+            written = sorted(out / path.name for path in folder.iterdir())
+    if not as_json:
+        _show((), written)
 
 
 @contextmanager
-def _progress(first: str, *, lines: bool, status: bool) -> Iterator[Callable[[str], None]]:
+def _progress(*, lines: bool, status: bool) -> Iterator[Callable[[str], None]]:
     """Say on standard error what goes on: a line that changes on a terminal, else plain lines, as logs have them."""
     console = _console(stderr=True)
-    if lines:
-        console.print(first, markup=False)
     if console.is_terminal and status:
         with console.status("") as shown:
             yield lambda words: shown.update(Text(words))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from stepid._base import Model
+from stepid.diagnose.result import Diagnosis
 from stepid.errors import IdentificationError
 from stepid.experiment import Campaign
 from stepid.identification import identify_with_system
@@ -48,3 +49,12 @@ def by_hand(campaign: Campaign) -> HandMethod | IdentificationError:
         return HandMethod(system=system, found=found, verified=verify(found, campaign))
     except IdentificationError as error:
         return error
+
+
+def pictured(d: Diagnosis, hand: Hand) -> Verification | None:
+    """Keep the verified runs that the diagnosis rests on, None where there is none: what is left out has no picture."""
+    if not isinstance(hand, HandMethod):
+        return None
+    used = {run.name for run in d.runs}
+    runs = tuple(run for run in hand.verified.runs if run.name in used)
+    return Verification(runs=runs) if runs else None

@@ -18,7 +18,7 @@ from stepid.diagnose.result import Diagnosis
 from stepid.diagnose.summary import answer
 from stepid.diagnose.wording import digits, effect_names, length
 from stepid.report.axes import run_line
-from stepid.report.hand import Hand, HandMethod
+from stepid.report.hand import Hand, pictured
 from stepid.report.pictures import pictures
 from stepid.report.provenance import Provenance
 from stepid.report.story import tell
@@ -39,7 +39,7 @@ def html_page(d: Diagnosis, hand: Hand, provenance: Provenance, stills: Mapping[
     str
         HTML with its style, script and pictures inside.
     """
-    verified = hand.verified if isinstance(hand, HandMethod) else None
+    verified = pictured(d, hand)
     environment = Environment(
         loader=PackageLoader("stepid.report", "."),
         autoescape=select_autoescape(enabled_extensions=("j2", "html")),

@@ -17,7 +17,7 @@ from stepid.diagnose.wording import digits, effect_names, length
 from stepid.errors import IdentificationError
 from stepid.report import captions
 from stepid.report.chapter import Chapter, Table
-from stepid.report.hand import Hand, HandMethod
+from stepid.report.hand import Hand, HandMethod, pictured
 from stepid.report.provenance import Provenance
 from stepid.report.pull import hand_method_rows
 from stepid.report.tables import (
@@ -46,9 +46,9 @@ def tell(d: Diagnosis, hand: Hand, provenance: Provenance) -> tuple[Chapter, ...
     tuple of Chapter
     """
     return (
-        _runs(d),
+        _runs(d, hand),
         _by_hand(hand),
-        _verification(hand),
+        _verification(d, hand),
         _where(d),
         _missing(d),
         _gap(d),
@@ -59,15 +59,28 @@ def tell(d: Diagnosis, hand: Hand, provenance: Provenance) -> tuple[Chapter, ...
     )
 
 
-def _runs(d: Diagnosis) -> Chapter:
+def _runs(d: Diagnosis, hand: Hand) -> Chapter:
     samples = sum(run.time.size for run in d.runs)
     return Chapter(
         name="runs",
         title="The runs",
         lead=f"{len(d.runs)} records of one plant, {samples} samples in all.",
+        points=_left_out(d, hand),
         pictures=(captions.records(d),),
         tables=(runs_table(d),),
     )
+
+
+def _left_out(d: Diagnosis, hand: Hand) -> tuple[str, ...]:
+    """Which runs of the campaign the diagnosis does not rest on, and its notes that say why."""
+    used = {run.name for run in d.runs}
+    names = [run.name for run in d.data.experiments if run.name not in used] if d.data else []
+    if not names:
+        return ()
+    said = f"Left out of the diagnosis and its pictures: {', '.join(names)}."
+    if isinstance(hand, HandMethod) and (still := [name for name in names if name in hand.found.masses]):
+        said += f" The hand method, which screens no records, uses {', '.join(still)} all the same."
+    return (said, *(note for note in d.notes if any(repr(name) in note for name in names)))
 
 
 def _refusal(hand: IdentificationError | None) -> str:
@@ -94,7 +107,7 @@ def _by_hand(hand: Hand) -> Chapter:
     )
 
 
-def _verification(hand: Hand) -> Chapter:
+def _verification(d: Diagnosis, hand: Hand) -> Chapter:
     name, title = "verification", "Verification responses"
     if not isinstance(hand, HandMethod):
         return Chapter(name=name, title=title, lead="There are none without the hand method's models.")
@@ -104,7 +117,7 @@ def _verification(hand: Hand) -> Chapter:
         title=title,
         lead="Each identified model, simulated on the input that was measured, against the record, as in the paper's "
         f"Figs. 3 and 6 to 8. The fit is {min(fits):.1f} to {max(fits):.1f} %; 100 % is perfect.",
-        pictures=(captions.verification(hand.verified),),
+        pictures=(captions.verification(shown),) if (shown := pictured(d, hand)) else (),
         tables=(verification_table(hand.verified),),
     )
 

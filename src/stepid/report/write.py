@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 
 from stepid.diagnose.result import Diagnosis
 from stepid.errors import StepidError
-from stepid.report.hand import Hand, HandMethod, by_hand
+from stepid.report.hand import Hand, by_hand, pictured
 from stepid.report.markdown import markdown
 from stepid.report.provenance import Provenance, of_data
 from stepid.staging import staged
@@ -79,7 +79,7 @@ def _put(
     from stepid.report.still import stills
 
     hand = hand_of(diagnosis)
-    drawn = stills(diagnosis, hand.verified if isinstance(hand, HandMethod) else None)
+    drawn = stills(diagnosis, pictured(diagnosis, hand))
     dots = {"webp": 150} if html is not None else {}  # the page shall stay small
     dots |= {"png": 200} if note is not None else {}
     with TemporaryDirectory() as scratch:
