@@ -77,12 +77,7 @@ def diagnose_case(case: Case, *, twins: bool = True) -> dict[str, Any]:
         "parameters": {name: (e.value, e.uncertainty) for name, e in d.parameters.items()},
         "next_experiment": None if d.next_experiment is None else str(d.next_experiment),
     }
-    if (
-        twins
-        and record["truth"]
-        and truth["r0"] >= 2
-        and not (score.first_right(record) and d.verdict == "named")
-    ):
+    if twins and record["truth"] and truth["r0"] >= 2 and not (score.first_right(record) and d.verdict == "named"):
         record["twins"] = find_twins(campaign, truth, record)
         record["inseparable"] = bool(record["twins"])
     return record

@@ -53,6 +53,15 @@ def test_an_ambiguous_answer_with_the_truth_in_it_is_in_the_set_but_not_first() 
     assert not score.right(answer)
 
 
+def test_a_pair_counts_where_both_can_be_seen() -> None:
+    pair = record(set="pairs", truth=["coulomb_friction", "end_stop"], effects=["end_stop"])
+    assert line([pair], "pairs, r0 ≥ 2: both named").value == 0.0
+    hidden = pair | {"twins": [["end_stop"]], "inseparable": True}
+    assert line([hidden], "pairs, r0 ≥ 2: both named").value is None
+    foreign = pair | {"effects": ["cogging"], "twins": [["cogging"]], "inseparable": True}
+    assert line([foreign], "pairs, r0 ≥ 2: both named").value == 0.0
+
+
 def test_faint_effects_and_none() -> None:
     wrong = record(r0=1.02, effects=["cogging"])
     quiet = record(r0=1.02, verdict="adequate", effects=[])

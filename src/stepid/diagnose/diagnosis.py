@@ -123,9 +123,10 @@ def _report(campaign: Campaign, ground: Ground, judgment: Judgment) -> Diagnosis
             tell=lambda o: words[id(o)],
         )
     elif judgment.verdict == "unexplained":
+        doubt = f"Look at run {judgment.doubt.run!r} first: {judgment.doubt.words} " if judgment.doubt else ""
         proposal = (
-            "Repeat one run without changing anything: what differs between the repeats is no property of the plant. "
-            "Then a free release and a step the other way."
+            f"{doubt}Repeat one run without changing anything: what differs between the repeats is no property of "
+            "the plant. Then a free release and a step the other way."
         )
     verdict, reasons = judgment.verdict, judgment.reasons
     return Diagnosis(

@@ -19,10 +19,11 @@ from stepid.engine.sketch import full_residual
 STRONG = 20.0  # evidence that a further effect must bring
 _STARTS = 3  # of each addition: of what rings, the loudest may not be what is missing
 _TRIED = 5  # additions that are raced on each
+_FEW = 3  # the same on a general effect, which is slow
 _MOST = 14  # combinations that are raced
 _LEADS = 0.5  # of the best cost so far, at which a combination runs on a little at once
 _MORE = 3  # combinations that are raced beside one at the floor
-_AHEAD = 0.7  # of the best simple effect's cost, at which a more general one is added to as well
+_AHEAD = 0.9  # of the best simple effect's cost, at which a more general one is added to as well
 _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
 _TWIN = 0.9  # of an effect's own gain by its score that one must gain to race in its place
 _SWAPS = 2  # twins that are raced for each effect of a combination
@@ -79,7 +80,8 @@ def extend(
         for scored in score(ground, base.best, table):
             if not any(_related(scored.effect, e) for e in base.effects):
                 own.setdefault(scored.effect.name, []).append(scored)
-        offers += [_offer(base, found) for found in list(own.values())[:tried]]
+        few = _FEW if any(e.contains for e in base.effects) else tried
+        offers += [_offer(base, found) for found in list(own.values())[:few]]
     contenders: list[Contender] = []
     more = _MORE
     for offer in sorted(offers, key=lambda o: o.left)[:_MOST]:
@@ -113,7 +115,9 @@ def _added(ground: Ground, offer: _Offer, progress: Progress) -> Contender:
         faint.append(Start(here.linear, (*here.values, effect.faint(scored.values, 0.03))))
     assert base.best is not None
     starts += faint[:2]
-    contender.begin(starts, like=base.best, keep=len(starts) if effect.run_parameters else 4)
+    contender.begin(starts[:1], like=base.best)  # the most promising, however far it is from the base
+    if not settled(ground, [contender]):
+        contender.begin(starts[1:], like=base.best, keep=len(starts) if effect.run_parameters else 4)
     return contender
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from stepid._base import Array
 from stepid.diagnose.candidate import Candidate, candidate, polish
 from stepid.diagnose.pairs import STRONG
+from stepid.effects import Effect, resolve
 from stepid.engine.least_squares import Optimum, minimize
 from stepid.engine.problem import build
 from stepid.engine.search import Contender, Ground, Start
@@ -36,6 +37,36 @@ def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
                 out.append(fewer)
                 break
     return sorted(out, key=lambda c: c.evidence)
+
+
+def plainer(ground: Ground, found: Candidate, known: list[tuple[Effect, ...]]) -> list[Candidate]:
+    """Replace each general effect by the simpler one inside it, fitted from where it stands; those that do no worse.
+
+    The simpler one may have been stuck on its own; those in `known` were not.
+    """
+    out = []
+    for place, effect in enumerate(found.effects):
+        own, shared = _place(found, place), found.optimum.shared
+        for inner in resolve(effect.contains):
+            pairs = zip(shared[own], effect.parameters, strict=True)
+            alike = [v for v, q in pairs if q.unit == inner.parameters[0].unit]
+            if not alike or len(inner.parameters) > 1 or inner.run_parameters != effect.run_parameters:
+                continue
+            effects = (*found.effects[:place], inner, *found.effects[place + 1 :])
+            if effects in known:
+                continue
+            problem = build(ground.records, effects)
+            sim, n_runs = problem.simulator, len(ground.records.runs)
+            local = np.zeros((sim.n_local, n_runs))
+            local[: sim.own_states.start] = found.optimum.local[: sim.own_states.start]
+            near = np.zeros((sim.law.n_states, ground.records.size))
+            near[:2] = found.optimum.solved.states[:2]
+            values = np.concatenate([shared[: own.start], [np.mean(alike)], shared[own.stop :]])
+            fitted = minimize(problem, values, local, start=near, tolerance=ground.tolerance, iterations=30)
+            simpler = None if fitted is None else candidate(ground, effects, fitted)
+            if simpler is not None and simpler.evidence < found.evidence + STRONG:
+                out.append(simpler)
+    return out
 
 
 def _place(found: Candidate, number: int) -> slice:

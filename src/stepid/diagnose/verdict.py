@@ -12,7 +12,7 @@ from stepid.diagnose.compete import Progress, final, includes, settled, singles,
 from stepid.diagnose.pairs import STRONG, extend, finish, generalize, pairs, swap
 from stepid.diagnose.partial import partial_lead, same_law
 from stepid.diagnose.result import Verdict
-from stepid.diagnose.simplify import simplify
+from stepid.diagnose.simplify import plainer, simplify
 from stepid.diagnose.wording import effect_names, length
 from stepid.effects.base import Effect
 from stepid.engine.search import Contender, Ground
@@ -20,7 +20,7 @@ from stepid.estimates import estimates
 from stepid.suspects import Suspect, find_suspect
 
 _WHITE = 6.0  # standard deviations of structure that noise may show
-_PURE = 3.0  # the same, where an effect is as free as a disturbance in time
+_PURE = 2.5  # beyond which two effects are tried, and no effect is named that is as free as a disturbance in time
 _GATE = 5.0  # below this the linear residual is white and nothing is searched
 _TIE = 10.0  # a difference of evidence that does not decide
 _MISTAKE = 50.0  # by which a mistake in one run must explain better than an effect that explains everything
@@ -32,7 +32,10 @@ _NEAR = 1.15  # times the floor that a named effect may leave: real plants are n
 
 @dataclass(frozen=True)
 class Judgment:
-    """The verdict with what led to it."""
+    """The verdict with what led to it.
+
+    `suspect` is a run to leave out, `doubt` one to look at.
+    """
 
     verdict: Verdict
     chosen: Candidate
@@ -40,6 +43,7 @@ class Judgment:
     ranking: tuple[Candidate, ...]
     reasons: tuple[str, ...]
     suspect: Suspect | None = None
+    doubt: Suspect | None = None
 
 
 def at_floor(ground: Ground, found: Candidate) -> bool:
@@ -87,16 +91,19 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
     beaten = suspect is not None and (not at_floor(ground, best) or suspect.evidence < best.evidence - _MISTAKE)
     if suspect is not None and beaten and suspect.settles:
         leave = suspect if suspect.sure else None
-        return Judgment("unexplained", linear, (), (*ranked, linear), (*reasons, suspect.words), leave)
+        return Judgment("unexplained", linear, (), (*ranked, linear), (*reasons, suspect.words), leave, suspect)
     if best.optimum.rms > _SURE * floor or best.structure > _GATE:  # nearly right is not right: let more compete
         alone = widen(ground, alone, catalogue, progress)
         ranked = final(ground, alone, count=4)
         best = ranked[0]
-    if not at_floor(ground, best):
-        ranked = _combine(ground, alone, ranked, catalogue, progress)
+    if not at_floor(ground, best) or best.structure > _PURE:
+        most = 2 if suspect is not None else 3  # where one run is to blame, ever more effects say little
+        ranked = _combine(ground, alone, ranked, catalogue, progress, most=most)
         while len(ranked[0].effects) > 1 and (simpler := simplify(ground, ranked[0])):
-            ranked = [*simpler, *(c for c in ranked if c.names not in {s.names for s in simpler})]
-        best = ranked[0]
+            ranked = _replaced(ranked, simpler)
+    known = [c.effects for c in ranked if c.evidence < ranked[0].evidence + STRONG]
+    ranked = _replaced(ranked, plainer(ground, ranked[0], known))
+    best = ranked[0]
     everything = tuple(sorted([*ranked, linear], key=lambda c: c.evidence))
     gain = linear.evidence - best.evidence
     if gain < STRONG:
@@ -106,7 +113,7 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
     if suspect is not None and suspect.mistake is not None and not suspect.rivals:
         unlike = suspect.mistake.single or not at_floor(ground, best)  # else an effect of the plant looks like it
         if unlike and suspect.evidence < best.evidence - _MISTAKE:
-            return Judgment("unexplained", linear, (), everything, (*reasons, suspect.words))
+            return Judgment("unexplained", linear, (), everything, (*reasons, suspect.words), None, suspect)
         if suspect.evidence < best.evidence + _TIE:
             reasons.append(f"A mistake would explain it as well: {suspect.words}")
     rivals = _rivals(ground, ranked)
@@ -127,7 +134,7 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
             "what is missing is not in the catalogue, or is more than it can combine."
         )
         reasons += [suspect.words] if suspect is not None else []
-        return Judgment("unexplained", linear, (), everything, tuple(reasons))
+        return Judgment("unexplained", linear, (), everything, tuple(reasons), None, suspect)
     nested = [c for c in rivals if includes(best.effects, c.effects)]
     if nested:  # a law of more parameters leads by too little: the simpler one is named, the rest is undetermined
         best, *rivals = [nested[0], best, *(c for c in rivals if c is not nested[0])]
@@ -160,9 +167,15 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
 
 
 def _combine(
-    ground: Ground, alone: list[Contender], ranked: list[Candidate], catalogue: tuple[Effect, ...], progress: Progress
+    ground: Ground,
+    alone: list[Contender],
+    ranked: list[Candidate],
+    catalogue: tuple[Effect, ...],
+    progress: Progress,
+    *,
+    most: int,
 ) -> list[Candidate]:
-    """Try two effects, then three, while the floor is not reached."""
+    """Try two effects, then three where as many are allowed, while the floor is not reached."""
     twos = pairs(ground, alone, catalogue, progress)
     if twos and settled(ground, twos[:1]):
         twos = sorted([*twos, *swap(ground, twos, catalogue, progress)], key=lambda c: c.cost)
@@ -171,10 +184,16 @@ def _combine(
     if done and len(ranked[0].effects) == 2:
         wider = generalize(ground, twos[0], catalogue, progress)
         ranked = _accept(ranked, finish(ground, [twos[0], *wider]))
-    if done and not at_floor(ground, ranked[0]) and len(ranked[0].effects) == 2:
+    if most > 2 and done and not at_floor(ground, ranked[0]) and len(ranked[0].effects) == 2:
         threes = extend(ground, twos[:2], catalogue, progress, tried=5)
         ranked = _accept(ranked, finish(ground, threes, 2))
     return ranked
+
+
+def _replaced(ranked: list[Candidate], better: list[Candidate]) -> list[Candidate]:
+    """A ranking with some fitted anew."""
+    names = {c.names for c in better}
+    return sorted([*better, *(c for c in ranked if c.names not in names)], key=lambda c: c.evidence)
 
 
 def _accept(ranked: list[Candidate], more: list[Candidate]) -> list[Candidate]:
