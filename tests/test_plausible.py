@@ -125,8 +125,12 @@ def test_a_frames_column_that_says_it_is_not_in_si_units(column, role, factor):
     columns = {"time": "t", "position": "x", "input": "u"} | {role: column}
     frame = dict(zip(columns.values(), (T, CM, U), strict=True))
     labels = {"name": "a", "added_mass": 0.0, "spring": "s", "damper": "d"}
-    with pytest.raises(InputError, match=rf"by its name, and {role} is in SI units. Multiply it by {factor}"):
+    with pytest.raises(
+        InputError, match=rf"run 'a': .* by its name, but {role}_scale is 1. Give {role}_scale = {factor}"
+    ):
         Experiment.from_dataframe(frame, **columns, **labels)
+    scaled = Experiment.from_dataframe(frame, **columns, **labels, **{f"{role}_scale": float(factor)})
     frame["si"] = float(factor) * frame[column]
     run = Experiment.from_dataframe(frame, **(columns | {role: "si"}), **labels)
     np.testing.assert_array_equal(getattr(run, role), frame["si"])
+    assert scaled == run

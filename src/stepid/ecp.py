@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Sequence
-from numbers import Integral, Real
+from numbers import Integral
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from stepid.clock import rebuild_time
 from stepid.ecp_layout import COMMANDED, EFFORT, SAMPLE, TIME, Export, encoder_column, parse_export, repeats
 from stepid.errors import InputError
 from stepid.experiment import Experiment
+from stepid.plausible import check_number
 from stepid.step_input import InputValues, StepInput, sample_input
 from stepid.textfile import as_path, read_lines
 
@@ -161,18 +161,6 @@ def export_experiment(
         )
     except InputError as error:
         raise InputError(f"{where}: {error.cause}", error.remedy) from None
-
-
-def check_number(label: str, value: object, where: str) -> None:
-    """Refuse what is neither None nor a finite number."""
-    if value is None:
-        return
-    try:
-        good = not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
-    except OverflowError:  # an integer beyond all floats
-        good = False
-    if not good:
-        raise InputError(f"{where}: {label} is {value!r}", "Give a finite number.")
 
 
 def _encoder(export: Export, encoder: object, where: str) -> str:

@@ -12,8 +12,8 @@ from pydantic import BeforeValidator, model_validator
 
 from stepid._base import Finite, Label, Model, NonNegative, Positive, Vector
 from stepid.errors import InputError
-from stepid.frames import constant, make_frame, numbers, split_runs
-from stepid.plausible import check_si
+from stepid.frames import constant, make_frame, split_runs, tidy_frame
+from stepid.plausible import record
 
 if TYPE_CHECKING:
     from stepid.frames import DataFrame
@@ -112,6 +112,9 @@ class Experiment(Model):
         time: str = "time",
         position: str = "position",
         input: str = "input",
+        time_scale: float = 1.0,
+        position_scale: float = 1.0,
+        input_scale: float = 1.0,
         counts_per_meter: float | None = None,
         input_before: float = 0.0,
         base: str = "cart",
@@ -121,22 +124,23 @@ class Experiment(Model):
         Parameters
         ----------
         frame : pandas.DataFrame
-            One row a sample, SI units.
+            One row a sample.
         name, added_mass, spring, damper, counts_per_meter, input_before, base
             Fields of `Experiment`.
         time, position, input : str
-            Names of the columns with s, m and V.
+            Names of the columns.
+        time_scale, position_scale, input_scale : float
+            s, m and V per unit of those columns, as in `read_table`.
 
         Raises
         ------
         stepid.errors.InputError
-            If a column is missing, its content is not numeric or, by its name, not in SI units (``"x_mm"``), or a
-            field is wrong.
+            If a column is missing, its content is not numeric, its name (``"x_mm"``) belies its scale, or a field is
+            wrong.
         """
-        columns = (("time", time), ("position", position), ("input", input))
-        for field, column in columns:
-            check_si(field, column)
-        arrays: dict[str, Any] = {field: numbers(frame, column, field=field) for field, column in columns}
+        columns = {"time": time, "position": position, "input": input}
+        scales = {"time": time_scale, "position": position_scale, "input": input_scale}
+        arrays: dict[str, Any] = record(frame, columns, scales, f"run {name!r}")
         return cls(
             **arrays,
             name=name,
@@ -230,17 +234,28 @@ class Campaign(Model):
         return tuple(offsets)
 
     @classmethod
-    def from_dataframe(cls, frame: Any, *, name: str, weight_uncertainty: float = WEIGHT_UNCERTAINTY) -> Self:
+    def from_dataframe(
+        cls,
+        frame: Any,
+        *,
+        name: str,
+        weight_uncertainty: float = WEIGHT_UNCERTAINTY,
+        time_scale: float = 1.0,
+        position_scale: float = 1.0,
+        input_scale: float = 1.0,
+    ) -> Self:
         """Make a campaign from a tidy pandas DataFrame, as `to_dataframe` gives it.
 
         Parameters
         ----------
         frame : pandas.DataFrame
-            One row a sample, SI units; columns `run`, `time`, `position`, `input`, `added_mass`, `spring`, `damper`
+            One row a sample; columns `run`, `time`, `position`, `input`, `added_mass`, `spring`, `damper`
             and, where they differ from the defaults of `Experiment`, `base`, `counts_per_meter` and `input_before`.
         name : str
         weight_uncertainty : float
             kg.
+        time_scale, position_scale, input_scale : float
+            s, m and V per unit of those columns, as in `read_table`.
 
         Raises
         ------
@@ -252,14 +267,15 @@ class Campaign(Model):
         if missing := [field for field in needed if field not in frame]:
             raise InputError(
                 f"the data frame has no column {missing[0]!r}; there are: {', '.join(map(str, frame))}",
-                f"Rename or add columns, in SI units: {', '.join(needed)}.",
+                f"Rename or add columns, in SI units or with their scales: {', '.join(needed)}.",
             )
         fields += [field for field in ("base", "counts_per_meter", "input_before") if field in frame]
-        whole = {field: numbers(frame, field, field=field) for field in ("time", "position", "input")}
+        scales = {"time": time_scale, "position": position_scale, "input": input_scale}
+        whole = record(frame, {role: role for role in scales}, scales, f"campaign {name!r}")
         runs = []
         for run, rows in split_runs(frame, "run").items():
             own = {field: constant(frame, field, rows, run=run) for field in fields}
-            runs.append(Experiment(name=run, **{field: values[rows] for field, values in whole.items()}, **own))
+            runs.append(Experiment(name=run, **{role: values[rows] for role, values in whole.items()}, **own))
         return cls(name=name, experiments=tuple(runs), weight_uncertainty=weight_uncertainty)
 
     def to_dataframe(self) -> DataFrame:
@@ -273,16 +289,7 @@ class Campaign(Model):
         stepid.errors.MissingPackageError
             If pandas is not installed.
         """
-        runs, sizes = self.experiments, [e.time.size for e in self.experiments]
-        columns: dict[str, Any] = {"run": np.repeat(np.array([e.name for e in runs], dtype=object), sizes)}
-        for field in ("time", "position", "input"):
-            columns[field] = np.concatenate([getattr(e, field) for e in runs])
-        for field in ("added_mass", "counts_per_meter", "input_before"):
-            values = [getattr(e, field) for e in runs]
-            columns[field] = np.repeat([np.nan if value is None else float(value) for value in values], sizes)
-        for field in ("spring", "damper", "base"):
-            columns[field] = np.repeat(np.array([getattr(e, field) for e in runs], dtype=object), sizes)
-        return make_frame(columns)
+        return tidy_frame(self.experiments)
 
     def __getitem__(self, name: str) -> Experiment:
         """Return the run called `name`; InputError names the runs there are."""

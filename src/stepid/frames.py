@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,6 +43,20 @@ def make_frame(columns: Mapping[str, Any]) -> DataFrame:
             "Install it with: pip install 'stepid[pandas]'.",
         ) from None
     return pd.DataFrame(dict(columns))
+
+
+def tidy_frame(runs: Sequence[Any]) -> DataFrame:
+    """Make one frame of all records, one row a sample; see `stepid.Campaign.to_dataframe`."""
+    sizes = [e.time.size for e in runs]
+    columns: dict[str, Any] = {"run": np.repeat(np.array([e.name for e in runs], dtype=object), sizes)}
+    for field in ("time", "position", "input"):
+        columns[field] = np.concatenate([getattr(e, field) for e in runs])
+    for field in ("added_mass", "counts_per_meter", "input_before"):
+        values = [getattr(e, field) for e in runs]
+        columns[field] = np.repeat([np.nan if value is None else float(value) for value in values], sizes)
+    for field in ("spring", "damper", "base"):
+        columns[field] = np.repeat(np.array([getattr(e, field) for e in runs], dtype=object), sizes)
+    return make_frame(columns)
 
 
 def parameter_frame(rows: Iterable[Row]) -> DataFrame:

@@ -1,14 +1,18 @@
-"""What data plainly are not: SI units by a column's name, meters by travel or speed, a release beside an input."""
+"""What data plainly are not: SI units by a name, meters by travel or speed, a release beside an input; data in SI units."""
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from numbers import Real
+from typing import Any
 
 import numpy as np
 
 from stepid._base import Array
 from stepid.errors import InputError
+from stepid.frames import numbers
 
 FARTHEST = 100.0  # m; no teaching plant travels so far, but counts taken for meters do
 NEAREST = 1e-8  # m; nor does one travel less than this
@@ -51,13 +55,46 @@ def check_scale(role: str, column: object, scale: float, where: str) -> None:
         )
 
 
-def check_si(role: str, column: str) -> None:
-    """Refuse a data frame's column that is not in SI units by its name."""
-    if named := small_unit(role, column):
-        raise InputError(
-            f"the column {column!r} of the data frame is in {named[0]} by its name, and {role} is in SI units",
-            f"Multiply it by {named[1]} in a column of another name, and give that.",
+def check_number(label: str, value: object, where: str) -> None:
+    """Refuse what is neither None nor a finite number."""
+    if value is None:
+        return
+    try:
+        good = not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
+    except OverflowError:  # an integer beyond all floats
+        good = False
+    if not good:
+        raise InputError(f"{where}: {label} is {value!r}", "Give a finite number.")
+
+
+def check_scales(columns: Mapping[str, object], scales: Mapping[str, float], where: str) -> None:
+    """Refuse scales, by role, that are no finite numbers, or that their columns cannot have."""
+    for role, scale in scales.items():
+        check_number(f"{role}_scale", scale, where)
+    for role, scale in scales.items():
+        check_scale(role, columns[role], scale, where)
+
+
+def in_si(role: str, values: Array, scale: float, where: str) -> Array:
+    """Multiply a column by its scale; refuse positions, shape (n,), that span what no plant travels then."""
+    if values.dtype.kind not in "fiu":  # the model says what is wrong with what are no numbers
+        return values
+    with np.errstate(all="ignore"):  # an overflow is reported by the model: not finite
+        scaled: Array = values.astype(np.float64) * float(scale) + 0.0
+    if role == "position" and abs(scale) != 1.0 and scaled.size and np.isfinite(scaled).all():
+        check_travel(
+            scaled,
+            f"{where}: with position_scale = {scale:g} the positions",
+            "Give it in meters per unit of the column: 0.001 for mm, 1 / counts_per_meter for counts.",
         )
+    return scaled
+
+
+def record(frame: Any, columns: Mapping[str, str], scales: Mapping[str, float], where: str) -> dict[str, Array]:
+    """Read time [s], position [m] and input [V] from the columns of these roles, with the scales of `read_table`."""
+    check_scales(columns, scales, where)
+    arrays = {role: numbers(frame, column, field=role) for role, column in columns.items()}
+    return {role: in_si(role, values, scales[role], where) for role, values in arrays.items()}
 
 
 def check_travel(meters: Array, who: str, remedy: str) -> None:

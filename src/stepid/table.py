@@ -10,10 +10,10 @@ import numpy as np
 
 from stepid._base import Array
 from stepid.delimited import Layout, Table, join_tables, parse_table
-from stepid.ecp import FEWEST, check_number
+from stepid.ecp import FEWEST
 from stepid.errors import InputError
 from stepid.experiment import Experiment
-from stepid.plausible import check_release, check_scale, check_travel
+from stepid.plausible import check_number, check_release, check_scales, in_si
 from stepid.step_input import InputValues, sample_input
 from stepid.textfile import as_path
 
@@ -103,17 +103,13 @@ def read_table(
     files = _files(paths)
     where = str(files[0]) if len(files) == 1 else f"{files[0]} … {files[-1].name}"
     for label, number in (
-        ("position_scale", position_scale),
-        ("time_scale", time_scale),
-        ("input_scale", input_scale),
         ("sample_time", sample_time),
         ("counts_per_meter", counts_per_meter),
         ("input_before", input_before),
     ):
         check_number(label, number, where)
-    check_scale("position", position, position_scale, where)
-    check_scale("time", time, time_scale, where)
-    check_scale("input", input, input_scale, where)
+    scales = {"position": position_scale, "time": time_scale, "input": input_scale}
+    check_scales({"position": position, "time": time, "input": input}, scales, where)
     layout = Layout(delimiter, decimal, skiprows, (time, position, input))
     layout.check(where)
     table = join_tables([parse_table(file, layout) for file in files])
@@ -125,14 +121,7 @@ def read_table(
     if input is None:
         check_release(table.names, table.values, (time, position), where)
     volts = _input(table, input, input_scale, clock, input_before, where)
-    with np.errstate(all="ignore"):  # an overflow is reported by the model: not finite
-        meters = table.column(position, "position", where) * float(position_scale) + 0.0
-    if abs(position_scale) != 1.0 and np.isfinite(meters).all():
-        check_travel(
-            meters,
-            f"{where}: with position_scale = {position_scale:g} the positions",
-            "Give it in meters per unit of the column: 0.001 for mm, 1 / counts_per_meter for counts.",
-        )
+    meters = in_si("position", table.column(position, "position", where), position_scale, where)
     try:
         return Experiment(
             name=files[0].stem if name is None else name,
@@ -183,8 +172,8 @@ def _time(
         if sample_time is None:
             raise InputError(f"{where}: nothing says when the rows were taken", "Give time=… or sample_time=… (s).")
         return (start + index) * sample_time
+    time = in_si("time", table.column(column, "time", where), scale, where)
     with np.errstate(all="ignore"):
-        time = table.column(column, "time", where) * float(scale)
         mean = float((time[-1] - time[0]) / (time.size - 1))
         step = mean if sample_time is None else sample_time
         uniform = _follows(time, index, mean, 0.01)
@@ -217,6 +206,5 @@ def _input(
     if given is None:
         return np.zeros(time.size)
     if isinstance(given, str | int):
-        with np.errstate(all="ignore"):
-            return table.column(given, "input", where) * float(scale) + 0.0
+        return in_si("input", table.column(given, "input", where), scale, where)
     return sample_input(given, time, before=before, where=where)
