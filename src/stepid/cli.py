@@ -48,6 +48,7 @@ format = "table"         # left out: exports of the ECP program
 time = "time_s"          # the columns, by name or by index from 0
 position = "position_mm"
 position_scale = 0.001   # meters per unit
+# also time_scale (s per unit), skiprows = 3, decimal = ","
 input = "voltage_V"
 spring = "medium"        # runs with the same label share a stiffness
 damper = "none"
