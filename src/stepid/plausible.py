@@ -1,4 +1,4 @@
-"""What data plainly are not: SI units by a name, meters by travel or speed, a release beside an input; data in SI units."""
+"""What data plainly are not: SI units by a name, meters by travel or speed, a release beside an input; scales."""
 
 from __future__ import annotations
 
