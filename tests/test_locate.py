@@ -211,9 +211,11 @@ def test_sentences_say_what_was_found() -> None:
         "most in run 'b' (900 µm), least in run 'a' (100 µm)",
         "grows with mass (correlation +0.91)",
         "larger in runs that go down (correlation 0.80)",
-        "the residual force jumps by 0.6 N where the velocity changes sign "
+        "the residual force jumps by 0.6 N where the velocity changes sign, like friction of 0.3 N either way "
         "(80 % of what a linear plant cannot take up)",
     )
+    along = sentences(6e-4, 2e-5, phases, {"a": 1e-4}, {}, Shape("sign of velocity", 0.3, 0.8, np.zeros(1)))
+    assert "jumps by 0.6 N where the velocity changes sign (80 %" in along[-1]  # no friction pushes
     vague = sentences(6e-4, 2e-5, {"rise": 6e-4}, {"a": 6e-4}, {}, Shape(SHAPES[1], 1.0, 0.1, np.zeros(1)))
     assert vague[0] == "largest in the rise (600 µm RMS)"
     assert "look at the drive" in vague[-1]

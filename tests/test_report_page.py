@@ -21,12 +21,15 @@ import report_example
 import stepid
 from diagnosis_example import changed
 from stepid.diagnose.result import Diagnosis, Gap, RunGap
+from stepid.diagnose.summary import found_sizes
 from stepid.diagnose.wording import length
-from stepid.report import provenance
+from stepid.estimate import Estimate
+from stepid.report import captions, provenance
 from stepid.report.hand import HandMethod, pictured
 from stepid.report.json_values import diagnosis_values
-from stepid.report.page import Still
+from stepid.report.page import Still, _tiles
 from stepid.report.pictures import pictures
+from stepid.report.pull import hand_method_rows
 from stepid.report.story import tell
 from stepid.report.write import hand_of, write_all
 from stepid.verification import Verification
@@ -110,6 +113,36 @@ def test_what_the_diagnosis_says_stands_in_the_page(page: str) -> None:
     for name in d.parameters:
         assert name in text
     assert "clean and align the rails" in text
+
+
+def test_what_the_named_effect_measures_stands_on_a_card_and_in_the_story(page: str) -> None:
+    d = example.named()
+    level = d.parameters["coulomb_friction.level"]
+    number, spread = str(level).removesuffix(" N").split(" ± ")
+    assert abs(float(number) - example.LEVEL) < 0.01
+    assert f"<div><dt>Coulomb friction, level</dt><dd>{number} N<small>± {spread} N</small></dd></div>" in page
+    assert f"Coulomb friction is missing. Coulomb friction: level {level}." in Tags(page).text
+    assert found_sizes(example.adequate()) == found_sizes(example.ambiguous()) == []
+    tiny = changed(d, parameters=d.parameters | {"coulomb_friction.level": Estimate(value=3e-11, uncertainty=2e-12)})
+    open_ = changed(d, parameters=d.parameters | {"coulomb_friction.level": Estimate(value=3.0, unit="N")})
+    assert _tiles(tiny)[0][1:] == ("(3.00 ± 0.20)e-11", "")
+    assert _tiles(open_)[0][1:] == ("3 N (undetermined)", "")
+
+
+def test_nothing_has_no_sign() -> None:
+    named = example.named()
+    close = {name: Estimate(value=e.value * (1 - 1e-6), unit=e.unit) for name, e in named.parameters.items()}
+    d = changed(named, linear_parameters=close)
+    assert "-0.0" not in " ".join(cell for row in hand_method_rows(d, by_hand_of(d).found)[1] for cell in row)
+    alt = captions.pull(d).alt
+    assert "−0.0" not in alt
+    assert "base_mass 0.00 %" in alt
+
+
+def by_hand_of(d: Diagnosis) -> HandMethod:
+    hand = hand_of(d)
+    assert isinstance(hand, HandMethod)
+    return hand
 
 
 def test_the_stacked_system_and_its_solution_are_shown(page: str) -> None:

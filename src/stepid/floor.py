@@ -109,8 +109,8 @@ def repeat_notes(records: Records) -> tuple[str, ...]:
     spread, noise = repeatability(records), sensor_noise(records)
     if spread is not None and spread > _SCATTER * noise:
         out.append(
-            f"Repeated runs differ by {1e6 * spread:.3g} µm, {spread / noise:.2g} times the sensor's noise: "
-            "no model of one plant leaves less."
+            f"Repeated runs differ by {np.format_float_positional(1e6 * spread, 3, fractional=False, trim='-')} µm, "
+            f"{spread / noise:.2g} times the sensor's noise: no model of one plant leaves less."
         )
     return tuple(out)
 

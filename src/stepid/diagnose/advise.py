@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from stepid._base import Array
+from stepid.diagnose.wording import length
 from stepid.engine.least_squares import Optimum
 from stepid.engine.records import Records, lay_out
 from stepid.engine.trajectory import Simulator
@@ -91,6 +92,6 @@ def next_experiment(
         )
     return (
         f"To tell {tell(chosen)} from {names}: record {best[1]}; "
-        f"there the models differ by {best[0] * 1e6:.3g} µm RMS, "
+        f"there the models differ by {length(best[0])} RMS, "
         f"{best[0] / floor:.2g} times the noise."
     )

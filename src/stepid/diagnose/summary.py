@@ -45,6 +45,18 @@ def answer(d: Diagnosis) -> str:
     return "A linear model is not adequate, and nothing in the catalogue explains why."
 
 
+def found_sizes(d: Diagnosis) -> list[tuple[str, str, str]]:
+    """What the named effects measure: effect and parameter in words, value ± standard uncertainty with its unit."""
+    if d.verdict != "named":
+        return []
+    own = [(name.partition("."), found) for name, found in d.parameters.items() if "." in name]
+    return [
+        (effect_names((effect,)), parameter.replace("_", " "), str(found))
+        for (effect, _, parameter), found in own
+        if effect in d.effects
+    ]
+
+
 def gap_rows(d: Diagnosis) -> list[tuple[str, ...]]:
     """The gap before and after: all runs, then run by run, fitted and held out."""
 

@@ -103,9 +103,9 @@ def _about_force(shape: Shape | None) -> str:
         return "the residual force follows neither velocity nor position alone: look at the drive, the reading or time"
     share = f"{100 * shape.share:.0f} % of what a linear plant cannot take up"
     if shape.name == "sign of velocity":
-        return (
-            f"the residual force jumps by {abs(2 * shape.coefficient):.2g} N where the velocity changes sign ({share})"
-        )
+        size = abs(shape.coefficient)
+        like = f", like friction of {size:.2g} N either way" if shape.coefficient < 0 else ""
+        return f"the residual force jumps by {2 * size:.2g} N where the velocity changes sign{like} ({share})"
     if shape.name == "velocity squared":
         way = "against" if shape.coefficient < 0 else "with"
         return f"the residual force grows with the square of the velocity, {way} the motion ({share})"

@@ -115,10 +115,16 @@ def gap_runs(d: Diagnosis) -> Picture:
 
 def pull(d: Diagnosis) -> Picture:
     """How far the missing effect pulled the linear fit's numbers."""
-    said = [f"{name} {'+' if off >= 0 else '−'}{digits(abs(off))} %" for name, off, _ in linear_pull(d)]
+    said = [f"{name} {_signed(off)} %" for name, off, _ in linear_pull(d)]
     return Picture(
         name="pull",
         title="How far the linear fit is off without the effect",
         alt=f"Linear joint fit against the final model, with 95 % intervals: {'; '.join(said) or 'none in common'}.",
         still="",
     )
+
+
+def _signed(value: float) -> str:
+    """Two decimals at most; what is nothing then has no sign."""
+    size = digits(abs(value))
+    return size if float(size) == 0 else f"{'+' if value > 0 else '−'}{size}"

@@ -15,13 +15,15 @@ from markupsafe import Markup, escape
 from plotly.offline import get_plotlyjs
 
 from stepid.diagnose.result import Diagnosis
-from stepid.diagnose.summary import answer
+from stepid.diagnose.summary import answer, found_sizes
 from stepid.diagnose.wording import digits, effect_names, length
 from stepid.report.axes import run_line
 from stepid.report.hand import Hand, pictured
 from stepid.report.pictures import pictures
 from stepid.report.provenance import Provenance
 from stepid.report.story import tell
+
+_SIZES = 4  # of the named effects
 
 
 def html_page(d: Diagnosis, hand: Hand, provenance: Provenance, stills: Mapping[str, Still]) -> str:
@@ -100,13 +102,23 @@ def inlined(widths: Mapping[str, float], folder: Path) -> dict[str, Still]:
     return found
 
 
+def _parted(value: str) -> tuple[str, str]:
+    """What stands large, and beside it; a value with its uncertainty is long for one line."""
+    number, plus_minus, rest = value.partition(" ± ")
+    if not plus_minus or value.startswith("("):  # with an exponent for both
+        return value, ""
+    spread, _, unit = rest.partition(" ")
+    return f"{number} {unit}".rstrip(), f"± {spread} {unit}".rstrip()
+
+
 def _tiles(d: Diagnosis) -> list[tuple[str, str, str]]:
     """The figures to remember: what, how much, and beside what."""
 
     def times(rms: float) -> str:
         return f"{digits(rms / d.gap.noise)} × noise" if d.gap.noise else ""
 
-    tiles = [("Gap, linear model", length(d.gap.before), times(d.gap.before))]
+    sizes = [(f"{effect}, {parameter}", *_parted(value)) for effect, parameter, value in found_sizes(d)[:_SIZES]]
+    tiles = [*sizes, ("Gap, linear model", length(d.gap.before), times(d.gap.before))]
     if d.effects:
         tiles.append((f"Gap, with {effect_names(d.effects)}", length(d.gap.after), times(d.gap.after)))
         if d.gap.held_out:

@@ -88,7 +88,9 @@ def _cell(estimate: Estimate | None) -> str:
 
 
 def _percent(off: float | None) -> str:
-    return "–" if off is None else f"{off:+.1f} %"
+    if off is None:
+        return "–"
+    return f"{off:+.1f} %" if round(off, 1) else "0.0 %"
 
 
 def _off(estimate: Estimate | None, final: Estimate) -> float | None:

@@ -7,6 +7,7 @@ from stepid.diagnose.summary import (
     GAP_HEADER,
     RANKING_HEADER,
     answer,
+    found_sizes,
     gap_rows,
     next_steps,
     parameter_header,
@@ -144,7 +145,7 @@ def _missing(d: Diagnosis) -> Chapter:
     return Chapter(
         name="missing",
         title="What is missing",
-        lead=answer(d),
+        lead=" ".join([answer(d), *(f"{effect}: {name} {size}." for effect, name, size in found_sizes(d))]),
         points=d.reasons,
         pictures=(captions.candidates(d),) if d.ranking else (),
         tables=(ranking,) if d.ranking else (),
