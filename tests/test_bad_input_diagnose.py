@@ -158,3 +158,11 @@ def test_a_real_amplifier_that_was_off_at_first() -> None:
     found = stepid.fit(stepid.Campaign(name="medium", experiments=tuple(runs)))
     assert found.rms < 1e-3
     assert np.all([rms < 1e-3 for rms in found.run_rms.values()])
+
+
+def test_milliseconds_taken_for_seconds_are_suspected() -> None:
+    whole = campaign(2)
+    slow = [stepid.Experiment(**(e.model_dump() | {"time": 1000.0 * e.time})) for e in whole.experiments]
+    found = stepid.diagnose(whole.model_copy(update={"experiments": tuple(slow)}))
+    assert any("if the times are milliseconds, give time_scale = 0.001" in note for note in found.notes), found.notes
+    assert not any("milliseconds" in note for note in stepid.diagnose(whole).notes)

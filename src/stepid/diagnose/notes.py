@@ -15,6 +15,7 @@ from stepid.fit import NOT_CONVERGED
 from stepid.floor import repeat_notes
 from stepid.screen import screen
 
+_SLOW = 1.0  # s between readings, of which a cart on a spring makes no use
 _CLIPPED = 12  # samples at one extreme reading, in motion before and after
 
 
@@ -22,6 +23,9 @@ def notes_on(campaign: Campaign, ground: Ground, final: Optimum, effects: tuple[
     """Collect remarks in words."""
     records = ground.records
     out = [*screen(campaign).notes, *repeat_notes(records)]
+    slowest = float(records.sample_time.max())
+    if slowest >= _SLOW:
+        out.append(f"The readings come every {slowest:.3g} s: if the times are milliseconds, give time_scale = 0.001.")
     for i, run in enumerate(records.runs):
         if records.begin[i]:
             out.append(

@@ -36,7 +36,7 @@ def build(records: Records, effects: tuple[Effect, ...], *, fineness: float = 1.
     parameters: list[Parameter] = [q for e in effects for q in e.parameters]
     least_added = np.array([records.added_mass[records.base == i].min(initial=np.inf) for i in range(a)])
     lower = np.concatenate(
-        [1e-3 - least_added, np.full(b, 1e-3), np.zeros(c), [-np.inf], [q.lower for q in parameters]]
+        [1e-3 - least_added, np.full(b, 1e-9), np.zeros(c), [-np.inf], [q.lower for q in parameters]]
     )
     upper = np.concatenate([np.full(a + b + c + 1, np.inf), [q.upper for q in parameters]])
     free = np.ones(sim.n_shared, dtype=bool)
