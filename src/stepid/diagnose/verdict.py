@@ -76,9 +76,7 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
     """Search the catalogue for what the linear plant is missing."""
     linear = linear_candidate(ground)
     floor, rms = ground.floor, linear.optimum.rms
-    times = (
-        f"The linear model leaves {rms * 1e6:.3g} µm, {rms / floor:.3g} times the noise floor of {floor * 1e6:.3g} µm"
-    )
+    times = f"The linear model leaves {length(rms)}, {rms / floor:.3g} times the noise floor of {length(floor)}"
     if linear.structure < _GATE and rms < 1.1 * floor:
         return Judgment("adequate", linear, (), (linear,), (f"{times}, and its residual is as white as noise.",))
     alone = singles(ground, catalogue, progress)
