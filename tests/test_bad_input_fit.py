@@ -10,7 +10,7 @@ import pytest
 
 import stepid
 import stepid.engine.search as search
-from broken_campaigns import FRICTION, NOISE, SAMPLE_TIME, campaign, changed, inputs
+from broken_campaigns import FRICTION, NOISE, SAMPLE_TIME, campaign, changed, inputs, scaled
 from stepid.effects import resolve
 from stepid.engine.least_squares import minimize
 from stepid.engine.problem import build, start_local
@@ -174,3 +174,10 @@ def test_a_trial_step_that_overflows_is_rejected(monkeypatch: pytest.MonkeyPatch
     assert found.shared[-1] == pytest.approx(6e4, rel=0.02)
     assert not rejected[0]
     assert any(rejected)
+
+
+def test_a_badly_scaled_run_is_named_whatever_effect_is_fitted() -> None:
+    found = stepid.fit(scaled(campaign(9, FRICTION), 3, 0.5), effects=("viscoelastic_spring",))
+    assert any("Run 'case 4' disagrees" in note and "readings are 0.5 times" in note for note in found.notes), (
+        found.notes
+    )

@@ -76,7 +76,8 @@ def find_suspect(ground: Ground, fits: Sequence[Optimum]) -> Suspect | None:
     if any(at_floor(ground, fit, SLACK, WHITE) for fit in fits[1:]):
         return _suspect(ground, fits[0], {}, promise=_LIKELY)  # an effect explains it; a mistake must do so as well
     rest: Rest = {}
-    found = _suspect(ground, fits[0], rest) or _gross(ground, rest)
+    found = _suspect(ground, fits[0], rest)
+    found = found or _gross(ground, rest if fits[0] is ground.linear else {})
     for fit in fits[1:]:
         found = found or _suspect(ground, fit, {})
     return found
@@ -111,9 +112,10 @@ def _suspect(ground: Ground, fit: Optimum, rest: Rest, *, promise: float = np.in
     return Suspect(names[i], rivals, best, cost + price)
 
 
-def _gross(ground: Ground, fits: Rest) -> Suspect | None:
-    """A run with a plain mistake, seen by the linear plant although more than that is missing."""
+def _gross(ground: Ground, rest: Rest) -> Suspect | None:
+    """A run with a plain mistake, seen by the linear plant although more is missing; `rest`: linear fits, if known."""
     records, fit = ground.records, ground.linear
+    fits = rest or {i: _without(fit, i, ground.tolerance) for i in range(len(records.runs))}
     counts = np.add.reduceat(records.weight**2, records.first)
     power = {i: f.cost / (counts.sum() - counts[i]) for i, f in fits.items() if f is not None}
     if len(power) < 2:
