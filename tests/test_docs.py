@@ -88,7 +88,7 @@ def test_readme_has_its_two_commands() -> None:
     commands = dict(re.findall(r"<!-- command: (\w+) -->\n```bash\n(.+)\n```", text))
     assert commands.keys() == {"paper", "tests"}
     assert commands["paper"].endswith("stepid paper --out out")
-    assert commands["tests"].endswith("pytest")
+    assert commands["tests"].endswith("pytest -n auto")
     ci = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     assert "readme paper" in ci
     assert "readme tests" in ci

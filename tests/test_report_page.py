@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import base64
-import gzip
 import json
 import re
 import sys
 from html import unescape
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -20,19 +17,18 @@ import diagnosis_example as example
 import report_example
 import stepid
 from diagnosis_example import changed
+from page_text import Tags, packed
 from stepid.diagnose.result import Diagnosis, Gap, RunGap
 from stepid.diagnose.summary import found_sizes
 from stepid.diagnose.wording import length
 from stepid.estimate import Estimate
 from stepid.report import captions, provenance
-from stepid.report.hand import HandMethod, pictured
-from stepid.report.json_values import diagnosis_values
+from stepid.report.hand import HandMethod
 from stepid.report.page import Still, _tiles
 from stepid.report.pictures import pictures
 from stepid.report.pull import hand_method_rows
 from stepid.report.story import tell
-from stepid.report.write import hand_of, write_all
-from stepid.verification import Verification
+from stepid.report.write import hand_of
 
 TITLES = [
     "The runs",
@@ -47,38 +43,6 @@ TITLES = [
     "Provenance",
 ]
 EVIL = '</script><script>alert(1)</script><img src="http://x.test/a" onerror="alert(2)"> %{x} {{ 7*7 }} <b>'
-
-
-class Tags(HTMLParser):
-    """Collects the tags, their attributes and the text outside of scripts and styles."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.tags: list[tuple[str, dict[str, str | None]]] = []
-        self.said: list[str] = []
-        self.quiet = False
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append((tag, dict(attrs)))
-        self.quiet = tag in {"script", "style"}
-
-    def handle_endtag(self, tag: str) -> None:
-        self.quiet = False
-
-    def handle_data(self, data: str) -> None:
-        if not self.quiet:
-            self.said.append(data)
-
-    @property
-    def text(self) -> str:
-        return " ".join(" ".join(self.said).replace("\u00a0", " ").split())
-
-
-def packed(page: str, name: str) -> str:
-    found = re.search(rf'id="packed-{name}">([^<]*)<', page)
-    assert found
-    return gzip.decompress(base64.b64decode(found[1])).decode()
 
 
 @pytest.fixture(autouse=True)
@@ -307,53 +271,3 @@ def test_a_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 @pytest.mark.slow
 def test_nine_runs_stay_below_three_megabytes() -> None:
     assert report_example.page_of_nine().stat().st_size <= 3_000_000
-
-
-def with_a_copy() -> Diagnosis:
-    """The example's campaign with two more runs, which the diagnosis leaves out and the hand method uses."""
-    d = example.named()
-    assert d.data is not None
-    first, second = (
-        run.model_copy(update={"name": f"copy of {run.name}", "added_mass": 3.0}) for run in d.data.experiments[:2]
-    )
-    data = d.data.model_copy(update={"experiments": (first, *d.data.experiments, second)})
-    notes = tuple(
-        f"Runs 'case {i}', 'copy of case {i}' hold the same record under different labels, and they are left out."
-        for i in (4, 5)
-    )
-    return changed(d, data=data, notes=notes)
-
-
-def test_runs_left_out_are_listed_with_the_reason_and_have_no_picture(tmp_path: Path) -> None:
-    d = with_a_copy()
-    write_all(d, provenance.of_data(d), tmp_path)
-    d.to_markdown(tmp_path / "alone.md")
-    assert (tmp_path / "report-pictures.pdf").read_bytes().startswith(b"%PDF")
-    page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    drawn = json.loads(packed(page, "pictures"))
-    shown = set(re.findall(r'data-picture="([^"]+)"', page))
-    assert shown == set(drawn)
-    assert {name for name in shown if name.startswith("verification-")} == {f"verification-{i}" for i in range(4)}
-    note = (tmp_path / "report.md").read_text(encoding="utf-8").replace("\\", "")
-    hand = hand_of(d)
-    assert isinstance(hand, HandMethod)
-    assert "copy of case 4" in hand.found.masses  # that is why a picture was expected
-    for text in (Tags(page).text, note, (tmp_path / "alone.md").read_text(encoding="utf-8")):
-        assert "Left out of the diagnosis and its pictures: copy of case 4, copy of case 5." in text
-        assert "uses copy of case 4, copy of case 5 all the same" in text
-        assert all(note in text for note in d.notes)
-    assert [run["name"] for run in diagnosis_values(d)["runs"]] == list(example.RUNS)
-    assert Diagnosis.from_dict(d.to_dict()) == d
-
-
-def test_a_report_without_a_verified_run_of_the_diagnosis_has_no_such_picture() -> None:
-    d = with_a_copy()
-    hand = hand_of(d)
-    assert isinstance(hand, HandMethod)
-    others = tuple(run for run in hand.verified.runs if run.name.startswith("copy"))
-    assert len(others) == 2
-    apart = hand.model_copy(update={"verified": Verification(runs=others)})
-    assert pictured(d, apart) is None
-    (chapter,) = [c for c in tell(d, apart, provenance.of_data(d)) if c.name == "verification"]
-    assert chapter.pictures == ()
-    assert [row[0] for row in chapter.tables[0].rows] == [run.name for run in others]
