@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from itertools import pairwise
 
-from score import Line, Record, answers, confusion, first_right, in_set, parameter_errors, quantile, visible
+from score import Line, Record, answers, confusion, first_right, in_set, one_unseen, parameter_errors, quantile, visible
 
 HEAD = """# Does the diagnosis name the right effect?
 
@@ -96,7 +96,21 @@ def markdown(lines: Sequence[Line], records: Sequence[Record]) -> str:
     rest = [r for r in records if r["set"] in ("none", "outside")]
     parts += ["", "## What is not in the catalogue, and nothing at all", "", _grid(rest)]
     two = [r for r in records if r["set"] == "pairs" and visible(r)]
-    parts += ["", "## Two effects, r0 at least 2", "", _grid(two), "", "## Every case that missed a line", ""]
+    apart = [f"{r['set']} {r['number']}" for r in two if one_unseen(r)]
+    said = (
+        "Pairs of which a part alone explains data without noise, counted apart: " + (", ".join(apart) or "none") + "."
+    )
+    parts += [
+        "",
+        "## Two effects, r0 at least 2",
+        "",
+        said,
+        "",
+        _grid([r for r in two if not one_unseen(r)]),
+        "",
+        "## Every case that missed a line",
+        "",
+    ]
     return "\n".join([*parts, "```text", failures(lines), "```", ""])
 
 
