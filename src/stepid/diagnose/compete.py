@@ -179,18 +179,22 @@ def lags(ground: Ground, contender: Contender, others: list[Contender], *, begun
     """
     if contender.coarse.simulator.law.affine:
         return False
-    inner = [c for c in others if c.effects != contender.effects and includes(contender.effects, c.effects)]
-    least = min((c.cost for c in inner), default=np.inf)
-    if settled(ground, inner):
+    least = _inside(contender, others)
+    if least < ground.floored:
         return contender.cost > least + (_SLOW if begun else _STUCK) * ground.unit
     return not begun and contender.cost > least + max(_SLOW * ground.unit, 0.02 * least)
 
 
 def _idle(ground: Ground, contender: Contender, others: list[Contender]) -> bool:
     """Tell whether a simpler law, inside this one, is at the floor and this one does no better."""
+    least = _inside(contender, others)
+    return least < ground.floored and contender.cost > least - PROMISE * ground.unit
+
+
+def _inside(contender: Contender, others: list[Contender]) -> float:
+    """Least cost [m²] of the simpler laws inside a contender's; infinite where there is none."""
     inner = [c for c in others if c.effects != contender.effects and includes(contender.effects, c.effects)]
-    least = min((c.cost for c in inner), default=np.inf)
-    return settled(ground, inner) and contender.cost > least - PROMISE * ground.unit
+    return min((c.cost for c in inner), default=np.inf)
 
 
 def includes(bigger: tuple[Effect, ...], smaller: tuple[Effect, ...]) -> bool:
