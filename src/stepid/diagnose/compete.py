@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from stepid._base import Array
 from stepid.diagnose.candidate import Candidate, polish
 from stepid.effects.base import Effect
 from stepid.engine.displace import resettle
@@ -121,17 +122,23 @@ def _release(ground: Ground, simple: Contender, general: Contender) -> None:
     if general.best is None or simple.cost < general.cost + _STUCK * ground.unit:
         return
     n = general.coarse.simulator.n_linear
-    own = simple.effects[0].parameters[0]
-    alike = [
-        v for v, q in zip(general.best.shared[n:], general.effects[0].parameters, strict=True) if q.unit == own.unit
-    ]
+    level = level_within(general.effects[0], general.best.shared[n:], simple.effects[0])
+    if level is None:
+        return
     problem = simple.coarse
     local = start_local(problem, general.best)
-    shared = np.append(general.best.shared[:n], np.mean(alike))
+    shared = np.append(general.best.shared[:n], level)
     start = general.best.solved.states[: problem.simulator.law.n_states]
     found = minimize(problem, shared, local, start=start, tolerance=ground.tolerance, iterations=30)
     if found is not None and found.cost < simple.cost:
         simple.best, simple.polished = found, None
+
+
+def level_within(general: Effect, values: Array, simple: Effect) -> float | None:
+    """Strength of a simple effect inside a general one: the mean of the parameters in its unit; None where none is."""
+    unit = simple.parameters[0].unit
+    alike = [v for v, q in zip(values, general.parameters, strict=True) if q.unit == unit]
+    return float(np.mean(alike)) if alike else None
 
 
 def _promised(ground: Ground, effect: Effect, inner: Contender, start: Start) -> tuple[float, float]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from stepid._base import Array
 from stepid.diagnose.candidate import Candidate, candidate, polish
+from stepid.diagnose.compete import level_within
 from stepid.diagnose.pairs import STRONG
 from stepid.effects import Effect, resolve
 from stepid.engine.least_squares import Optimum, minimize
@@ -48,9 +49,8 @@ def plainer(ground: Ground, found: Candidate, known: list[tuple[Effect, ...]]) -
     for place, effect in enumerate(found.effects):
         own, shared = _place(found, place), found.optimum.shared
         for inner in resolve(effect.contains):
-            pairs = zip(shared[own], effect.parameters, strict=True)
-            alike = [v for v, q in pairs if q.unit == inner.parameters[0].unit]
-            if not alike or len(inner.parameters) > 1 or inner.run_parameters != effect.run_parameters:
+            level = level_within(effect, shared[own], inner)
+            if level is None or len(inner.parameters) > 1 or inner.run_parameters != effect.run_parameters:
                 continue
             effects = (*found.effects[:place], inner, *found.effects[place + 1 :])
             if effects in known:
@@ -61,7 +61,7 @@ def plainer(ground: Ground, found: Candidate, known: list[tuple[Effect, ...]]) -
             local[: sim.own_states.start] = found.optimum.local[: sim.own_states.start]
             near = np.zeros((sim.law.n_states, ground.records.size))
             near[:2] = found.optimum.solved.states[:2]
-            values = np.concatenate([shared[: own.start], [np.mean(alike)], shared[own.stop :]])
+            values = np.concatenate([shared[: own.start], [level], shared[own.stop :]])
             fitted = minimize(problem, values, local, start=near, tolerance=ground.tolerance, iterations=30)
             simpler = None if fitted is None else candidate(ground, effects, fitted)
             if simpler is not None and simpler.evidence < found.evidence + STRONG:
