@@ -33,6 +33,30 @@ def _moving_differences(run: Experiment, begin: int) -> Array:
     return out
 
 
+def succession(records: Records, residual: Array) -> tuple[float, int]:
+    """Mean square of a residual over half that of its successive differences, where the cart moves; and their number.
+
+    White noise gives 1 ± 1/√n whatever its size; what is left of a motion is slower, and gives more (von Neumann 1941).
+
+    Parameters
+    ----------
+    records : Records
+    residual : array, shape (S,)
+        Unweighted, m.
+    """
+    squares, steps, count = 0.0, 0.0, 0
+    for run, piece in zip(records.runs, records.pieces(), strict=True):
+        y, r = records.position[piece], residual[piece]
+        if y.size <= _ORDER:
+            continue
+        still = np.ptp(np.lib.stride_tricks.sliding_window_view(y, _ORDER + 1), axis=1) <= 2.5 * (run.resolution or 0.0)
+        at = np.flatnonzero(~still) + _ORDER // 2
+        squares += float(np.sum(r[at] ** 2))
+        steps += float(np.sum((r[at] - r[at - 1]) ** 2))
+        count += at.size
+    return (2 * squares / steps if steps > 0 else math.inf), count
+
+
 def enough(records: Records) -> bool:
     """Tell whether the noise can be told from the motion: by enough samples that move, or by the encoder's scale."""
     moving = (_moving_differences(run, int(b)).size for run, b in zip(records.runs, records.begin, strict=True))

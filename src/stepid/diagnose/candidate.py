@@ -11,8 +11,10 @@ import numpy.typing as npt
 from stepid.effects.base import Effect
 from stepid.engine.least_squares import Optimum, minimize
 from stepid.engine.search import Contender, Ground
-from stepid.floor import structure
+from stepid.floor import structure, succession
 
+_WHITE = 6.0  # standard deviations of structure that noise may show
+_TOLD = 1.2  # times the floor that white noise may leave: a few hundred samples tell it that well
 _ROOM = 6.0  # times the price of the starting displacements that holding them at zero may seem to cost
 
 
@@ -49,6 +51,18 @@ def candidate(ground: Ground, effects: tuple[Effect, ...], optimum: Optimum) -> 
     records = ground.records
     white = structure(records, optimum.problem.residual(optimum.solved), ground.floor, ground.period)
     return Candidate(effects, optimum, evidence(optimum, ground.floor), white)
+
+
+def at_floor(ground: Ground, found: Candidate) -> bool:
+    """Tell whether a fit leaves nothing but noise."""
+    n = float((ground.records.weight**2).sum())
+    times = found.optimum.rms / ground.floor
+    if found.structure >= _WHITE or times > _TOLD:
+        return False
+    if times <= 1.05 + 3.0 / math.sqrt(2.0 * n):
+        return True
+    ratio, count = succession(ground.records, found.optimum.residual)  # the floor is known to some percent only
+    return ratio < 1.0 + 3.0 / math.sqrt(max(count, 1))
 
 
 def polish(ground: Ground, contender: Contender, *, enough: float = 0.05) -> Candidate | None:

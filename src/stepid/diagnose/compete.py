@@ -26,7 +26,7 @@ _HOPELESS = 6.0  # times the cost of one that reached the floor
 _STUCK = 3.0  # χ² by which a simple effect may be worse than one that contains it, before it is tried from there
 _SLOW = 60.0  # χ² by which a law that has just begun may be worse than one it contains
 _IDLE = 1.0  # χ² that a step must promise, of a law that does no better than a simpler one inside it
-_WORTH = 0.05  # share of what a simpler effect leaves that a costly general one must promise to take away
+WORTH = 0.3  # share of what a simpler effect leaves that a costly general one must promise to take away (1 if it is it)
 PROMISE = 3.0  # χ² that a more general effect must promise where a simpler one reached the floor
 
 
@@ -100,7 +100,7 @@ def generalized(
     added: list[Contender] = []
     for _, effect, starts in sorted(offers, key=lambda offer: offer[0]):
         if not effect.affine and not done:
-            starts = [s for s in starts if s[1] > _WORTH * max(s[0] + s[1] - ground.noise_cost, 0.0)]
+            starts = [s for s in starts if s[1] > WORTH * max(s[0] + s[1] - ground.noise_cost, 0.0)]
         if settled(ground, [*contenders, *added]) and not effect.affine:
             # an affine one is quick, and may be as good without promising any gain
             least = min(c.cost for c in [*contenders, *added]) + 60 * ground.unit
@@ -223,7 +223,7 @@ def final(ground: Ground, contenders: list[Contender], *, count: int = 2, spread
             if done is not None:
                 found[contender] = done
     lead = min(found, key=lambda c: found[c].evidence, default=None)
-    if lead is not None and found[lead].optimum.rms > 1.03 * ground.floor:
+    if lead is not None and len(lead.effects) < 3 and found[lead].optimum.rms > 1.03 * ground.floor:
         for contender in sorted(found, key=lambda c: found[c].evidence)[:3]:
             if contender.best is not None and any(e.dry and not e.contains for e in contender.effects):
                 # another pattern of sticking may be better

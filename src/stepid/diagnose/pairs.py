@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid._base import Array
-from stepid.diagnose.candidate import Candidate
-from stepid.diagnose.compete import PROMISE, Progress, advance, final, settled
+from stepid.diagnose.candidate import Candidate, at_floor, candidate
+from stepid.diagnose.compete import PROMISE, WORTH, Progress, advance, final, settled
 from stepid.effects.base import Effect
 from stepid.engine.least_squares import minimize
 from stepid.engine.problem import resonances, start_local
@@ -20,9 +20,14 @@ STRONG = 20.0  # evidence that a further effect must bring
 _STARTS = 3  # of each addition: of what rings, the loudest may not be what is missing
 _TRIED = 5  # additions that are raced on each
 _FEW = 3  # the same on a general effect, which is slow
+_SLOWER = 3.0  # times what an offer on a general effect promises to leave, as it is costly: simple ones race first
 _MOST = 14  # combinations that are raced
+_MODE = 2  # states of its own that make an effect a mode
+_HEAVY = 2  # combinations with a mode that start anew where nothing reaches the floor
 _LEADS = 0.5  # of the best cost so far, at which a combination runs on a little at once
+_BEST = 4  # bases whose effects race together whatever they promise
 _MORE = 3  # combinations that are raced beside one at the floor
+_AS_MUCH = 1.2  # times the cost of one at the floor that they may promise to leave
 _AHEAD = 0.9  # of the best simple effect's cost, at which a more general one is added to as well
 _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
 _TWIN = 0.9  # of an effect's own gain by its score that one must gain to race in its place
@@ -51,6 +56,11 @@ class _Offer(NamedTuple):
     base: Contender
     left: float
     additions: list[Scored]
+
+    @property
+    def rank(self) -> float:
+        """What it may leave, and more where it is costly to try."""
+        return self.left * (_SLOWER if any(e.contains for e in self.base.effects) else 1.0)
 
     @property
     def names(self) -> set[str]:
@@ -84,9 +94,11 @@ def extend(
         offers += [_offer(base, found) for found in list(own.values())[:few]]
     contenders: list[Contender] = []
     more = _MORE
-    for offer in sorted(offers, key=lambda o: o.left)[:_MOST]:
-        if settled(ground, contenders):  # race on with what promises as much
-            if more == 0 or offer.left > ground.floored:
+    offers.sort(key=lambda o: o.rank)
+    best = {e.name for b in sorted(bases, key=lambda b: b.cost)[:_BEST] for e in b.effects}
+    for offer in [*offers[:_MOST], *(o for o in offers[_MOST:] if o.names <= best)]:
+        if _explained(ground, contenders):  # race on with what promises as much
+            if more == 0 or offer.left > max(ground.floored, _AS_MUCH * min(c.cost for c in contenders)):
                 break
             if offer.names in [set(c.names) for c in contenders]:
                 continue
@@ -99,7 +111,32 @@ def extend(
         if contender.cost < _NEAR * ground.floored:
             contender.run(laps=12)
     advance(ground, contenders)
+    if not settled(ground, contenders):
+        for contender in [c for c in contenders if c.effects[-1].n_extra >= _MODE][:_HEAVY]:
+            _weigh(ground, contender)
+        contenders.sort(key=lambda c: c.cost)
     return contenders
+
+
+def _weigh(ground: Ground, contender: Contender) -> None:
+    """Start a mode of its own anew, as heavy as its own guesses say: what it does is not in proportion to its mass."""
+    if contender.best is not None:
+        *others, own = contender.effects
+        linear, values = _values(contender, None)
+        starts = [Start(linear, (*values[: len(others)], guess)) for guess in own.starts(ground.scales)[-_STARTS:]]
+        contender.begin(starts, like=contender.best, keep=len(starts), laps=8)
+        contender.run(laps=10)
+
+
+def _explained(ground: Ground, contenders: list[Contender]) -> bool:
+    """Tell whether a contender leaves nothing but noise in all samples: a sketch has too few to tell for sure."""
+    for contender in contenders:
+        if contender.cost < ground.floored:
+            contender.polish(laps=15, tolerance=ground.tolerance)
+            done = contender.polished
+            if done is not None and at_floor(ground, candidate(ground, contender.effects, done)):
+                return True
+    return False
 
 
 def _added(ground: Ground, offer: _Offer, progress: Progress) -> Contender:
@@ -195,12 +232,13 @@ def generalize(
                 Start(here.linear, (*here.values[:place], grown, *here.values[place + 1 :]))
                 for grown in effect.grow(here.values[place], ground.scales)
             ]
-            if done and not effect.affine:
-                starts = [s for s in starts if promise(ground, contender.best, effects, s) > PROMISE * ground.unit]
+            if not effect.affine:
+                least = PROMISE * ground.unit if done else WORTH * contender.excess
+                starts = [s for s in starts if promise(ground, contender.best, effects, s) > least]
             if not starts:
                 continue
             grown_up = Contender(ground, effects)
-            grown_up.begin(starts, like=contender.best)
+            grown_up.begin(starts, like=contender.best, keep=1 if done else 3)
             found.append(grown_up)
     advance(ground, [contender, *found])
     return sorted(found, key=lambda c: c.cost)

@@ -21,6 +21,21 @@ _NEEDED = 200.0  # χ² that a combination may seem to lose without an effect, t
 _TURNS = 8  # phases tried
 
 
+def simplified(ground: Ground, ranked: list[Candidate]) -> list[Candidate]:
+    """Simplify the best of a ranking, and what then is best, for as long as that betters it."""
+    last: Candidate | None = None
+    while ranked[0] is not last and len(ranked[0].effects) > 1:
+        last = ranked[0]
+        ranked = replaced(ranked, simplify(ground, last))
+    return ranked
+
+
+def replaced(ranked: list[Candidate], better: list[Candidate]) -> list[Candidate]:
+    """A ranking with some fitted anew."""
+    names = {c.names for c in better}
+    return sorted([*better, *(c for c in ranked if c.names not in names)], key=lambda c: c.evidence)
+
+
 def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
     """Drop each effect of a combination in turn and fit the others from where they stand; those that do no worse.
 

@@ -7,19 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepid.diagnose.candidate import Candidate, linear_candidate
+from stepid.diagnose.candidate import Candidate, at_floor, linear_candidate
 from stepid.diagnose.compete import Progress, final, includes, settled, singles, widen
 from stepid.diagnose.pairs import STRONG, extend, finish, generalize, pairs, swap
 from stepid.diagnose.partial import partial_lead, same_law
 from stepid.diagnose.result import Verdict
-from stepid.diagnose.simplify import plainer, simplify
+from stepid.diagnose.simplify import plainer, replaced, simplified
 from stepid.diagnose.wording import effect_names, length
 from stepid.effects.base import Effect
 from stepid.engine.search import Contender, Ground
 from stepid.estimates import estimates
 from stepid.suspects import Suspect, find_suspect
 
-_WHITE = 6.0  # standard deviations of structure that noise may show
 _PURE = 2.5  # beyond which two effects are tried, and no effect is named that is as free as a disturbance in time
 _GATE = 5.0  # below this the linear residual is white and nothing is searched
 _TIE = 10.0  # a difference of evidence that does not decide
@@ -44,13 +43,6 @@ class Judgment:
     reasons: tuple[str, ...]
     suspect: Suspect | None = None
     doubt: Suspect | None = None
-
-
-def at_floor(ground: Ground, found: Candidate) -> bool:
-    """Tell whether a fit leaves nothing but noise."""
-    n = float((ground.records.weight**2).sum())
-    slack = 1.05 + 3.0 / math.sqrt(2.0 * n)
-    return found.structure < _WHITE and found.optimum.rms <= slack * ground.floor
 
 
 def _believable(ground: Ground, linear: Candidate, best: Candidate) -> bool:
@@ -97,10 +89,9 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
     if not at_floor(ground, best) or best.structure > _PURE:
         most = 2 if suspect is not None else 3  # where one run is to blame, ever more effects say little
         ranked = _combine(ground, alone, ranked, catalogue, progress, most=most)
-        while len(ranked[0].effects) > 1 and (simpler := simplify(ground, ranked[0])):
-            ranked = _replaced(ranked, simpler)
+        ranked = simplified(ground, ranked)
     known = [c.effects for c in ranked if c.evidence < ranked[0].evidence + STRONG]
-    ranked = _replaced(ranked, plainer(ground, ranked[0], known))
+    ranked = replaced(ranked, plainer(ground, ranked[0], known))
     best = ranked[0]
     everything = tuple(sorted([*ranked, linear], key=lambda c: c.evidence))
     gain = linear.evidence - best.evidence
@@ -186,12 +177,6 @@ def _combine(
         threes = extend(ground, twos[:2], catalogue, progress, tried=5)
         ranked = _accept(ranked, finish(ground, threes, 2))
     return ranked
-
-
-def _replaced(ranked: list[Candidate], better: list[Candidate]) -> list[Candidate]:
-    """A ranking with some fitted anew."""
-    names = {c.names for c in better}
-    return sorted([*better, *(c for c in ranked if c.names not in names)], key=lambda c: c.evidence)
 
 
 def _accept(ranked: list[Candidate], more: list[Candidate]) -> list[Candidate]:

@@ -58,8 +58,10 @@ class FlexibleCoupling(Effect):
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         natural = np.sqrt(scales.stiffness / scales.mass)
         around = [2 * np.pi * f for f in scales.resonances[:2]] + [1.5 * natural, 2.5 * natural, 4.5 * natural]
-        mass = 0.2 * scales.mass
-        return [(mass, mass * w**2 / 1.2, 0.06 * mass * w) for w in around]
+        masses = [0.2 * scales.mass] * len(around)
+        around += [4.5 * natural, 6.5 * natural]
+        masses += [0.5 * scales.mass] * 2
+        return [(m, m * w**2 / 1.2, 0.06 * m * w) for m, w in zip(masses, around, strict=True)]
 
     def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
         return tuple(share * v for v in values)

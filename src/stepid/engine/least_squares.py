@@ -12,6 +12,8 @@ from stepid.engine.trajectory import Simulator, Solved
 
 _MOST_DAMPING = 1e12
 _STEEPEST = 1e120
+_MARCHES = 3  # trials a fit that may be simulated sample by sample, where Newton does not settle on them
+_WORTH = 0.02  # share of the cost that such a trial must promise
 
 
 @dataclass(frozen=True)
@@ -78,10 +80,12 @@ class Optimum:
         return float(np.sqrt(np.mean(self.residual**2)))
 
 
-def evaluate(problem: Problem, shared: Array, local: Array, start: Array | None) -> Solved | None:
-    """Solve all records at a point, marching where Newton does not settle."""
+def evaluate(
+    problem: Problem, shared: Array, local: Array, start: Array | None, *, march: bool = False
+) -> Solved | None:
+    """Solve all records at a point, marching where Newton does not settle (or at once)."""
     sim = problem.simulator
-    solved = sim.solve(shared, local, start=start, wanted=problem.wanted)
+    solved = None if march else sim.solve(shared, local, start=start, wanted=problem.wanted)
     if solved is None and not sim.law.linear:
         marched = sim.march(shared[None], local[None])[0]
         if np.isfinite(marched).all() and np.abs(marched[0]).max() < 1e3:
@@ -126,7 +130,7 @@ def minimize(
     residual = problem.residual(solved)
     cost = float(residual @ residual)
     damping, growth, converged, accepted = 1e-4, 4.0, False, 0
-    factored = None
+    factored, marches = None, _MARCHES
     for _ in range(3 * iterations):
         if accepted >= iterations:
             break
@@ -154,6 +158,9 @@ def minimize(
         trial_local = local.copy()
         trial_local[active] += delta[n_free:]
         new = evaluate_near(problem, solved, trial, trial_local, trial - shared, trial_local - local)
+        if new is None and marches and not problem.simulator.law.linear and predicted > _WORTH * cost:
+            marches -= 1
+            new = evaluate(problem, trial, trial_local, None, march=True)
         fresh = problem.residual(new) if new is not None else None
         fresh_cost = float(fresh @ fresh) if fresh is not None else np.inf
         if new is not None and fresh is not None and fresh_cost < cost:

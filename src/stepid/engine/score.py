@@ -16,6 +16,7 @@ from stepid.engine.records import Records
 from stepid.engine.search import Ground, Scored, Start
 from stepid.engine.tables import Point
 
+_HARDLY = 0.02  # share of the change to a general law that a linearized step must ask for
 _OPEN = 1e-5  # singular value of a direction that the data leave open: no start moves along it
 
 
@@ -197,4 +198,5 @@ def promise(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], start: 
     seen = seen - q @ (q.T @ seen)
     power = float(seen @ seen)
     along = float(seen @ inner.problem.residual(inner.solved))
-    return along**2 / power if along > 0 and power > 0 else 0.0
+    # a step that asks for hardly any of the change is the simpler law's, seen from too far for a line to tell
+    return along**2 / power if power > 0 and along > _HARDLY * power else 0.0

@@ -97,12 +97,13 @@ def _averages(records: Records, linear: Optimum, at: Index, bounds: Index, width
 
 
 def shortest_period(linear: Optimum) -> float:
-    """Period [s] of the fastest run of a linear plant, damping left out."""
+    """2π over the largest magnitude of a linear plant's poles [s]: the shortest period, or less if overdamped."""
     records = linear.problem.simulator.records
     a, b, _ = linear.problem.simulator.n_labels
     mass = linear.shared[:a][records.base] + records.added_mass
-    stiffness = linear.shared[a : a + b][records.spring]
-    return float(2 * np.pi * np.sqrt(np.min(mass / stiffness)))
+    natural = np.sqrt(linear.shared[a : a + b][records.spring] / mass)
+    ratio = np.maximum(linear.shared[a + b :][records.damper] / (2 * mass * natural), 1.0)
+    return float(np.min(2 * np.pi / (natural * (ratio + np.sqrt(ratio**2 - 1)))))
 
 
 def outline(records: Records, linear: Optimum) -> Optimum:
