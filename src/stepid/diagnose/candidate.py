@@ -80,6 +80,14 @@ def polish(ground: Ground, contender: Contender, *, enough: float = 0.05) -> Can
     best = contender.polished
     if best is None:
         return None
+    if contender.judged is None or contender.judged[0] is not best:
+        contender.judged = best, _simpler_start(ground, contender, best, enough)
+    found: Candidate = contender.judged[1]
+    return found
+
+
+def _simpler_start(ground: Ground, contender: Contender, best: Optimum, enough: float) -> Candidate:
+    """Judge a fit with the starting states free, and at rest where that may do as well; the better."""
     found = candidate(ground, contender.effects, best)
     problem = best.problem
     active = problem.active.copy()

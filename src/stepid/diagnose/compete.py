@@ -227,8 +227,11 @@ def final(ground: Ground, contenders: list[Contender], *, count: int = 2, spread
         for contender in sorted(found, key=lambda c: found[c].evidence)[:3]:
             if contender.best is not None and any(e.dry and not e.contains for e in contender.effects):
                 # another pattern of sticking may be better
+                if contender.resettled is contender.best:
+                    break
                 moved = resettle(contender.best, tolerance=ground.tolerance)
-                if moved is not contender.best:
+                better, contender.resettled = moved is not contender.best, moved
+                if better:
                     contender.best, contender.polished = moved, None
                     again = polish(ground, contender)
                     if again is not None and again.evidence < found[contender].evidence:

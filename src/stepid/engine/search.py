@@ -99,6 +99,8 @@ class Contender:
         self.fine = build(ground.records, effects)
         self.best: Optimum | None = None
         self.polished: Optimum | None = None  # on all samples
+        self.judged: tuple[Optimum, Any] | None = None  # a polished fit, and what was made of it
+        self.resettled: Optimum | None = None  # the fit from which other patterns of sticking were tried last
         self._tolerance = 0.0  # with which the best fit so far ended, m²
 
     @property
