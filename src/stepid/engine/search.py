@@ -17,6 +17,8 @@ from stepid.engine.records import Records
 from stepid.engine.sketch import between, outline, shortest_period, sketch
 from stepid.engine.weak import WeakForm, measured_motion
 
+_POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
+
 
 class Scored(NamedTuple):
     """A start of one effect on top of a fit: the part of the cost it could remove [m²], the fit's parameters then."""
@@ -129,6 +131,8 @@ class Contender:
         if sim.law.reverses or sim.law.n_sides or (len(starts) > 3 and not sim.law.linear):
             states = sim.march(shared, np.repeat(local[None], len(starts), 0))
             costs = [self._reach(z[0]) for z in states]
+            if min(costs) > like.cost - _POOR * (like.cost - self.ground.noise_cost):
+                keep = 1  # none shows much
             order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
         for i in order:
             near = self._near(like, shared[i], local) if states is None else states[i]
