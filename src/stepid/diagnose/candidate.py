@@ -61,8 +61,13 @@ def at_floor(ground: Ground, found: Candidate) -> bool:
         return False
     if times <= 1.05 + 3.0 / math.sqrt(2.0 * n):
         return True
-    ratio, count = succession(ground.records, found.optimum.residual)  # the floor is known to some percent only
-    return ratio < 1.0 + 3.0 / math.sqrt(max(count, 1))
+    return is_white(ground, found, 3.0)  # the floor is known to some percent only
+
+
+def is_white(ground: Ground, found: Candidate, deviations: float) -> bool:
+    """Tell whether a residual is as white as noise of its own size, within so many standard deviations."""
+    ratio, count = succession(ground.records, found.optimum.residual)
+    return ratio < 1.0 + deviations / math.sqrt(max(count, 1))
 
 
 def polish(ground: Ground, contender: Contender, *, enough: float = 0.05) -> Candidate | None:

@@ -13,8 +13,10 @@ from stepid.engine.search import Contender, Ground, Scored, Start
 from stepid.engine.sketch import full_residual
 
 _STARTS = 3  # of each addition: of what rings, the loudest may not be what is missing
-_FEW = 3  # additions to a general effect, which is slow
+_TRIED = 5  # additions to each base; to the best simple one, all
+_FEW = 3  # the same to a general effect, which is slow
 _SLOWER = 3.0  # times what an offer on a general effect promises to leave, as it is costly: simple ones race first
+_PRICE = 0.25  # share of what is left that a further parameter counts as, in the order of the race
 _KEPT = 4  # starts that are run after the first, where the simulated ones can be told apart
 _MODE = 2  # states of its own that make an effect a mode
 _FAINT = 0.03  # share of an effect at which hardly any of it is there
@@ -46,8 +48,9 @@ class Offer(NamedTuple):
 
     @property
     def rank(self) -> float:
-        """What it may leave, and more where it is costly to try."""
-        return self.left * (_SLOWER if any(e.contains for e in self.base.effects) else 1.0)
+        """What it may leave, and more where it is costly to try, or has many parameters to explain it with."""
+        freedom = 1.0 + _PRICE * (n_parameters(self.additions[0].effect) - 1)
+        return self.left * freedom * (_SLOWER if any(e.contains for e in self.base.effects) else 1.0)
 
     @property
     def names(self) -> set[str]:
@@ -55,18 +58,25 @@ class Offer(NamedTuple):
         return {*self.base.names, self.additions[0].effect.name}
 
 
+def n_parameters(effect: Effect) -> int:
+    """Count an effect's parameters, those of a run once."""
+    return len(effect.parameters) + len(effect.run_parameters)
+
+
 def make_offer(base: Contender, additions: list[Scored]) -> Offer:
     """An offer to add an effect by its best scores."""
     return Offer(base, base.cost - additions[0].gain, additions[:_STARTS])
 
 
-def offers_on(ground: Ground, bases: list[Contender], catalogue: tuple[Effect, ...], *, tried: int) -> list[Offer]:
+def offers_on(ground: Ground, bases: list[Contender], catalogue: tuple[Effect, ...]) -> list[Offer]:
     """What may be added to each base, the most promising first.
 
     The same two effects may come from either: one way may lead where the other does not.
     """
     simple = tuple(e for e in catalogue if not e.contains)
     offers: list[Offer] = []
+    plain = [b for b in bases if len(b.effects) == 1 and not b.effects[0].contains]
+    best = min(plain, key=lambda b: b.cost, default=None)
     for base in bases:
         base.run(laps=10, tolerance=0.01 * base.excess)
         if base.best is None:
@@ -80,7 +90,7 @@ def offers_on(ground: Ground, bases: list[Contender], catalogue: tuple[Effect, .
         for scored in score(ground, base.best, table):
             if not any(related(scored.effect, e) for e in base.effects):
                 own.setdefault(scored.effect.name, []).append(scored)
-        few = _FEW if any(e.contains for e in base.effects) else tried
+        few = _FEW if any(e.contains for e in base.effects) else len(own) if base is best else _TRIED
         offers += [make_offer(base, found) for found in list(own.values())[:few]]
     return sorted(offers, key=lambda o: o.rank)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from stepid.diagnose.candidate import Candidate, at_floor, candidate
 from stepid.diagnose.compete import PROMISE, WORTH, Progress, advance, final, settled
-from stepid.diagnose.offers import Entry, Offer, make_offer, offers_on, related, standing
+from stepid.diagnose.offers import Entry, Offer, make_offer, n_parameters, offers_on, related, standing
 from stepid.effects.base import Effect
 from stepid.engine.least_squares import minimize
 from stepid.engine.problem import start_local
@@ -14,8 +14,7 @@ from stepid.engine.score import columns, promise, score
 from stepid.engine.search import Contender, Ground, Scored, Start
 
 STRONG = 20.0  # evidence that a further effect must bring
-_TRIED = 5  # additions that are raced on each
-_MOST = 14  # combinations that are raced
+_MOST = 18  # combinations that are raced
 _HEAVY = 2  # combinations with a mode that start anew where nothing reaches the floor
 _LEADS = 0.5  # of the best cost so far, at which a combination runs on a little at once
 _BEST = 4  # bases whose effects race together whatever they promise
@@ -24,18 +23,19 @@ _AS_MUCH = 1.2  # times the cost of one at the floor that they may promise to le
 _AHEAD = 0.9  # of the best simple effect's cost, at which a more general one is added to as well
 _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
 _TWIN = 0.9  # of an effect's own gain by its score that one must gain to race in its place
+_SIMPLER = 0.5  # the same for one with fewer parameters
 _HOPELESS = 3.0  # times the floor's cost above which such a twin does not race on
 _SWAPS = 2  # twins that are raced for each effect of a combination
 
 
 def extend(
-    ground: Ground, bases: list[Contender], catalogue: tuple[Effect, ...], progress: Progress, *, tried: int = _TRIED
+    ground: Ground, bases: list[Contender], catalogue: tuple[Effect, ...], progress: Progress
 ) -> list[Contender]:
     """Race every base with one effect more, the most promising first, until one reaches the floor; best first.
 
     All begin from the start that promises most; where none reaches the floor, from others.
     """
-    offers = offers_on(ground, bases, catalogue, tried=tried)
+    offers = offers_on(ground, bases, catalogue)
     best = {e.name for b in sorted(bases, key=lambda b: b.cost)[:_BEST] for e in b.effects}
     race = _Race(ground)
     for offer in [*offers[:_MOST], *(o for o in offers[_MOST:] if o.names <= best)]:
@@ -122,7 +122,9 @@ def swap(ground: Ground, raced: list[Contender], catalogue: tuple[Effect, ...], 
             offers.setdefault(scored.effect, []).append(scored)
         own = offers[effect][0].gain if effect in offers else 0.0
         others = [e for e in offers if e is not effect and not any(related(e, w) for w in base.effects)]
-        for other in [e for e in others if e.name in effect.contains or offers[e][0].gain > _TWIN * own][:_SWAPS]:
+        few = [e for e in others if n_parameters(e) < n_parameters(effect) and offers[e][0].gain > _SIMPLER * own]
+        alike = [e for e in others if e.name in effect.contains or offers[e][0].gain > _TWIN * own]
+        for other in dict.fromkeys([*few[:_SWAPS], *alike[:_SWAPS]]):
             offer = make_offer(base, offers[other][:1])
             if offer.names not in known:
                 entry = Entry(ground, offer, progress)

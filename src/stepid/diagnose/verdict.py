@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepid.diagnose.candidate import Candidate, at_floor, linear_candidate
+from stepid.diagnose.candidate import Candidate, at_floor, is_white, linear_candidate
 from stepid.diagnose.compete import Progress, final, includes, settled, singles, widen
 from stepid.diagnose.pairs import STRONG, extend, finish, generalize, pairs, swap
 from stepid.diagnose.partial import partial_lead, same_law
@@ -49,7 +49,7 @@ def _believable(ground: Ground, linear: Candidate, best: Candidate) -> bool:
     """Tell whether a fit is close enough to the floor for its name; the more effects it needs, the closer."""
     if _slowest(best) * float(np.max(ground.records.time)) < 1.0:
         return False  # a "period" longer than every record can imitate anything slow
-    if any(e.never_rests for e in best.effects) and best.structure > _PURE:
+    if any(e.never_rests for e in best.effects) and best.structure > _PURE and not is_white(ground, best, _PURE):
         return False  # a sine with a phase and a start a run comes near many a disturbance that is none
     if len(best.effects) == 1:
         return at_floor(ground, best) or best.optimum.rms <= _NEAR * ground.floor
@@ -174,7 +174,7 @@ def _combine(
         wider = generalize(ground, twos[0], catalogue, progress)
         ranked = _accept(ranked, finish(ground, [twos[0], *wider]))
     if most > 2 and done and not at_floor(ground, ranked[0]) and len(ranked[0].effects) == 2:
-        threes = extend(ground, twos[:2], catalogue, progress, tried=5)
+        threes = extend(ground, twos[:2], catalogue, progress)
         ranked = _accept(ranked, finish(ground, threes, 2))
     return ranked
 
