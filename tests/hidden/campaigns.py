@@ -185,6 +185,21 @@ def _positions(runs: Sequence[Run]) -> list[np.ndarray]:
 
 
 def _simulate(drafts: Sequence[_Draft], only: Sequence[Sequence[str] | None]) -> list[list[np.ndarray]]:
+    """Readings of each draft; one that runs away is made weaker until it does not."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        out = _simulated(drafts, only)
+    wild = [i for i, some in enumerate(out) if not all(np.isfinite(x).all() for x in some)]
+    if wild:
+        for i in wild:
+            for name in drafts[i].strength:
+                drafts[i].strength[name] *= 0.5
+        again = _simulate([drafts[i] for i in wild], [only[i] for i in wild])
+        for i, readings in zip(wild, again, strict=True):
+            out[i] = readings
+    return out
+
+
+def _simulated(drafts: Sequence[_Draft], only: Sequence[Sequence[str] | None]) -> list[list[np.ndarray]]:
     runs = [d.runs(o) for d, o in zip(drafts, only, strict=True)]
     flat = _positions([r for some in runs for r in some])
     out, at = [], 0
