@@ -25,6 +25,7 @@ _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
 _TWIN = 0.9  # of an effect's own gain by its score that one must gain to race in its place
 _SIMPLER = 0.5  # the same for one with fewer parameters
 _HOPELESS = 3.0  # times the floor's cost above which such a twin does not race on
+_ADAPTED = 6  # steps in which what remains adapts to the loss of an effect
 _SWAPS = 2  # twins that are raced for each effect of a combination
 
 
@@ -136,7 +137,7 @@ def swap(ground: Ground, raced: list[Contender], catalogue: tuple[Effect, ...], 
 
 
 def _without(ground: Ground, contender: Contender, place: int) -> Contender:
-    """The combination with one effect dropped and all else where it stands."""
+    """The combination with one effect dropped, all else adapted a little from where it stands."""
     assert contender.best is not None
     here = standing(contender, None)
     effects = (*contender.effects[:place], *contender.effects[place + 1 :])
@@ -150,7 +151,7 @@ def _without(ground: Ground, contender: Contender, place: int) -> Contender:
         rows += range(at, at + q) if i != place else []
         at += q
     local[2 : rest.coarse.simulator.own_states.start] = contender.best.local[rows]
-    rest.best = minimize(rest.coarse, shared, local, tolerance=np.inf, iterations=1)
+    rest.best = minimize(rest.coarse, shared, local, tolerance=ground.unit, iterations=_ADAPTED)
     return rest
 
 
