@@ -40,6 +40,7 @@ from hidden.sets import SETS, cached  # noqa: E402
 
 Case = tuple[str, stepid.Campaign, dict[str, Any]]
 COUNTS = {"single": 400, "none": 200, "pairs": 100, "outside": 56}
+FIRST = {"pairs": 160}  # those before were developed against
 
 
 def diagnose_case(case: Case, *, twins: bool = True) -> dict[str, Any]:
@@ -119,7 +120,8 @@ def gather(args: argparse.Namespace) -> list[Case]:
         for which in SETS:
             count = getattr(args, which)
             told = partial(_tell, f"making {which}", count)
-            made = cached(args.cache, which, count, skip=args.skip, executor=executor, progress=told) if count else []
+            skip = args.skip + FIRST.get(which, 0)
+            made = cached(args.cache, which, count, skip=skip, executor=executor, progress=told) if count else []
             cases += [(which, c, t) for c, t in made]
     return cases
 
