@@ -19,6 +19,8 @@ class _Place(NamedTuple):
     extra: slice
     memory: slice
     sides: slice
+    drives: bool  # changes the input
+    pushes: bool  # adds a force
 
 
 class Law:
@@ -50,6 +52,8 @@ class Law:
                     slice(extra, extra + e.n_extra),
                     slice(memory, memory + e.n_memory),
                     slice(side, side + e.n_switches),
+                    type(e).drive is not Effect.drive,
+                    type(e).force is not Effect.force,
                 )
             )
             row, extra, memory, side = row + width, extra + e.n_extra, memory + e.n_memory, side + e.n_switches
@@ -83,25 +87,7 @@ class Law:
         self, table: Array, z: Array, sign: Array, elapsed: Array | float, sides: Array, out: Array, dry: bool = True
     ) -> Array:
         """Write the rates of position, velocity and the effects' own states into `out`, shape (n_rates, lanes)."""
-        volts = table[VOLTS]
-        total = -table[STIFFNESS] * z[0]
-        total -= table[DAMPING] * z[1]
-        for place in self.places:
-            e = place.effect
-            p = self.values(table, place)
-            m = self.motion(table, place, z, sign, elapsed, sides)
-            if type(e).drive is not Effect.drive:
-                volts = e.drive(p, m._replace(volts=volts))
-            if type(e).force is not Effect.force:
-                total += e.force(p, m)
-            if dry and e.dry:
-                total -= sign * e.friction(p, m)
-            if e.n_extra:
-                out[place.extra] = e.rates(p, m)
-        total += table[GAIN] * volts
-        out[0] = z[1]
-        np.divide(total, table[MASS], out=out[1])
-        return out
+        return Lanes(self, table, sides).rates(z, sign, elapsed, out, dry=dry)
 
     def net(self, table: Array, z: Array, elapsed: Array | float, sides: Array) -> Array:
         """Force on the cart without dry friction, N."""
@@ -150,3 +136,40 @@ class Law:
                 needed = np.maximum(needed, place.effect.pieces(self.values(table, place), m, acceleration, length))
         scaled: Array = needed * self.fineness
         return scaled
+
+
+class Lanes:
+    """A law on given lanes, its table's rows sliced once: for many calls with the same table and sides."""
+
+    def __init__(self, law: Law, table: Array, sides: Array) -> None:
+        self._mass, self._stiffness, self._damping = table[MASS], table[STIFFNESS], table[DAMPING]
+        self._time, self._volts, self._gain = table[TIME], table[VOLTS], table[GAIN]
+        self._pull = -self._stiffness
+        self._places = [
+            (place, law.values(table, place), tuple(sides[place.sides]) if place.effect.n_switches else ())
+            for place in law.places
+        ]
+
+    def rates(self, z: Array, sign: Array, elapsed: Array | float, out: Array, *, dry: bool = True) -> Array:
+        """Write the rates of position, velocity and the effects' own states into `out`, shape (n_rates, lanes)."""
+        x, v = z[0], z[1]
+        volts, time = self._volts, self._time + elapsed
+        total = self._pull * x
+        total -= self._damping * v
+        for place, p, sides in self._places:
+            e = place.effect
+            extra = tuple(z[place.extra]) if e.n_extra else ()
+            memory = tuple(z[place.memory]) if e.n_memory else ()
+            m = Motion(x, v, sign, time, self._mass, self._stiffness, self._damping, self._volts, sides, extra, memory)
+            if place.drives:
+                volts = e.drive(p, m._replace(volts=volts))
+            if place.pushes:
+                total += e.force(p, m)
+            if dry and e.dry:
+                total -= sign * e.friction(p, m)
+            if extra:
+                out[place.extra] = e.rates(p, m)
+        total += self._gain * volts
+        out[0] = v
+        np.divide(total, self._mass, out=out[1])
+        return out

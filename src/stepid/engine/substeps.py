@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stepid._base import Array
-from stepid.engine.law import Law
+from stepid.engine.law import Lanes, Law
 
 _MOST_PIECES = 64
 _A = (
@@ -28,17 +28,18 @@ def _smooth(
     k = np.empty((6, *shape))
     flat = k.reshape(6, -1)
     held = not moving.all()
+    lanes = Lanes(law, table, sides)
     z = z.copy()
     for i in range(n):
         start = elapsed + i * h
-        law.rates(table, z, sign, start, sides, k[0])
+        lanes.rates(z, sign, start, k[0])
         if held:
             k[0, :2] *= moving
         for stage in range(1, 6):
             y = z.copy()
             y[: law.n_rates] += h * (_A[stage - 1] @ flat[:stage]).reshape(shape)
             law.remember(table, z, y, sign)
-            law.rates(table, y, sign, start + _C[stage - 1] * h, sides, k[stage])
+            lanes.rates(y, sign, start + _C[stage - 1] * h, k[stage])
             if held:
                 k[stage, :2] *= moving
         y = z.copy()
