@@ -15,14 +15,12 @@ import numpy as np
 import stepid
 
 from .draw import Setup, choose_kind, draw_effect, draw_setup
-from .fast import fast, micro_steps
 from .linear_fit import linear_fit
 from .outside import apply_outside, ripple
 from .plant import DRY, Run
-from .reference import reference
+from .readings import balance, experiments, misfit, simulate
 
 ROUNDS = 6
-CHEAP = 8  # micro-steps a sample
 HEAVIEST = 0.05  # noise RMS over static displacement
 
 
@@ -148,83 +146,6 @@ def _open(request: Request) -> _Draft:
     return draft
 
 
-def _experiments(draft: _Draft, readings: Sequence[np.ndarray]) -> list[Any]:
-    s = draft.setup
-    return [
-        stepid.Experiment(
-            name=slot.name,
-            time=s.sample_time * np.arange(slot.inputs.size),
-            position=x,
-            input=slot.inputs,
-            added_mass=slot.added_mass,
-            spring=slot.spring,
-            damper=slot.damper,
-            counts_per_meter=s.counts_per_meter,
-        )
-        for slot, x in zip(s.slots, readings, strict=True)
-    ]
-
-
-def _misfit(draft: _Draft, readings: Sequence[np.ndarray]) -> float:
-    s = draft.setup
-    found = linear_fit(
-        _experiments(draft, readings), base_mass={"cart": s.base_mass}, stiffness=s.stiffness, damping=s.damping
-    )
-    return found.rms
-
-
-def _positions(runs: Sequence[Run]) -> list[np.ndarray]:
-    """Each run by the route that is cheaper for it, whatever its company: width is free only in few micro-steps."""
-    out: list[np.ndarray] = [np.empty(0)] * len(runs)
-    wide = [j for j, r in enumerate(runs) if micro_steps(r) <= CHEAP]
-    for j, x in zip(wide, fast([runs[j] for j in wide]), strict=True):
-        out[j] = x
-    for j in sorted(set(range(len(runs))) - set(wide)):
-        out[j] = reference(runs[j])
-    return out
-
-
-def _simulate(drafts: Sequence[_Draft], only: Sequence[Sequence[str] | None]) -> list[list[np.ndarray]]:
-    """Readings of each draft; one that runs away is made weaker until it does not."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        out = _simulated(drafts, only)
-    wild = [i for i, some in enumerate(out) if not all(np.isfinite(x).all() for x in some)]
-    if wild:
-        for i in wild:
-            for name in drafts[i].strength:
-                drafts[i].strength[name] *= 0.5
-        again = _simulate([drafts[i] for i in wild], [only[i] for i in wild])
-        for i, readings in zip(wild, again, strict=True):
-            out[i] = readings
-    return out
-
-
-def _simulated(drafts: Sequence[_Draft], only: Sequence[Sequence[str] | None]) -> list[list[np.ndarray]]:
-    runs = [d.runs(o) for d, o in zip(drafts, only, strict=True)]
-    flat = _positions([r for some in runs for r in some])
-    out, at = [], 0
-    for draft, some in zip(drafts, runs, strict=True):
-        out.append([draft.read(r, flat[at + i], i) for i, r in enumerate(some)])
-        at += len(some)
-    return out
-
-
-def _balance(drafts: Sequence[_Draft]) -> None:
-    """Of two effects, neither may hide behind the other: misfits alone within a factor of three."""
-    alone: dict[int, list[float]] = {id(d): [] for d in drafts}
-    for which in (0, 1):
-        only = [(d.request.effects[which],) for d in drafts]
-        for draft, readings in zip(drafts, _simulate(drafts, only), strict=True):
-            alone[id(draft)].append(_misfit(draft, readings))
-    for draft in drafts:
-        one, two = (max(m, 1e-9) for m in alone[id(draft)])
-        first, second = draft.request.effects
-        if one > draft.spread * two:
-            draft.strength[second] *= min(one / two / draft.spread, 8.0)
-        elif two > draft.spread * one:
-            draft.strength[first] *= min(two / one / draft.spread, 8.0)
-
-
 def _decide(draft: _Draft, last: bool) -> None:
     """Accept the draft with the noise that gives the wanted r0, or change the strength for another round."""
     ratio = max(np.sqrt(draft.target**2 - 1), 0.1)
@@ -254,8 +175,8 @@ def _finish(draft: _Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
         counts = np.round((x + rest + noise * own.standard_normal(x.size)) / draft.step) * np.sign(s.counts_per_meter)
         positions.append(counts / s.counts_per_meter)
         rests.append(float(rest))
-    experiments = _experiments(draft, positions)
-    found = linear_fit(experiments, base_mass={"cart": s.base_mass}, stiffness=s.stiffness, damping=s.damping)
+    made = experiments(draft, positions)
+    found = linear_fit(made, base_mass={"cart": s.base_mass}, stiffness=s.stiffness, damping=s.damping)
     hidden = request.effects if not request.outside else (*request.effects, request.outside)
     name = f"{'+'.join(hidden) or 'none'} {request.seed}"
     truth = {
@@ -264,8 +185,8 @@ def _finish(draft: _Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
         "effects": request.effects,
         "outside": request.outside,
         "base_mass": s.base_mass,
-        "stiffness": {k: v for k, v in s.stiffness.items() if any(e.spring == k for e in experiments)},
-        "damping": {k: v for k, v in s.damping.items() if any(e.damper == k for e in experiments)},
+        "stiffness": {k: v for k, v in s.stiffness.items() if any(e.spring == k for e in made)},
+        "damping": {k: v for k, v in s.damping.items() if any(e.damper == k for e in made)},
         "force_gain": s.gain,
         "parameters": {f"{e}.{p}": v for e, values in draft.effects().items() for p, v in values.items()},
         "noise_rms": draft.sigma,
@@ -277,7 +198,7 @@ def _finish(draft: _Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
         "starts": [float(r.start) for r in draft.runs()],
         "phases": [r.phase for r in draft.runs()],
     }
-    return stepid.Campaign(name=name, experiments=tuple(experiments)), truth
+    return stepid.Campaign(name=name, experiments=tuple(made)), truth
 
 
 def make_campaigns(requests: Sequence[Request]) -> list[tuple[stepid.Campaign, dict[str, Any]]]:
@@ -285,17 +206,17 @@ def make_campaigns(requests: Sequence[Request]) -> list[tuple[stepid.Campaign, d
     drafts = [_open(r) for r in requests]
     pairs = [d for d in drafts if len(d.request.effects) == 2]
     if pairs:
-        _balance(pairs)
+        balance(pairs)
     for number in range(ROUNDS):
         waiting = [d for d in drafts if not d.done]
         if not waiting:
             break
-        for draft, readings in zip(waiting, _simulate(waiting, [None] * len(waiting)), strict=True):
+        for draft, readings in zip(waiting, simulate(waiting, [None] * len(waiting)), strict=True):
             draft.readings = readings
             if not draft.request.effects and not draft.request.outside:
                 draft.sigma, draft.done = draft.noise_wish, True
                 continue
-            draft.misfit = _misfit(draft, readings)
+            draft.misfit = misfit(draft, readings)
             _decide(draft, number == ROUNDS - 1)
     return [_finish(d) for d in drafts]
 

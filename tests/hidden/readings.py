@@ -1,0 +1,97 @@
+"""What the sensor of a drafted campaign reads, how much a linear fit leaves of it, and effects that balance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import stepid
+
+from .fast import fast, micro_steps
+from .linear_fit import linear_fit
+from .plant import Run
+from .reference import reference
+
+if TYPE_CHECKING:
+    from .campaigns import _Draft as Draft
+
+CHEAP = 8  # micro-steps a sample
+
+
+def experiments(draft: Draft, readings: Sequence[np.ndarray]) -> list[Any]:
+    s = draft.setup
+    return [
+        stepid.Experiment(
+            name=slot.name,
+            time=s.sample_time * np.arange(slot.inputs.size),
+            position=x,
+            input=slot.inputs,
+            added_mass=slot.added_mass,
+            spring=slot.spring,
+            damper=slot.damper,
+            counts_per_meter=s.counts_per_meter,
+        )
+        for slot, x in zip(s.slots, readings, strict=True)
+    ]
+
+
+def misfit(draft: Draft, readings: Sequence[np.ndarray]) -> float:
+    s = draft.setup
+    found = linear_fit(
+        experiments(draft, readings), base_mass={"cart": s.base_mass}, stiffness=s.stiffness, damping=s.damping
+    )
+    return found.rms
+
+
+def _positions(runs: Sequence[Run]) -> list[np.ndarray]:
+    """Each run by the route that is cheaper for it, whatever its company: width is free only in few micro-steps."""
+    out: list[np.ndarray] = [np.empty(0)] * len(runs)
+    wide = [j for j, r in enumerate(runs) if micro_steps(r) <= CHEAP]
+    for j, x in zip(wide, fast([runs[j] for j in wide]), strict=True):
+        out[j] = x
+    for j in sorted(set(range(len(runs))) - set(wide)):
+        out[j] = reference(runs[j])
+    return out
+
+
+def simulate(drafts: Sequence[Draft], only: Sequence[Sequence[str] | None]) -> list[list[np.ndarray]]:
+    """Readings of each draft; one that runs away is made weaker until it does not."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        out = _simulated(drafts, only)
+    wild = [i for i, some in enumerate(out) if not all(np.isfinite(x).all() for x in some)]
+    if wild:
+        for i in wild:
+            for name in drafts[i].strength:
+                drafts[i].strength[name] *= 0.5
+        again = simulate([drafts[i] for i in wild], [only[i] for i in wild])
+        for i, readings in zip(wild, again, strict=True):
+            out[i] = readings
+    return out
+
+
+def _simulated(drafts: Sequence[Draft], only: Sequence[Sequence[str] | None]) -> list[list[np.ndarray]]:
+    runs = [d.runs(o) for d, o in zip(drafts, only, strict=True)]
+    flat = _positions([r for some in runs for r in some])
+    out, at = [], 0
+    for draft, some in zip(drafts, runs, strict=True):
+        out.append([draft.read(r, flat[at + i], i) for i, r in enumerate(some)])
+        at += len(some)
+    return out
+
+
+def balance(drafts: Sequence[Draft]) -> None:
+    """Of two effects, neither may hide behind the other: misfits alone within a factor of three."""
+    alone: dict[int, list[float]] = {id(d): [] for d in drafts}
+    for which in (0, 1):
+        only = [(d.request.effects[which],) for d in drafts]
+        for draft, readings in zip(drafts, simulate(drafts, only), strict=True):
+            alone[id(draft)].append(misfit(draft, readings))
+    for draft in drafts:
+        one, two = (max(m, 1e-9) for m in alone[id(draft)])
+        first, second = draft.request.effects
+        if one > draft.spread * two:
+            draft.strength[second] *= min(one / two / draft.spread, 8.0)
+        elif two > draft.spread * one:
+            draft.strength[first] *= min(two / one / draft.spread, 8.0)
