@@ -5,8 +5,8 @@
     python benchmarks/diagnosis.py --practice FOLDER                       campaigns in files, answers.json beside them
 
 The campaigns come from the hidden simulator in tests/hidden, which shares no code with the package. --skip leaves out
-the first campaigns of each set: a fresh draw that nobody has developed against. Each failure is listed with its number
-in its set: `hidden.sets.one(SET, NUMBER)` makes it again.
+more of the first campaigns of each set: a fresh draw that nobody has developed against. Each failure is listed with its
+number in its set: `hidden.sets.one(SET, NUMBER)` makes it again.
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     for which in SETS:
         parser.add_argument(f"--{which}", type=int, default=COUNTS[which], metavar="N")
-    parser.add_argument("--skip", type=int, default=0, metavar="N", help="leave out the first N campaigns of each set")
+    parser.add_argument("--skip", type=int, default=0, metavar="N", help="leave out N campaigns more of each set")
     parser.add_argument("--jobs", type=int, default=1, help="processes; times are only fair with a core for each")
     parser.add_argument("--cache", type=Path, help="folder in which made campaigns are kept")
     parser.add_argument("--load", type=Path, nargs="+", help="pickles of (campaign, truth), named after their set")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from stepid._base import Array
 from stepid.engine.records import Records
@@ -18,14 +19,19 @@ _ALIKE = 0.1  # spread of repeated runs over their motion, beyond which they are
 _SCATTER = 1.5  # times the sensor's noise, by which repeated runs differ notably
 
 
+def _moves(run: Experiment, y: Array) -> npt.NDArray[np.bool_]:
+    """Tell for each window of `_ORDER` + 1 samples whether the reading moves by more than its resolution."""
+    windows = np.lib.stride_tricks.sliding_window_view(y, _ORDER + 1)
+    moves: npt.NDArray[np.bool_] = np.ptp(windows, axis=1) > 2.5 * (run.resolution or 0.0)
+    return moves
+
+
 def _moving_differences(run: Experiment, begin: int) -> Array:
     """High-order differences where the reading moves and the input does not jump, in units of white noise."""
     y = run.position[begin:]
     if y.size < _ORDER + 8:
         return np.empty(0)
-    windows = np.lib.stride_tricks.sliding_window_view(y, _ORDER + 1)
-    still = 2.5 * (run.resolution or 0.0)
-    use = np.ptp(windows, axis=1) > still
+    use = _moves(run, y)
     jumps = np.flatnonzero(np.diff(np.concatenate([[run.input_before], run.input])))
     for jump in jumps - begin if jumps.size < 0.05 * y.size else []:
         use[max(0, jump - _ORDER - 1) : max(0, jump + 3)] = False
@@ -49,8 +55,7 @@ def succession(records: Records, residual: Array) -> tuple[float, int]:
         y, r = records.position[piece], residual[piece]
         if y.size <= _ORDER:
             continue
-        still = np.ptp(np.lib.stride_tricks.sliding_window_view(y, _ORDER + 1), axis=1) <= 2.5 * (run.resolution or 0.0)
-        at = np.flatnonzero(~still) + _ORDER // 2
+        at = np.flatnonzero(_moves(run, y)) + _ORDER // 2
         squares += float(np.sum(r[at] ** 2))
         steps += float(np.sum((r[at] - r[at - 1]) ** 2))
         count += at.size

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stepid._base import Array
-from stepid.engine.law import Law
+from stepid.engine.law import Lanes, Law
 from stepid.engine.substeps import stretch
 
 _ROOT = 3e-9  # m, m/s or N, of a switching function so near an event that the rest of the way is straight
@@ -147,8 +147,9 @@ def _interpolated(
     """Where margin `which` of each lane changes sign on the cubic between the states at both ends, and its slope."""
     n, lanes = law.n_rates, np.arange(z.shape[1])
     rates = np.empty((2, n, z.shape[1]))
-    law.rates(table, z, sign, elapsed, sides, rates[0])
-    law.rates(table, z_end, sign, elapsed + length, sides, rates[1])
+    held = Lanes(law, table, sides)
+    held.rates(z, sign, elapsed, rates[0])
+    held.rates(z_end, sign, elapsed + length, rates[1])
     rates[:, :2] *= moving
     rates *= length
     chord = z_end[:n] - z[:n]

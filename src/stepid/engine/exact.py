@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid._base import Array
-from stepid.engine.law import LENGTH, Law
+from stepid.engine.law import LENGTH, Lanes, Law
 
 Index = npt.NDArray[np.intp]
 
@@ -48,12 +48,13 @@ def step_matrices(law: Law, table: Array, sides: Array) -> tuple[Array, Array]:
     d, lanes = law.n_states, table.shape[1]
     sign = np.ones(lanes)
     base = offset(law, table, sign, sides)
+    held = Lanes(law, table, sides)
     a = np.zeros((lanes, 2 * d, 2 * d))
     for j in range(d):
         z = np.zeros((d, lanes))
         z[j] = 1.0
         out = np.empty((d, lanes))
-        a[:, :d, j] = (law.rates(table, z, sign, 0.0, sides, out) - base).T
+        a[:, :d, j] = (held.rates(z, sign, 0.0, out) - base).T
     a[:, :d, d:] = np.eye(d)
     both = exponential(a * table[LENGTH][:, None, None])
     return both[:, :d, :d], both[:, :d, d:]

@@ -69,19 +69,7 @@ class Law:
         self, table: Array, place: _Place, z: Array, sign: Array, elapsed: Array | float, sides: Array
     ) -> Motion:
         """Return what one effect sees."""
-        return Motion(
-            z[0],
-            z[1],
-            sign,
-            table[TIME] + elapsed,
-            table[MASS],
-            table[STIFFNESS],
-            table[DAMPING],
-            table[VOLTS],
-            tuple(sides[place.sides]) if place.effect.n_switches else (),
-            tuple(z[place.extra]) if place.effect.n_extra else (),
-            tuple(z[place.memory]) if place.effect.n_memory else (),
-        )
+        return _seen(place, _rows(table), z, sign, table[TIME] + elapsed, _own_sides(place, sides))
 
     def rates(
         self, table: Array, z: Array, sign: Array, elapsed: Array | float, sides: Array, out: Array, dry: bool = True
@@ -142,34 +130,52 @@ class Lanes:
     """A law on given lanes, its table's rows sliced once: for many calls with the same table and sides."""
 
     def __init__(self, law: Law, table: Array, sides: Array) -> None:
-        self._mass, self._stiffness, self._damping = table[MASS], table[STIFFNESS], table[DAMPING]
-        self._time, self._volts, self._gain = table[TIME], table[VOLTS], table[GAIN]
-        self._pull = -self._stiffness
-        self._places = [
-            (place, law.values(table, place), tuple(sides[place.sides]) if place.effect.n_switches else ())
-            for place in law.places
-        ]
+        self._rows = _rows(table)
+        self._time, self._gain, self._pull = table[TIME], table[GAIN], -table[STIFFNESS]
+        self._places = [(place, law.values(table, place), _own_sides(place, sides)) for place in law.places]
 
     def rates(self, z: Array, sign: Array, elapsed: Array | float, out: Array, *, dry: bool = True) -> Array:
         """Write the rates of position, velocity and the effects' own states into `out`, shape (n_rates, lanes)."""
-        x, v = z[0], z[1]
-        volts, time = self._volts, self._time + elapsed
-        total = self._pull * x
-        total -= self._damping * v
+        mass, _, damping, volts = self._rows
+        time = self._time + elapsed
+        total = self._pull * z[0]
+        total -= damping * z[1]
         for place, p, sides in self._places:
             e = place.effect
-            extra = tuple(z[place.extra]) if e.n_extra else ()
-            memory = tuple(z[place.memory]) if e.n_memory else ()
-            m = Motion(x, v, sign, time, self._mass, self._stiffness, self._damping, self._volts, sides, extra, memory)
+            m = _seen(place, self._rows, z, sign, time, sides)
             if place.drives:
                 volts = e.drive(p, m._replace(volts=volts))
             if place.pushes:
                 total += e.force(p, m)
             if dry and e.dry:
                 total -= sign * e.friction(p, m)
-            if extra:
+            if e.n_extra:
                 out[place.extra] = e.rates(p, m)
         total += self._gain * volts
-        out[0] = v
-        np.divide(total, self._mass, out=out[1])
+        out[0] = z[1]
+        np.divide(total, mass, out=out[1])
         return out
+
+
+def _rows(table: Array) -> tuple[Array, Array, Array, Array]:
+    """Mass, stiffness, damping and input, of which every effect is told."""
+    return table[MASS], table[STIFFNESS], table[DAMPING], table[VOLTS]
+
+
+def _own_sides(place: _Place, sides: Array) -> tuple[Array, ...]:
+    """Sides of one effect's own switches."""
+    return tuple(sides[place.sides]) if place.effect.n_switches else ()
+
+
+def _seen(
+    place: _Place,
+    rows: tuple[Array, Array, Array, Array],
+    z: Array,
+    sign: Array,
+    time: Array,
+    sides: tuple[Array, ...],
+) -> Motion:
+    """What one effect sees."""
+    extra = tuple(z[place.extra]) if place.effect.n_extra else ()
+    memory = tuple(z[place.memory]) if place.effect.n_memory else ()
+    return Motion(z[0], z[1], sign, time, *rows, sides, extra, memory)
