@@ -9,7 +9,7 @@ import stepid
 from stepid._base import Array
 from stepid.effects import resolve
 from stepid.engine import least_squares
-from stepid.engine.displace import resettle, scan_displacements
+from stepid.engine.displace import resettle, scan_starts
 from stepid.engine.least_squares import Problem, minimize
 from stepid.engine.problem import build, fit_linear, start_local
 from stepid.engine.records import lay_out
@@ -25,7 +25,7 @@ def test_the_made_up_campaign_settles_at_its_noise() -> None:
     stuck = minimize(problem, np.append(linear.shared, 0.2), start_local(problem, linear), iterations=12)
     assert stuck is not None
     assert stuck.rms > 2 * TRUTH.noise_rms  # a minimum with another pattern of sticking
-    scanned = scan_displacements(stuck)
+    scanned = scan_starts(stuck)
     np.testing.assert_array_equal(scanned[1:], stuck.local[1:])
     found = resettle(stuck, tolerance=0.0)
     assert found.rms < 1.03 * TRUTH.noise_rms
@@ -47,7 +47,7 @@ def test_a_kick_leaves_a_minimum_that_no_displacement_does(monkeypatch: pytest.M
     stuck = minimize(*_held())
     assert stuck is not None
     assert stuck.rms > 1.025 * TRUTH.noise_rms
-    np.testing.assert_array_equal(scan_displacements(stuck), stuck.local)
+    np.testing.assert_array_equal(scan_starts(stuck), stuck.local)
     assert resettle(stuck, tolerance=0.0).rms < 1.015 * TRUTH.noise_rms
 
 

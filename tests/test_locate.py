@@ -14,8 +14,9 @@ from stepid.diagnose.locate import locate, phases_of, run_trends
 from stepid.diagnose.phases import BEFORE, DRIVEN, OVERSHOOT, PHASES, REST, RING_DOWN, RISE, phase_of_samples
 from stepid.diagnose.wording import sentences
 from stepid.engine.least_squares import Optimum
-from stepid.engine.problem import fit_linear, strongest_period
+from stepid.engine.problem import fit_linear
 from stepid.engine.records import Records, lay_out
+from stepid.engine.spectrum import strongest_period
 from stepid.engine.weak import measured_motion
 from stepid.experiment import Campaign
 from stepid.floor import noise_floor

@@ -9,7 +9,6 @@ import numpy as np
 from stepid._base import Array
 from stepid.diagnose.candidate import Candidate, polish
 from stepid.effects.base import Effect
-from stepid.engine.displace import resettle
 from stepid.engine.least_squares import minimize
 from stepid.engine.problem import start_local
 from stepid.engine.score import columns, promise, score
@@ -227,12 +226,7 @@ def final(ground: Ground, contenders: list[Contender], *, count: int = 2, spread
         for contender in sorted(found, key=lambda c: found[c].evidence)[:3]:
             if contender.best is not None and any(e.dry and not e.contains for e in contender.effects):
                 # another pattern of sticking may be better
-                if contender.resettled is contender.best:
-                    break
-                moved = resettle(contender.best, tolerance=ground.tolerance)
-                better, contender.resettled = moved is not contender.best, moved
-                if better:
-                    contender.best, contender.polished = moved, None
+                if contender.resettle():
                     again = polish(ground, contender)
                     if again is not None and again.evidence < found[contender].evidence:
                         found[contender] = again

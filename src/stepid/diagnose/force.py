@@ -10,8 +10,8 @@ from stepid._base import Array
 from stepid.diagnose.phases import BEFORE, REST
 from stepid.effects.base import Motion
 from stepid.engine.least_squares import Optimum
-from stepid.engine.problem import strongest_period
 from stepid.engine.records import Index, Records
+from stepid.engine.spectrum import strongest_period
 
 _NOISE = 0.25  # of the force: noise that may be left in it before averaging
 _WIDEST = 0.2  # of the period: half width of the widest bump

@@ -8,7 +8,7 @@ import numpy as np
 
 from stepid._base import Array
 from stepid.engine.least_squares import Optimum, minimize
-from stepid.engine.problem import build, fixes_mass, start_phases
+from stepid.engine.problem import build, fixes_mass
 from stepid.engine.records import Records
 
 _RUNS = 3  # left out in turn
@@ -65,7 +65,6 @@ def held_out_residuals(optimum: Optimum, *, tolerance: float) -> dict[int, Array
         alone = replace(alone, free=np.zeros_like(alone.free), active=optimum.problem.active[:, [i]])
         local = np.where(alone.active, optimum.local[:, [i]], 0.0)
         near = optimum.solved.states[:, pieces[i]]
-        local = start_phases(alone, fitted.shared, local, near)
         seen = minimize(alone, fitted.shared, local, start=near, tolerance=tolerance, iterations=15)
         if seen is not None:
             out[i] = seen.residual

@@ -13,8 +13,8 @@ from stepid.diagnose.result import Where
 from stepid.diagnose.wording import sentences
 from stepid.effects.base import Motion
 from stepid.engine.least_squares import Optimum
-from stepid.engine.problem import strongest_period
 from stepid.engine.records import Records
+from stepid.engine.spectrum import strongest_period
 from stepid.engine.weak import measured_motion
 
 _BINS = 24  # of velocity and of position

@@ -7,10 +7,10 @@ from typing import NamedTuple
 from stepid._base import Array
 from stepid.diagnose.compete import Progress
 from stepid.effects.base import Effect
-from stepid.engine.problem import resonances
 from stepid.engine.score import columns, score
 from stepid.engine.search import Contender, Ground, Scored, Start
 from stepid.engine.sketch import full_residual
+from stepid.engine.spectrum import resonances
 
 _STARTS = 3  # of each addition: of what rings, the loudest may not be what is missing
 _TRIED = 5  # additions to each base; to the best simple one, all
@@ -110,7 +110,8 @@ class Entry:
             starts.append(Start(there.linear, (*there.values, scored.values)))
             faint.append(Start(here.linear, (*here.values, self.effect.faint(scored.values, _FAINT))))
         assert base.best is not None
-        self.contender.begin(starts[:1], like=base.best)  # the most promising, however far it is from the base
+        first = len(starts) if self.effect.run_parameters else 1
+        self.contender.begin(starts[:first], like=base.best, keep=1)  # however far it is from the base
         self.starts = [*starts[1:], *faint[:2]]
 
     @property

@@ -21,6 +21,7 @@ _BEST = 4  # bases whose effects race together whatever they promise
 _MORE = 3  # combinations that are raced beside one at the floor
 _AS_MUCH = 1.2  # times the cost of one at the floor that they may promise to leave
 _AHEAD = 0.9  # of the best simple effect's cost, at which a more general one is added to as well
+_FAR = 0.1  # of the best cost of others, below which a wrong pattern of sticking is what may be left
 _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
 _TWIN = 0.9  # of an effect's own gain by its score that one must gain to race in its place
 _SIMPLER = 0.5  # the same for one with fewer parameters
@@ -43,6 +44,9 @@ def extend(
         if race.over(offer):
             break
         race.enter(Entry(ground, offer, progress))
+    ranked = sorted(race.contenders, key=lambda c: c.cost)
+    if ranked and race.ahead(ranked[0]) and race.explained():
+        return ranked
     advance(ground, race.contenders, laps=(5, 10, 10))
     for entry in race.entries:
         if race.over(entry.offer):
@@ -81,27 +85,34 @@ class _Race:
             contender.run(laps=6, tolerance=0.01 * contender.excess)
         if contender.cost < _NEAR * self.ground.floored:
             contender.run(laps=12)
+        if self.ahead(contender) and any(e.dry for e in contender.effects) and not self.explained():
+            contender.resettle()
+
+    def ahead(self, contender: Contender) -> bool:
+        """Tell whether a contender is far ahead of every other combination, and of what they add to."""
+        others = [c.cost for c in self.contenders if set(c.names) != set(contender.names)]
+        return contender.cost < _FAR * min([*others, *(e.offer.base.cost for e in self.entries)])
+
+    def explained(self) -> bool:
+        """Tell whether a combination leaves nothing but noise in all samples: a sketch has too few to tell for sure."""
+        for contender in self.contenders:
+            least = _NEAR if self.ahead(contender) else 1.0
+            if contender.cost < least * self.ground.floored:
+                contender.polish(laps=15, tolerance=self.ground.tolerance)
+                done = contender.polished
+                if done is not None and at_floor(self.ground, candidate(self.ground, contender.effects, done)):
+                    return True
+        return False
 
     def over(self, offer: Offer) -> bool:
         """Tell whether a combination explains all, and this offer does not promise as much."""
-        if not _explained(self.ground, self.contenders):
+        if not self.explained():
             return False
         if offer.left > max(self.ground.floored, _AS_MUCH * min(c.cost for c in self.contenders)):
             return True
         if offer.names not in [e.offer.names for e in self.entries]:
             self.more -= 1
         return self.more < 0
-
-
-def _explained(ground: Ground, contenders: list[Contender]) -> bool:
-    """Tell whether a contender leaves nothing but noise in all samples: a sketch has too few to tell for sure."""
-    for contender in contenders:
-        if contender.cost < ground.floored:
-            contender.polish(laps=15, tolerance=ground.tolerance)
-            done = contender.polished
-            if done is not None and at_floor(ground, candidate(ground, contender.effects, done)):
-                return True
-    return False
 
 
 def swap(ground: Ground, raced: list[Contender], catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:

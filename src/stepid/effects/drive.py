@@ -118,7 +118,7 @@ class PeriodicDisturbance(Effect):
     advice = "find the shaker: fans, pumps, mains; isolate the table"
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
-        return [(0.01 * scales.force, f) for f in scales.resonances[:3]]
+        return [(0.01 * scales.force, f) for f in scales.resonances]
 
     def force(self, p: Values, m: Motion) -> Array | float:
         return p[0] * np.sin(2 * np.pi * p[1] * m.time + p[2])

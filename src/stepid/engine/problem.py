@@ -10,11 +10,13 @@ from stepid._base import Array
 from stepid.effects.base import Effect, Parameter, Scales
 from stepid.engine.least_squares import Optimum, Problem, minimize
 from stepid.engine.records import Records
+from stepid.engine.spectrum import resonances, strongest_period
 from stepid.engine.trajectory import Simulator
 from stepid.engine.weak import WeakForm
 
 _WIDTHS = (0.6, 1.0, 1.6, 0.35)  # of the strongest period, for the weak form
 _MASSES = (1.0, 0.4, 2.5)  # kg
+PHASES = 12  # tried a run where the reading is not linear in their sine and cosine
 
 
 def fixes_mass(records: Records) -> float | None:
@@ -72,49 +74,91 @@ def start_local(problem: Problem, like: Optimum | None = None) -> Array:
     return local
 
 
-def start_phases(problem: Problem, shared: Array, local: Array, start: Array | None) -> Array:
+def start_phases(problem: Problem, shared: Array, local: Array, near: list[Array]) -> Array:
     """Local parameters with each run's phases read off its residual: from a wrong phase there is no way downhill.
 
-    The reading is as good as linear in the sine and cosine of a phase; both are fitted to the run by least squares.
+    Where friction or play decides when the cart moves, phases all around are tried as well.
+
+    Parameters
+    ----------
+    shared : array, shape (C, P)
+        Of several starts.
+    local : array, shape (Q, R)
+    near : list of array
+        States to start the solution of each from, shape (d, S).
+
+    Returns
+    -------
+    array, shape (C, Q, R)
     """
-    sim, out = problem.simulator, local
-    records = sim.records
-    row = 2
-    for effect in sim.law.effects:
-        for q, parameter in enumerate(effect.run_parameters, row):
-            if parameter.unit != "rad":
-                continue
-            seen = []
-            for phase in (0.0, np.pi, np.pi / 2):
-                tried = out.copy()
-                tried[q] = phase
-                solved = sim.solve(shared, tried, start=start)
-                if solved is None:
-                    return out
-                seen.append(solved.reading)
-            middle = 0.5 * (seen[0] + seen[1])
-            waves = records.weighted(np.array([seen[0] - middle, seen[2] - middle]))
-            left = records.weighted(records.position - middle)
-            out = out.copy()
-            for r, piece in enumerate(records.pieces()):
-                cosine, sine = np.linalg.lstsq(waves[:, piece].T, left[piece], rcond=None)[0]
-                out[q, r] = np.arctan2(sine, cosine)
-        row += len(effect.run_parameters)
+    sim = problem.simulator
+    out = np.repeat(local[None], len(shared), axis=0)
+    for row in phase_rows(problem):
+        out = np.array([_read_phases(problem, *start, row) for start in zip(shared, out, near, strict=True)])
+        if sim.law.reverses or sim.law.n_sides:
+            around = np.repeat(out[:, None], 1 + PHASES, axis=1)
+            around[:, 1:, row] = 2 * np.pi * np.arange(PHASES)[:, None] / PHASES
+            out = best_by_run(problem, shared, around)
     return out
 
 
-def strongest_period(records: Records) -> float:
-    """Period [s] of the strongest oscillation over all records."""
-    best, power = 0.5, 0.0
+def phase_rows(problem: Problem) -> list[int]:
+    """Rows of the local parameters that are phases."""
+    parameters = [q for e in problem.simulator.law.effects for q in e.run_parameters]
+    return [row for row, parameter in enumerate(parameters, 2) if parameter.unit == "rad"]
+
+
+def _read_phases(problem: Problem, shared: Array, local: Array, near: Array, row: int) -> Array:
+    """Local parameters with one row of phases fitted by least squares.
+
+    The reading is as good as linear in the sine and cosine of a phase.
+    """
+    sim = problem.simulator
+    records = sim.records
+    seen = []
+    for phase in (0.0, np.pi, np.pi / 2):
+        tried = local.copy()
+        tried[row] = phase
+        solved = sim.solve(shared, tried, start=near)
+        if solved is None:
+            return local
+        seen.append(solved.reading)
+    middle = 0.5 * (seen[0] + seen[1])
+    waves = records.weighted(np.array([seen[0] - middle, seen[2] - middle]))
+    left = records.weighted(records.position - middle)
+    out = local.copy()
     for r, piece in enumerate(records.pieces()):
-        y = np.diff(records.position[piece])
-        spectrum = np.abs(np.fft.rfft(y * np.hanning(y.size), 4 * y.size)) ** 2
-        frequency = np.fft.rfftfreq(4 * y.size, float(records.sample_time[r]))
-        usable = frequency > 1.5 / (y.size * records.sample_time[r])
-        k = int(np.argmax(np.where(usable, spectrum, 0.0)))
-        if spectrum[k] > power:
-            best, power = 1.0 / float(frequency[k]), float(spectrum[k])
-    return best
+        cosine, sine = np.linalg.lstsq(waves[:, piece].T, left[piece], rcond=None)[0]
+        out[row, r] = np.arctan2(sine, cosine)
+    return out
+
+
+def best_by_run(problem: Problem, shared: Array, tried: Array) -> Array:
+    """Each run's best of several local parameters: with the shared ones given, runs do not depend on each other.
+
+    Parameters
+    ----------
+    shared : array, shape (C, P)
+    tried : array, shape (C, K, Q, R)
+        K for each of the shared ones; the first of equally good ones is taken.
+
+    Returns
+    -------
+    array, shape (C, Q, R)
+    """
+    sim = problem.simulator
+    records = sim.records
+    copies, count = tried.shape[:2]
+    every = np.repeat(shared, count, axis=0)
+    flat = tried.reshape(copies * count, *tried.shape[2:])
+    states = sim.march(every, flat)
+    reading = np.array([z[0] + sim.reading(s, t) for z, s, t in zip(states, every, flat, strict=True)])
+    with np.errstate(all="ignore"):
+        square = records.weighted(records.position - reading) ** 2
+        cost = np.nan_to_num(np.add.reduceat(square, records.first, axis=1), nan=np.inf)
+    best = np.argmin(cost.reshape(copies, count, -1), axis=1)
+    chosen: Array = np.take_along_axis(tried, best[:, None, None, :], axis=1)[:, 0]
+    return chosen
 
 
 def fit_linear(records: Records, *, tolerance: float = 0.0) -> Optimum | None:
@@ -170,26 +214,3 @@ def scales(records: Records, linear: Optimum, floor: float) -> Scales:
         high=float(states[0].max()),
         resonances=resonances(records, linear.residual),
     )
-
-
-def resonances(records: Records, residual: Array, count: int = 3) -> tuple[float, ...]:
-    """Frequencies [Hz] at which the residual is strongest over all runs, strongest first."""
-    duration = float(np.max(records.time))
-    step = float(records.sample_time.min())
-    grid = np.fft.rfftfreq(4 * int(duration / step), step)
-    total = np.zeros_like(grid)
-    for r, piece in enumerate(records.pieces()):
-        y = residual[piece]
-        n = 4 * y.size
-        total += np.interp(
-            grid, np.fft.rfftfreq(n, float(records.sample_time[r])), np.abs(np.fft.rfft(y * np.hanning(y.size), n)) ** 2
-        )
-    total[grid < 1.0 / duration] = 0.0
-    found: list[float] = []
-    for _ in range(count):
-        k = int(np.argmax(total))
-        if total[k] <= 0:
-            break
-        found.append(float(grid[k]))
-        total[np.abs(grid - grid[k]) < max(1.5 / duration, 0.15 * grid[k])] = 0.0
-    return tuple(found)

@@ -11,10 +11,12 @@ import numpy as np
 
 from stepid._base import Array
 from stepid.effects.base import Effect, Motion, Scales
+from stepid.engine.displace import resettle
 from stepid.engine.least_squares import Optimum, Problem, minimize
-from stepid.engine.problem import build, fixes_mass, scales, start_local, start_phases, strongest_period
+from stepid.engine.problem import build, fixes_mass, scales, start_local, start_phases
 from stepid.engine.records import Records
 from stepid.engine.sketch import between, outline, shortest_period, sketch
+from stepid.engine.spectrum import strongest_period
 from stepid.engine.weak import WeakForm, measured_motion
 
 _POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
@@ -102,7 +104,7 @@ class Contender:
         self.best: Optimum | None = None
         self.polished: Optimum | None = None  # on all samples
         self.judged: tuple[Optimum, Any] | None = None  # a polished fit, and what was made of it
-        self.resettled: Optimum | None = None  # the fit from which other patterns of sticking were tried last
+        self._resettled: Optimum | None = None  # where other patterns of sticking led last
         self._tolerance = 0.0  # with which the best fit so far ended, m²
 
     @property
@@ -124,24 +126,26 @@ class Contender:
         """Try starts: march them side by side, run a few steps from the best."""
         problem = self.coarse
         sim = problem.simulator
-        local = start_local(problem, like)
         shared = np.array([np.concatenate([s.linear, *s.values]) for s in starts])
         shared = np.clip(shared, problem.lower, problem.upper)
+        local = start_local(problem, like)
+        own = start_phases(problem, shared, local, [self._near(like, x, local) for x in shared])
         order, states = list(range(len(starts))), None
-        if sim.law.reverses or sim.law.n_sides or (len(starts) > 3 and not sim.law.linear):
-            states = sim.march(shared, np.repeat(local[None], len(starts), 0))
+        many = 1 if any(e.run_parameters for e in self.effects) else 3  # with their phases they can be told apart
+        if sim.law.reverses or sim.law.n_sides or (len(starts) > many and not sim.law.linear):
+            states = sim.march(shared, own)
             costs = [self._reach(z[0]) for z in states]
             if min(costs) > like.cost - _POOR * (like.cost - self.ground.noise_cost):
                 keep = 1  # none shows much
             order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
         for i in order:
-            near = self._near(like, shared[i], local) if states is None else states[i]
-            own = start_phases(problem, shared[i], local, near)
+            near = self._near(like, shared[i], own[i]) if states is None else states[i]
+            begin = own[i]
             if problem.active[sim.own_states].any():  # from wrong own states the shared parameters go astray
                 alone = replace(problem, free=np.zeros_like(problem.free))
-                begun = minimize(alone, shared[i], own, start=near, iterations=3)
-                own, near = (begun.local, begun.solved.states) if begun else (own, near)
-            ended = [self._try(variant, shared[i], own, near, like, laps) for variant in self._variants()]
+                begun = minimize(alone, shared[i], begin, start=near, iterations=3)
+                begin, near = (begun.local, begun.solved.states) if begun else (begin, near)
+            ended = [self._try(variant, shared[i], begin, near, like, laps) for variant in self._variants()]
             if any(ended):
                 break
 
@@ -195,6 +199,16 @@ class Contender:
         )
         if found is not None and found.cost <= self.best.cost:
             self.best, self.polished, self._tolerance = found, None, tolerance
+
+    def resettle(self) -> bool:
+        """Try other patterns of sticking from the best fit so far; True where one is better."""
+        if self.best is None or self._resettled is self.best:
+            return False
+        moved = resettle(self.best, tolerance=self.ground.tolerance)
+        better, self._resettled = moved is not self.best, moved
+        if better:
+            self.best, self.polished, self._tolerance = moved, None, self.ground.tolerance
+        return better
 
     def polish(self, *, laps: int, tolerance: float = 0.0) -> None:
         """Fit all samples, from the best fit of the race or from where the last polish ended."""
