@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipk
 
 from exact_plants import EFFECTS as EXAMPLES
-from hidden import NAMES, Run, fast, reference
+from hidden import NAMES, Run, fast, reference, sets
 
 COUNT = 1 / 226600
 T = 0.0088542
@@ -80,6 +80,24 @@ def test_a_slip_shorter_than_a_solver_step_is_seen() -> None:
     for phase in (0.0, 4.5):
         one, two = both(paper_run(effects=shaken, mass=5.77, stiffness=652.5, phase=float(phase)))
         assert np.max(np.abs(one - two)) < 0.01 * COUNT
+
+
+def test_a_mode_begins_past_its_edge() -> None:
+    # an edge located a rounding too early ended the new mode where it began, again and again
+    (campaign, truth), number = sets.one("pairs", 233), 6
+    experiment = campaign.experiments[number]
+    gap, level = truth["parameters"]["free_play.gap"], truth["parameters"]["coulomb_friction.level"]
+    run = Run(
+        mass=truth["base_mass"] + experiment.added_mass,
+        stiffness=truth["stiffness"][experiment.spring],
+        damping=truth["damping"][experiment.damper],
+        gain=truth["force_gain"],
+        sample_time=float(experiment.time[1]),
+        inputs=np.asarray(experiment.input),
+        effects={"coulomb_friction": {"level": level}, "free_play": {"gap": gap}},
+        position=truth["starts"][number],
+    )
+    assert np.max(np.abs(reference(run) - truth["exact"][number])) < 0.01 * COUNT
 
 
 def test_company_does_not_change_a_run() -> None:

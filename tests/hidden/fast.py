@@ -14,6 +14,7 @@ from .plant import Run
 from .rows import Rows, V, X
 
 FINENESS = 0.05  # micro-step times the fastest rate of the run
+EDGE = 1e-13  # m past the edge of the play or the stop, where a mode begins
 
 
 def micro_steps(run: Run, fineness: float = FINENESS) -> int:
@@ -114,7 +115,13 @@ def _to_event(some: Rows, left: np.ndarray) -> np.ndarray:
         some.sign = np.where(slip, np.where(net > 0, 1.0, -1.0), some.sign)
     play = hit & (first == 2)
     some.side = np.where(play, np.where(some.side == 0, np.sign(x), 0.0), some.side)
-    some.touch = some.touch ^ (hit & (first == 3))
+    stop = hit & (first == 3)
+    some.touch = some.touch ^ stop
+    # just past the edge: on it, or before it by rounding, the new mode would end where it begins
+    edge = np.sign(x) * (some.gap + np.where(some.side == 0, -EDGE, EDGE))
+    some.y[X] = np.where(play, edge, x)
+    past = some.stop + np.sign(some.stop) * np.where(some.touch, EDGE, -EDGE)
+    some.y[X] = np.where(stop, past, some.y[X])
     return np.where(hit, left - guess, 0.0)
 
 
