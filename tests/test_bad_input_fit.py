@@ -96,6 +96,15 @@ def test_a_stretch_with_the_amplifier_off_is_left_out(on: int, first: int) -> No
     assert found.notes == screened.notes
 
 
+def test_a_flicker_of_the_reading_is_no_answer() -> None:
+    whole = asleep(60)
+    position = np.round(whole.experiments[2].position, 5)
+    position[:60] = position[0]
+    position[20:] += 1e-5  # one step of a reading whose steps nobody has told
+    kept = screen(changed(whole, 2, position=position, counts_per_meter=None)).campaign["case 3"]
+    assert kept.time[0] == pytest.approx(390 * SAMPLE_TIME)
+
+
 def test_what_comes_before_a_jump_of_the_reading_is_left_out() -> None:
     whole = campaign(
         4, masses=(0.0, 1.5, 0.5), drives=[inputs(0.5), inputs(-0.5), np.tile(np.repeat([0.5, 0.0], 400), 2)]

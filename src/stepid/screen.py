@@ -13,6 +13,7 @@ from stepid.plausible import UNIT, check_speed, check_travel
 
 _LIKE = 0.9  # share of an input change that another must have to be as strong
 _LATE = 4.0  # times the usual time to an answer
+_STILL = 0.005  # of a run's travel: less is no motion
 _LEAD = 10  # samples at rest that are kept before the first step
 _REST = 40  # samples before a step in which a cart at rest does not move
 _LEAST = 24  # samples that a run must have after its unusable stretch
@@ -129,13 +130,13 @@ def _answers(run: Experiment, quiet: float) -> list[_Answer]:
     if run.is_release or at.size > 0.05 * run.input.size:
         return []
     out = []
-    travel = float(np.ptp(run.position))
+    still = max(quiet, _STILL * float(np.ptp(run.position)))
     for begin, end in zip(at, [*at[1:], run.input.size], strict=True):
         y = run.position[begin:end]
-        moved = np.flatnonzero(np.abs(y - y[0]) > quiet)
+        moved = np.flatnonzero(np.abs(y - y[0]) > still)
         lag = float(moved[0]) * run.sample_time if moved.size else None
         led = run.position[max(0, begin - _REST) : begin + 1]
-        rests = float(np.ptp(led)) <= max(quiet, 0.005 * travel)
+        rests = float(np.ptp(led)) <= still
         change = float(run.input[begin] - before[begin])
         out.append(_Answer(int(begin), int(end), change, float(before[begin]), lag, rests))
     return out
