@@ -14,6 +14,7 @@ from stepid.engine.records import Records, lay_out
 from stepid.engine.score import columns, score
 from stepid.engine.search import Contender, Ground, Start, race_starts
 from stepid.engine.threads import single_threaded
+from stepid.engine.wells import well_starts
 from stepid.errors import ConvergenceError, UndeterminedError
 from stepid.estimate import Estimate
 from stepid.estimates import estimates
@@ -29,6 +30,7 @@ from stepid.suspects import find_suspect
 if TYPE_CHECKING:
     from stepid.frames import DataFrame
 
+_NOISY = 0.05  # of the cost of noise, within which a start need not be bettered
 _MISFIT = 1.1  # times the floor, beyond which a run may be to blame
 NOT_CONVERGED = "The fit did not converge; what is shown is the best so far."
 
@@ -143,7 +145,8 @@ def fit_effects(ground: Ground, effects: tuple[Effect, ...]) -> Optimum | None:
     """Fit effects one after another, each from its best starts on top of those before, then all together."""
     if not effects:
         return ground.linear
-    starts = race_starts(ground, effects[0], score(ground, ground.outline, columns(ground, effects[:1])))
+    starts = well_starts(ground, effects[0])
+    starts += race_starts(ground, effects[0], score(ground, ground.outline, columns(ground, effects[:1])))
     contender = _raced(ground, effects[:1], starts, ground.outline)
     for count in range(2, len(effects) + 1):
         if contender.best is None:
@@ -164,7 +167,7 @@ def _raced(ground: Ground, effects: tuple[Effect, ...], starts: list[Start], lik
     best = Contender(ground, effects)
     best.begin(starts, like=like)
     best.run(laps=40)
-    if best.excess < 0.05 * ground.noise_cost:
+    if best.excess < _NOISY * ground.noise_cost:
         return best
     for start in starts:
         other = Contender(ground, effects)
@@ -172,6 +175,8 @@ def _raced(ground: Ground, effects: tuple[Effect, ...], starts: list[Start], lik
         other.run(laps=40)
         if other.cost < best.cost:
             best = other
+        if best.excess < _NOISY * ground.noise_cost:
+            break
     return best
 
 

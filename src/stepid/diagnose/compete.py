@@ -11,8 +11,9 @@ from stepid.diagnose.candidate import Candidate, polish
 from stepid.effects.base import Effect
 from stepid.engine.least_squares import minimize
 from stepid.engine.problem import start_local
-from stepid.engine.score import columns, promise, score
+from stepid.engine.score import columns, promises, score
 from stepid.engine.search import Contender, Ground, Start, race_starts
+from stepid.engine.wells import well_starts
 
 Progress = Callable[[str], None]
 _FIELD = 8  # effects that race after the first scoring
@@ -23,6 +24,7 @@ _AS_WELL = 4.0  # times the winner's score within which another may explain as m
 _NEAR = 3.0  # times the floor's cost at which a contender runs on at once
 _HOPELESS = 6.0  # times the cost of one that reached the floor
 _STUCK = 3.0  # χ² by which a simple effect may be worse than one that contains it, before it is tried from there
+_DEEP = 15  # steps from a start that knows its well, which get worse before they get better
 _SLOW = 60.0  # χ² by which a law that has just begun may be worse than one it contains
 _IDLE = 1.0  # χ² that a step must promise, of a law that does no better than a simpler one inside it
 WORTH = 0.3  # share of what a simpler effect leaves that a costly general one must promise to take away (1 if it is it)
@@ -94,7 +96,7 @@ def generalized(
         inner = [by_name[n] for n in effect.contains if n in by_name]
         good = [c for c in inner if c.cost < limit or ((every or c in contenders[:3]) and not done)]
         if good and effect.name not in by_name:
-            starts = [(*_promised(ground, effect, c, s), s) for c in good for s in _grown(ground, effect, c)]
+            starts = [found for c in good for found in _promised(ground, effect, c)]
             offers.append((min(left for left, _, _ in starts), effect, starts))
     added: list[Contender] = []
     for _, effect, starts in sorted(offers, key=lambda offer: offer[0]):
@@ -140,17 +142,26 @@ def level_within(general: Effect, values: Array, simple: Effect) -> float | None
     return float(np.mean(alike)) if alike else None
 
 
-def _promised(ground: Ground, effect: Effect, inner: Contender, start: Start) -> tuple[float, float]:
-    """Cost that a more general effect promises to leave, and what it promises to gain on the simpler one."""
-    assert inner.best is not None
-    gain = promise(ground, inner.best, (effect,), start)
-    return inner.cost - gain, gain
+def _promised(ground: Ground, effect: Effect, inner: Contender) -> list[tuple[float, float, Start]]:
+    """Starts of a more general effect: the cost each promises to leave, and what it promises to gain."""
+    if inner.best is None:
+        return []
+    told_for, found = inner.promised.get(effect, (None, []))
+    if told_for is not inner.best:
+        starts = _grown(ground, effect, inner)
+        gains = promises(ground, inner.best, (effect,), starts)
+        found = [(inner.cost - gain, gain, start) for gain, start in zip(gains, starts, strict=True)]
+        inner.promised[effect] = inner.best, found
+    return found
 
 
 def _enter(ground: Ground, effect: Effect, starts: list[Start], progress: Progress, *, keep: int = 3) -> Contender:
     progress(effect.name)
     contender = Contender(ground, (effect,))
     contender.begin(starts, like=ground.outline, keep=keep, laps=min(keep + 1, 3))
+    wells = well_starts(ground, effect)
+    if wells and not settled(ground, [contender]):
+        contender.begin(wells, like=ground.outline, keep=1, laps=_DEEP)
     return contender
 
 

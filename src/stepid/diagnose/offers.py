@@ -130,7 +130,7 @@ class Entry:
         """Start a mode of its own as heavy as its own guesses say: what it does is not in proportion to its mass."""
         if self.contender.best is None:
             return
-        linear, values = standing(self.contender, None)
+        linear, values, _ = standing(self.contender, None)
         guesses = self.effect.starts(self.ground.scales)[-_STARTS:]
         starts = [Start(linear, (*values[:-1], guess)) for guess in guesses]
         self.contender.begin(starts, like=self.contender.best, keep=len(starts), laps=8)

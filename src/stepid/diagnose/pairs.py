@@ -10,7 +10,7 @@ from stepid.diagnose.offers import Entry, Offer, make_offer, n_parameters, offer
 from stepid.effects.base import Effect
 from stepid.engine.least_squares import minimize
 from stepid.engine.problem import start_local
-from stepid.engine.score import columns, promise, score
+from stepid.engine.score import columns, promises, score
 from stepid.engine.search import Contender, Ground, Scored, Start
 
 STRONG = 20.0  # evidence that a further effect must bring
@@ -196,7 +196,8 @@ def generalize(
             ]
             if not effect.affine:
                 least = PROMISE * ground.unit if done else WORTH * contender.excess
-                starts = [s for s in starts if promise(ground, contender.best, effects, s) > least]
+                gains = promises(ground, contender.best, effects, starts)
+                starts = [s for s, gain in zip(starts, gains, strict=True) if gain > least]
             if not starts:
                 continue
             grown_up = Contender(ground, effects)

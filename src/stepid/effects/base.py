@@ -144,6 +144,7 @@ class Effect:
     reverses: ClassVar[bool] = False  # its law changes where the velocity changes sign
     rests_anywhere: ClassVar[bool] = False  # the cart may start off the spring's rest position
     never_rests: ClassVar[bool] = False  # the cart may be in motion at the start of any record
+    repeats: ClassVar[bool] = False  # a sine of the position: its parameters are amplitude, pitch [m] and phase
     n_switches: ClassVar[int] = 0  # positions or states where its law changes
     n_extra: ClassVar[int] = 0  # own states with a rate in time
     n_memory: ClassVar[int] = 0  # own states that follow the displacement, not time

@@ -138,6 +138,7 @@ class Cogging(Effect):
     seen = "wiggles that slow down with the cart, several rest positions"
     advice = "record at several rest positions; a slotless motor; keep it in the model"
     rests_anywhere: ClassVar[bool] = True
+    repeats: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         pitches = scales.displacement * np.array([0.1, 0.14, 0.19, 0.26, 0.36, 0.5])

@@ -83,7 +83,7 @@ def start_phases(problem: Problem, shared: Array, local: Array, near: list[Array
     ----------
     shared : array, shape (C, P)
         Of several starts.
-    local : array, shape (Q, R)
+    local : array, shape (C, Q, R)
     near : list of array
         States to start the solution of each from, shape (d, S).
 
@@ -92,7 +92,7 @@ def start_phases(problem: Problem, shared: Array, local: Array, near: list[Array
     array, shape (C, Q, R)
     """
     sim = problem.simulator
-    out = np.repeat(local[None], len(shared), axis=0)
+    out = local
     for row in phase_rows(problem):
         out = np.array([_read_phases(problem, *start, row) for start in zip(shared, out, near, strict=True)])
         if sim.law.reverses or sim.law.n_sides:

@@ -168,35 +168,31 @@ def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
     return out
 
 
-def promise(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], start: Start) -> float:
-    """Decrease of the cost [m²] that a more general law promises over a simpler one's fit, by one linearized step.
+def promises(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], starts: list[Start]) -> list[float]:
+    """Decrease of the cost [m²] that each start of a more general law promises over a simpler one's fit.
 
-    The change of the reading from the simpler law to `start` is fitted to the residual, with what the simpler law's
-    own parameters can do about it.
+    By one linearized step: the change of the reading from the simpler law to the start is fitted to the residual, with
+    what the simpler law's own parameters can do about it. Infinite where it cannot tell: let it race.
     """
+    jacobian = inner.problem.jacobian(inner.solved)
+    if not starts or not np.isfinite(jacobian).all():
+        return [np.inf] * len(starts)
     sim = build(ground.sketch, effects, fineness=0.25).simulator
-    shared = np.concatenate([start.linear, *start.values])
-    states = np.zeros((sim.law.n_states, ground.sketch.size))
-    states[:2] = inner.solved.states[:2]
+    shared = np.array([np.concatenate([start.linear, *start.values]) for start in starts])
     local = np.zeros((sim.n_local, inner.local.shape[1]))
     known = inner.problem.simulator.own_states.start
     local[:known] = inner.local[:known]
-    states = sim.remembered(shared, local, states)
-    solved = sim.solve(shared, local, start=states)
-    if solved is None:
-        marched = sim.march(shared[None], local[None])[0]
-        solved = sim.solve(shared, local, start=marched)
-    if solved is None or not np.isfinite(solved.reading).all():
-        return np.inf  # cannot tell: let it race
-    jacobian = inner.problem.jacobian(inner.solved)
-    if not np.isfinite(jacobian).all():
-        return np.inf
+    states = sim.march(shared, np.repeat(local[None], len(starts), axis=0))
     size = np.linalg.norm(jacobian, axis=0)
     size[size == 0] = np.inf
     q = np.linalg.qr(jacobian / size)[0]
-    seen = ground.sketch.weighted(solved.reading - inner.solved.reading)
-    seen = seen - q @ (q.T @ seen)
-    power = float(seen @ seen)
-    along = float(seen @ inner.problem.residual(inner.solved))
-    # a step that asks for hardly any of the change is the simpler law's, seen from too far for a line to tell
-    return along**2 / power if power > 0 and along > _HARDLY * power else 0.0
+    residual = inner.problem.residual(inner.solved)
+    found = []
+    for z, s in zip(states, shared, strict=True):
+        seen = ground.sketch.weighted(z[0] + sim.reading(s, local) - inner.solved.reading)
+        seen = seen - q @ (q.T @ seen)
+        power, along = float(seen @ seen), float(seen @ residual)
+        # a step that asks for hardly any of the change is the simpler law's, seen from too far for a line to tell
+        gain = along**2 / power if power > 0 and along > _HARDLY * power else 0.0
+        found.append(gain if np.isfinite(seen).all() else np.inf)
+    return found

@@ -32,10 +32,11 @@ class Scored(NamedTuple):
 
 
 class Start(NamedTuple):
-    """Shared parameters to start from."""
+    """Shared parameters to start from; where runs start in motion, also how far from rest [m], if that is known."""
 
     linear: Array
     values: tuple[tuple[float, ...], ...]
+    displacement: Array | None = None
 
 
 class Ground:
@@ -104,6 +105,7 @@ class Contender:
         self.best: Optimum | None = None
         self.polished: Optimum | None = None  # on all samples
         self.judged: tuple[Optimum, Any] | None = None  # a polished fit, and what was made of it
+        self.promised: dict[Effect, tuple[Optimum, list[Any]]] = {}  # what more general effects promised over a fit
         self._resettled: Optimum | None = None  # where other patterns of sticking led last
         self._tolerance = 0.0  # with which the best fit so far ended, m²
 
@@ -128,19 +130,22 @@ class Contender:
         sim = problem.simulator
         shared = np.array([np.concatenate([s.linear, *s.values]) for s in starts])
         shared = np.clip(shared, problem.lower, problem.upper)
-        local = start_local(problem, like)
-        own = start_phases(problem, shared, local, [self._near(like, x, local) for x in shared])
+        local = np.repeat(start_local(problem, like)[None], len(starts), axis=0)
+        for own, start in zip(local, starts, strict=True):
+            if start.displacement is not None:
+                own[0] = np.where(self.ground.sketch.moving, start.displacement, own[0])
+        local = start_phases(problem, shared, local, [self._near(like, *at) for at in zip(shared, local, strict=True)])
         order, states = list(range(len(starts))), None
         many = 1 if any(e.run_parameters for e in self.effects) else 3  # with their phases they can be told apart
         if sim.law.reverses or sim.law.n_sides or (len(starts) > many and not sim.law.linear):
-            states = sim.march(shared, own)
+            states = sim.march(shared, local)
             costs = [self._reach(z[0]) for z in states]
             if min(costs) > like.cost - _POOR * (like.cost - self.ground.noise_cost):
                 keep = 1  # none shows much
             order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
         for i in order:
-            near = self._near(like, shared[i], own[i]) if states is None else states[i]
-            begin = own[i]
+            near = self._near(like, shared[i], local[i]) if states is None else states[i]
+            begin = local[i]
             if problem.active[sim.own_states].any():  # from wrong own states the shared parameters go astray
                 alone = replace(problem, free=np.zeros_like(problem.free))
                 begun = minimize(alone, shared[i], begin, start=near, iterations=3)

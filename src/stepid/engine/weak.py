@@ -17,11 +17,15 @@ from stepid.engine.records import Records
 
 
 class WeakSolution(NamedTuple):
-    """Linear plant and force coefficients from the weak form, and what it leaves (N, relative to the plain plant)."""
+    """Linear plant and force coefficients from the weak form, and what it leaves (N, relative to the plain plant).
+
+    `displacement` is each run's first position from the spring's rest position, m.
+    """
 
     shared: Array
     coefficients: Array
     left: float
+    displacement: Array
 
 
 def _bump(width: int, sample_time: float) -> tuple[Array, Array, Array]:
@@ -47,6 +51,7 @@ class WeakForm:
     def __init__(self, records: Records, width: float, *, fixed_mass: float | None) -> None:
         self._records, self._fixed_mass = records, fixed_mass
         self._labels = len(records.bases), len(records.springs), len(records.dampers)
+        self._plain: tuple[Array, Array] | None = None  # basis of the plain plant's columns, and what it leaves
         self._bumps: list[tuple[int, int, Array]] = []
         a, b, c = self._labels
         runs = len(records.runs)
@@ -111,6 +116,7 @@ class WeakForm:
         runs = len(self._records.runs)
         coefficients = solution[len(solution) - len(forces) :]
         shared = solution[: len(solution) - len(forces) - runs]
+        held = solution[len(shared) : len(shared) + runs]
         if self._fixed_mass is not None:
             shared = np.concatenate([np.full(a, self._fixed_mass), shared])
         if not (np.any(self._records.volts) or np.any(self._records.before)):
@@ -119,7 +125,20 @@ class WeakForm:
         if not (np.isfinite(shared).all() and (shared[a : a + b] > 0).all() and (mass > 0).all()):
             return None
         # in units of force per kg-free row, so that solutions with other masses compare
-        return WeakSolution(shared, coefficients, left / float(np.mean(mass)))
+        displacement = held / shared[a : a + b][self._records.spring]
+        return WeakSolution(shared, coefficients, left / float(np.mean(mass)), displacement)
+
+    def left(self, forces: list[Array]) -> float:
+        """Share of what the plain plant leaves that is left with added forces, whatever their signs."""
+        if self._plain is None:
+            scale = np.linalg.norm(self._matrix, axis=0)
+            q = np.linalg.qr(self._matrix / np.where(scale > 0, scale, 1.0))[0]
+            self._plain = q, self._rhs - q @ (q.T @ self._rhs)
+        q, left = self._plain
+        added = np.column_stack([self.test(g) for g in forces])
+        added = added - q @ (q.T @ added)
+        after = left - added @ np.linalg.lstsq(added, left, rcond=1e-9)[0]
+        return float((after @ after) / (left @ left))
 
 
 def measured_motion(records: Records, linear: Array, floor: float, period: float) -> Motion:
