@@ -22,6 +22,7 @@ simplify = importlib.import_module("stepid.diagnose.simplify")
         pytest.param(41, id="a pair is at the floor, a better one not yet raced"),
         pytest.param(61, id="a pair is at the floor of a sketch, not of all samples"),
         pytest.param(63, id="a heavy second mass"),
+        pytest.param(205, id="a disturbance above the plant, found by its line, its phases by trying"),
         pytest.param(90, id="Newton does not settle on the way to the other pattern of sticking"),
     ],
 )

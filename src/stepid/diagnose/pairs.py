@@ -21,7 +21,7 @@ _BEST = 4  # bases whose effects race together whatever they promise
 _MORE = 3  # combinations that are raced beside one at the floor
 _AS_MUCH = 1.2  # times the cost of one at the floor that they may promise to leave
 _AHEAD = 0.9  # of the best simple effect's cost, at which a more general one is added to as well
-_FAR = 0.1  # of the best cost of others, below which a wrong pattern of sticking is what may be left
+_FAR = 0.1  # of the best cost of others, below which a combination is judged in all samples, at the floor or near it
 _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
 _TWIN = 0.9  # of an effect's own gain by its score that one must gain to race in its place
 _SIMPLER = 0.5  # the same for one with fewer parameters
@@ -85,8 +85,6 @@ class _Race:
             contender.run(laps=6, tolerance=0.01 * contender.excess)
         if contender.cost < _NEAR * self.ground.floored:
             contender.run(laps=12)
-        if self.ahead(contender) and any(e.dry for e in contender.effects) and not self.explained():
-            contender.resettle()
 
     def ahead(self, contender: Contender) -> bool:
         """Tell whether a contender is far ahead of every other combination, and of what they add to."""

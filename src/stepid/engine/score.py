@@ -15,6 +15,7 @@ from stepid.engine.problem import build, start_local
 from stepid.engine.records import Records
 from stepid.engine.search import Ground, Scored, Start
 from stepid.engine.tables import Point
+from stepid.engine.trajectory import Simulator
 
 _HARDLY = 0.02  # share of the change to a general law that a linearized step must ask for
 _OPEN = 1e-5  # singular value of a direction that the data leave open: no start moves along it
@@ -182,17 +183,34 @@ def promises(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], starts
     local = np.zeros((sim.n_local, inner.local.shape[1]))
     known = inner.problem.simulator.own_states.start
     local[:known] = inner.local[:known]
-    states = sim.march(shared, np.repeat(local[None], len(starts), axis=0))
+    readings = _readings(sim, shared, local, inner)
     size = np.linalg.norm(jacobian, axis=0)
     size[size == 0] = np.inf
     q = np.linalg.qr(jacobian / size)[0]
     residual = inner.problem.residual(inner.solved)
     found = []
-    for z, s in zip(states, shared, strict=True):
-        seen = ground.sketch.weighted(z[0] + sim.reading(s, local) - inner.solved.reading)
+    for reading in readings:
+        seen = ground.sketch.weighted(reading - inner.solved.reading)
         seen = seen - q @ (q.T @ seen)
         power, along = float(seen @ seen), float(seen @ residual)
         # a step that asks for hardly any of the change is the simpler law's, seen from too far for a line to tell
         gain = along**2 / power if power > 0 and along > _HARDLY * power else 0.0
         found.append(gain if np.isfinite(seen).all() else np.inf)
+    return found
+
+
+def _readings(sim: Simulator, shared: Array, local: Array, inner: Optimum) -> list[Array]:
+    """Readings of several plants near a fit: by Newton from there; from the first that does not settle, marched."""
+    states = np.zeros((sim.law.n_states, sim.records.size))
+    states[:2] = inner.solved.states[:2]
+    found: list[Array] = []
+    for s in shared:
+        solved = sim.solve(s, local, start=sim.remembered(s, local, states))
+        if solved is None:
+            break
+        found.append(solved.reading)
+    rest = shared[len(found) :]
+    if rest.size:
+        marched = sim.march(rest, np.repeat(local[None], len(rest), axis=0))
+        found += [z[0] + sim.reading(s, local) for z, s in zip(marched, rest, strict=True)]
     return found

@@ -19,6 +19,7 @@ from stepid.engine.sketch import between, outline, shortest_period, sketch
 from stepid.engine.spectrum import strongest_period
 from stepid.engine.weak import WeakForm, measured_motion
 
+_FEW = 2  # starts that Newton is quicker for
 _POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
 
 
@@ -138,7 +139,7 @@ class Contender:
         order, states = list(range(len(starts))), None
         many = 1 if any(e.run_parameters for e in self.effects) else 3  # with their phases they can be told apart
         if sim.law.reverses or sim.law.n_sides or (len(starts) > many and not sim.law.linear):
-            states = sim.march(shared, local)
+            states = self._simulated(shared, local, like)
             costs = [self._reach(z[0]) for z in states]
             if min(costs) > like.cost - _POOR * (like.cost - self.ground.noise_cost):
                 keep = 1  # none shows much
@@ -153,6 +154,16 @@ class Contender:
             ended = [self._try(variant, shared[i], begin, near, like, laps) for variant in self._variants()]
             if any(ended):
                 break
+
+    def _simulated(self, shared: Array, local: Array, like: Optimum) -> Array:
+        """States of several starts: by Newton where they are few and it settles, else marched side by side."""
+        sim = self.coarse.simulator
+        if len(shared) <= _FEW:
+            solved = [sim.solve(*at, start=self._near(like, *at)) for at in zip(shared, local, strict=True)]
+            settled = [s.states for s in solved if s is not None]
+            if len(settled) == len(solved):
+                return np.array(settled)
+        return sim.march(shared, local)
 
     def _variants(self) -> list[Problem]:
         """The problem; before it, with runs that begin at rest, where they need not."""

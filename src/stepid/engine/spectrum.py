@@ -10,6 +10,7 @@ from stepid.engine.records import Records
 
 _FINE = 4  # bins of the padded spectrum to one of the record's own
 _AROUND = 20  # bins of the record's own around a line, with which its height is compared
+_BESIDE = 3  # of the shortest record's own bins: beside the peak of a line, whatever the record
 _LINE = 30.0  # times the median around that a line stands out; noise alone reaches 15 in 10 000 bins
 _APART = 0.15  # of a frequency: what is nearer is the same
 
@@ -35,18 +36,29 @@ def resonances(records: Records, residual: Array, count: int = 3) -> tuple[float
     """
     duration, grid, total = _spectrum(records, residual)
     found: list[float] = []
-    height = total / np.maximum(median_filter(total, 2 * _FINE * _AROUND + 1, mode="nearest"), np.finfo(float).tiny)
+    height = _height(records, total)
     left = np.where(grid < 1.0 / duration, 0.0, total)
     for _ in range(count):
         k = int(np.argmax(left))
         if left[k] <= 0:
             break
         found.append(float(grid[k]))
-        left[np.abs(grid - grid[k]) < max(1.5 / duration, _APART * grid[k])] = 0.0
+        near = np.abs(grid - grid[k]) < max(1.5 / duration, _APART * grid[k])
+        left[near] = height[near] = 0.0
     k = int(np.argmax(height))
-    if height[k] > _LINE and all(abs(f - grid[k]) > _APART * grid[k] for f in found):
+    if height[k] > _LINE:
         found.append(float(grid[k]))
     return tuple(found)
+
+
+def _height(records: Records, total: Array) -> Array:
+    """How far a spectrum stands out from the median around, and from what is just beside, on the skirts of a swing."""
+    median = median_filter(total, 2 * _FINE * _AROUND + 1, mode="nearest")
+    aside = round(_BESIDE * _FINE * float(np.max(records.time)) / float(records.time[records.bounds[1:] - 1].min()))
+    wide = np.pad(total, aside, mode="edge")
+    beside = np.maximum(wide[: total.size], wide[2 * aside :])
+    out: Array = total / np.maximum(np.maximum(median, beside), np.finfo(float).tiny)
+    return out
 
 
 def _spectrum(records: Records, residual: Array) -> tuple[float, Array, Array]:
