@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stepid
+from stepid._base import Array
 from stepid.effects import CATALOGUE, Effect, Motion, Parameter, Scales
 from stepid.errors import ConvergenceError, InputError
 
@@ -160,3 +161,26 @@ def test_play_under_a_held_input_rests_against_the_spring() -> None:
     )
     moved = stepid.simulate(model, stepid.Campaign(name="held", experiments=(run,)))["held"]
     np.testing.assert_allclose(moved, rest + GAIN * level / STIFFNESS + gap, atol=1e-12)
+
+
+class RisingFriction(Effect):
+    """Dry friction that grows with speed; it does not say where Coulomb friction inside it leads."""
+
+    name = "rising_friction"
+    parameters = (Parameter("level", "N"), Parameter("rise", "N·s²/m²"))
+    law = "−(F_c + r v²) sign(v)"
+    contains = ("coulomb_friction",)
+    dry: ClassVar[bool] = True
+    reverses: ClassVar[bool] = True
+    rests_anywhere: ClassVar[bool] = True
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(0.02 * scales.force, share * scales.force / scales.velocity**2) for share in (0.01, 0.1)]
+
+    def friction(self, p: tuple[Array, ...], m: Motion) -> Array:
+        return p[0] + p[1] * m.v**2
+
+
+def test_a_general_law_from_outside_need_not_say_where_it_grows_from() -> None:
+    found = stepid.diagnose(stepid.datasets.lab_campaign(), catalogue=(*CATALOGUE, RisingFriction()))
+    assert found.effects == ("coulomb_friction",)

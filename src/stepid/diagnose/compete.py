@@ -97,7 +97,8 @@ def generalized(
         good = [c for c in inner if c.cost < limit or ((every or c in contenders[:3]) and not done)]
         if good and effect.name not in by_name:
             starts = [found for c in good for found in _promised(ground, effect, c)]
-            offers.append((min(left for left, _, _ in starts), effect, starts))
+            if starts:
+                offers.append((min(left for left, _, _ in starts), effect, starts))
     added: list[Contender] = []
     for _, effect, starts in sorted(offers, key=lambda offer: offer[0]):
         if not effect.affine and not done:
@@ -171,7 +172,12 @@ def _grown(ground: Ground, effect: Effect, inner: Contender) -> list[Start]:
         return []
     n = inner.coarse.simulator.n_linear
     linear, values = inner.best.shared[:n], inner.best.shared[n:]
-    return [Start(linear, (grown,)) for grown in effect.grow(tuple(float(v) for v in values), ground.scales)]
+    return [Start(linear, (grown,)) for grown in grow(ground, effect, tuple(float(v) for v in values))]
+
+
+def grow(ground: Ground, effect: Effect, inner: tuple[float, ...]) -> list[tuple[float, ...]]:
+    """Values of an effect at the optimum of one that it contains; its own guesses where it does not say."""
+    return [tuple(v) for v in effect.grow(inner, ground.scales) or effect.starts(ground.scales)]
 
 
 def advance(ground: Ground, contenders: list[Contender], laps: tuple[int, ...] = (5, 10, 20)) -> None:

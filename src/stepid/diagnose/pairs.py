@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stepid.diagnose.candidate import Candidate, at_floor, candidate
-from stepid.diagnose.compete import PROMISE, WORTH, Progress, advance, final, settled
+from stepid.diagnose.compete import PROMISE, WORTH, Progress, advance, final, grow, settled
 from stepid.diagnose.offers import Entry, Offer, make_offer, n_parameters, offers_on, related, standing
 from stepid.effects.base import Effect
 from stepid.engine.least_squares import minimize
@@ -190,7 +190,7 @@ def generalize(
             progress(" + ".join(e.name for e in effects))
             starts = [
                 Start(here.linear, (*here.values[:place], grown, *here.values[place + 1 :]))
-                for grown in effect.grow(here.values[place], ground.scales)
+                for grown in grow(ground, effect, here.values[place])
             ]
             if not effect.affine:
                 least = PROMISE * ground.unit if done else WORTH * contender.excess

@@ -13,7 +13,7 @@ from stepid._base import Array
 from stepid.effects.base import Effect, Motion, Scales
 from stepid.engine.displace import resettle
 from stepid.engine.least_squares import Optimum, Problem, minimize
-from stepid.engine.problem import build, fixes_mass, scales, start_local, start_phases
+from stepid.engine.problem import build, fixes_mass, phase_rows, scales, start_local, start_phases
 from stepid.engine.records import Records
 from stepid.engine.sketch import between, outline, shortest_period, sketch
 from stepid.engine.spectrum import strongest_period
@@ -135,7 +135,9 @@ class Contender:
         for own, start in zip(local, starts, strict=True):
             if start.displacement is not None:
                 own[0] = np.where(self.ground.sketch.moving, start.displacement, own[0])
-        local = start_phases(problem, shared, local, [self._near(like, *at) for at in zip(shared, local, strict=True)])
+        if phase_rows(problem):
+            near_each = [self._near(like, *at) for at in zip(shared, local, strict=True)]
+            local = start_phases(problem, shared, local, near_each)
         order, states = list(range(len(starts))), None
         many = 1 if any(e.run_parameters for e in self.effects) else 3  # with their phases they can be told apart
         if sim.law.reverses or sim.law.n_sides or (len(starts) > many and not sim.law.linear):
