@@ -55,7 +55,7 @@ class WeakForm:
         self._bumps: list[tuple[int, int, Array]] = []
         a, b, c = self._labels
         runs = len(records.runs)
-        blocks, sides = [], []
+        blocks, sides, owners = [], [], []
         for r, piece in enumerate(records.pieces()):
             h = float(records.sample_time[r])
             x, u = records.position[piece], records.volts[piece]
@@ -74,8 +74,9 @@ class WeakForm:
             block[:, a + b + c] = -(self._windows(held, n, stride) @ phi) * h
             block[:, a + b + c + 1 + r] = phi.sum() * h
             blocks.append(block)
+            owners.append(np.full(len(block), r))
             sides.append(-records.added_mass[r] * inertia)
-        self._matrix, self._rhs = np.concatenate(blocks), np.concatenate(sides)
+        self._matrix, self._rhs, self._run = np.concatenate(blocks), np.concatenate(sides), np.concatenate(owners)
         if fixed_mass is not None:
             self._rhs = self._rhs - fixed_mass * self._matrix[:, :a].sum(axis=1)
             self._matrix = self._matrix[:, a:]
@@ -128,14 +129,15 @@ class WeakForm:
         displacement = held / shared[a : a + b][self._records.spring]
         return WeakSolution(shared, coefficients, left / float(np.mean(mass)), displacement)
 
-    def left(self, forces: list[Array]) -> float:
-        """Share of what the plain plant leaves that is left with added forces, whatever their signs."""
+    def left_by_run(self, forces: list[Array]) -> float:
+        """Share of what the plain plant leaves that is left with forces of other strength in every run."""
         if self._plain is None:
             scale = np.linalg.norm(self._matrix, axis=0)
             q = np.linalg.qr(self._matrix / np.where(scale > 0, scale, 1.0))[0]
             self._plain = q, self._rhs - q @ (q.T @ self._rhs)
         q, left = self._plain
-        added = np.column_stack([self.test(g) for g in forces])
+        own = self._run == np.arange(len(self._records.runs))[:, None]
+        added = np.column_stack([np.where(mine, tested, 0.0) for tested in map(self.test, forces) for mine in own])
         added = added - q @ (q.T @ added)
         after = left - added @ np.linalg.lstsq(added, left, rcond=1e-9)[0]
         return float((after @ after) / (left @ left))

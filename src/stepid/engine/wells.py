@@ -23,7 +23,8 @@ def well_starts(ground: Ground, effect: Effect, count: int = 2) -> list[Start]:
     if not effect.repeats or not records.moving.any():
         return []
     pitches = _PITCHES * ground.scales.displacement
-    left = np.array([ground.weak.left(_waves(ground, pitch)) for pitch in pitches])
+    left = np.array([ground.weak.left_by_run(_waves(motion.x, pitch)) for pitch in pitches])
+    own = records.run == np.arange(len(records.runs))[:, None]
     found: list[Start] = []
     tried: list[float] = []
     for i in np.argsort(left):
@@ -31,10 +32,12 @@ def well_starts(ground: Ground, effect: Effect, count: int = 2) -> list[Start]:
         if len(found) == count or any(1 / _APART < pitch / other < _APART for other in tried):
             continue
         tried.append(pitch)
-        solution = ground.weak.solve(tuple(_waves(ground, pitch)))
+        solution = ground.weak.solve(
+            tuple(np.where(mine, wave, 0.0) for wave in _waves(motion.x, pitch) for mine in own)
+        )
         if solution is None:
             continue
-        sine, cosine = solution.coefficients.reshape(-1, 2).T
+        sine, cosine = solution.coefficients.reshape(2, -1)
         apart = solution.displacement - motion.x[records.first]
         turned = np.exp(1j * (np.arctan2(cosine, sine) - 2 * np.pi * apart / pitch))
         strength = np.hypot(sine, cosine)
@@ -43,8 +46,7 @@ def well_starts(ground: Ground, effect: Effect, count: int = 2) -> list[Start]:
     return found
 
 
-def _waves(ground: Ground, pitch: float) -> list[Array]:
-    """Sine and cosine of the position for each run, zero in the others."""
-    angle = 2 * np.pi * ground.measured.x / pitch
-    own = ground.records.run == np.arange(len(ground.records.runs))[:, None]
-    return [np.where(mine, wave, 0.0) for mine in own for wave in (np.sin(angle), np.cos(angle))]
+def _waves(x: Array, pitch: float) -> list[Array]:
+    """Sine and cosine of the position."""
+    angle = 2 * np.pi * x / pitch
+    return [np.sin(angle), np.cos(angle)]
