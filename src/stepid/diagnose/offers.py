@@ -53,6 +53,11 @@ class Offer(NamedTuple):
         return self.left * freedom * (_SLOWER if any(e.contains for e in self.base.effects) else 1.0)
 
     @property
+    def n_parameters(self) -> int:
+        """Parameters of all its effects."""
+        return sum(n_parameters(e) for e in (*self.base.effects, self.additions[0].effect))
+
+    @property
     def names(self) -> set[str]:
         """Canonical names of the combination."""
         return {*self.base.names, self.additions[0].effect.name}

@@ -20,6 +20,7 @@ _LEADS = 0.5  # of the best cost so far, at which a combination runs on a little
 _BEST = 4  # bases whose effects race together whatever they promise
 _MORE = 3  # combinations that are raced beside one at the floor
 _AS_MUCH = 1.2  # times the cost of one at the floor that they may promise to leave
+_FEWER = 4.0  # the same for those with fewer parameters: a sine comes near many a simple law
 _AHEAD = 0.9  # of the best simple effect's cost, at which a more general one is added to as well
 _FAR = 0.1  # of the best cost of others, below which a combination is judged in all samples, at the floor or near it
 _NEAR = 3.0  # times the floor's cost at which a combination runs on at once
@@ -41,16 +42,15 @@ def extend(
     best = {e.name for b in sorted(bases, key=lambda b: b.cost)[:_BEST] for e in b.effects}
     race = _Race(ground)
     for offer in [*offers[:_MOST], *(o for o in offers[_MOST:] if o.names <= best)]:
-        if race.over(offer):
-            break
-        race.enter(Entry(ground, offer, progress))
+        if not race.over(offer):
+            race.enter(Entry(ground, offer, progress))
     ranked = sorted(race.contenders, key=lambda c: c.cost)
     if ranked and race.ahead(ranked[0]) and race.explained():
         return ranked
     advance(ground, race.contenders, laps=(5, 10, 10))
     for entry in race.entries:
         if race.over(entry.offer):
-            break
+            continue
         if not settled(ground, [entry.contender]):
             entry.again()
             race.lead(entry.contender)
@@ -106,7 +106,9 @@ class _Race:
         """Tell whether a combination explains all, and this offer does not promise as much."""
         if not self.explained():
             return False
-        if offer.left > max(self.ground.floored, _AS_MUCH * min(c.cost for c in self.contenders)):
+        best = min(self.contenders, key=lambda c: c.cost)
+        few = offer.n_parameters < sum(map(n_parameters, best.effects))
+        if offer.left > max(self.ground.floored, (_FEWER if few else _AS_MUCH) * best.cost):
             return True
         if offer.names not in [e.offer.names for e in self.entries]:
             self.more -= 1
