@@ -95,7 +95,7 @@ def start_phases(problem: Problem, shared: Array, local: Array, near: list[Array
     out = local
     for row in phase_rows(problem):
         out = np.array([_read_phases(problem, *start, row) for start in zip(shared, out, near, strict=True)])
-        if sim.law.reverses or sim.law.n_sides:
+        if sim.law.dry or sim.law.n_sides:
             around = np.repeat(out[:, None], 1 + PHASES, axis=1)
             around[:, 1:, row] = 2 * np.pi * np.arange(PHASES)[:, None] / PHASES
             out = best_by_run(problem, shared, around)
