@@ -160,8 +160,8 @@ def _enter(ground: Ground, effect: Effect, starts: list[Start], progress: Progre
     progress(effect.name)
     contender = Contender(ground, (effect,))
     contender.begin(starts, like=ground.outline, keep=keep, laps=min(keep + 1, 3))
-    wells = well_starts(ground, effect)
-    if wells and not settled(ground, [contender]):
+    wells = [] if settled(ground, [contender]) else well_starts(ground, effect)
+    if wells:
         contender.begin(wells, like=ground.outline, keep=1, laps=_DEEP)
     return contender
 

@@ -44,9 +44,9 @@ def extend(
     for offer in [*offers[:_MOST], *(o for o in offers[_MOST:] if o.names <= best)]:
         if not race.over(offer):
             race.enter(Entry(ground, offer, progress))
-    ranked = sorted(race.contenders, key=lambda c: c.cost)
-    if ranked and race.ahead(ranked[0]) and race.explained():
-        return ranked
+    ranked = race.ranked()
+    if ranked and race.ahead(ranked[0].contender) and race.explained():
+        return [e.contender for e in race.ranked()]
     advance(ground, race.contenders, laps=(5, 10, 10))
     for entry in race.entries:
         if race.over(entry.offer):
@@ -58,7 +58,7 @@ def extend(
     if not settled(ground, race.contenders):
         for entry in [e for e in race.ranked() if e.is_mode][:_HEAVY]:
             entry.weigh()
-    return sorted(race.contenders, key=lambda c: c.cost)
+    return [e.contender for e in race.ranked()]
 
 
 class _Race:

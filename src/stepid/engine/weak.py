@@ -6,6 +6,7 @@ Multiplying m x″ + c x′ + k x + Σ a_j g_j(x, v) = K_f u by a bump φ and in
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -51,7 +52,6 @@ class WeakForm:
     def __init__(self, records: Records, width: float, *, fixed_mass: float | None) -> None:
         self._records, self._fixed_mass = records, fixed_mass
         self._labels = len(records.bases), len(records.springs), len(records.dampers)
-        self._plain: tuple[Array, Array] | None = None  # basis of the plain plant's columns, and what it leaves
         self._bumps: list[tuple[int, int, Array]] = []
         a, b, c = self._labels
         runs = len(records.runs)
@@ -129,12 +129,15 @@ class WeakForm:
         displacement = held / shared[a : a + b][self._records.spring]
         return WeakSolution(shared, coefficients, left / float(np.mean(mass)), displacement)
 
+    @cached_property
+    def _plain(self) -> tuple[Array, Array]:
+        """Basis of the plain plant's columns, and what it leaves."""
+        scale = np.linalg.norm(self._matrix, axis=0)
+        q = np.linalg.qr(self._matrix / np.where(scale > 0, scale, 1.0))[0]
+        return q, self._rhs - q @ (q.T @ self._rhs)
+
     def left_by_run(self, forces: list[Array]) -> float:
         """Share of what the plain plant leaves that is left with forces of other strength in every run."""
-        if self._plain is None:
-            scale = np.linalg.norm(self._matrix, axis=0)
-            q = np.linalg.qr(self._matrix / np.where(scale > 0, scale, 1.0))[0]
-            self._plain = q, self._rhs - q @ (q.T @ self._rhs)
         q, left = self._plain
         own = self._run == np.arange(len(self._records.runs))[:, None]
         added = np.column_stack([np.where(mine, tested, 0.0) for tested in map(self.test, forces) for mine in own])
