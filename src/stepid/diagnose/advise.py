@@ -52,10 +52,15 @@ def _proposals(campaign: Campaign) -> list[tuple[str, Experiment]]:
 
 def _readings(records: Records, optimum: Optimum) -> Array:
     """What a fitted model reads in runs from rest; not finite where it runs away."""
-    sim = Simulator(records, optimum.problem.simulator.law.effects)
-    local = np.zeros((sim.n_local, len(records.runs)))
-    states = sim.march(optimum.shared[None], local[None])[0]
-    out: Array = states[0] + sim.reading(optimum.shared, local)
+    sim, plain = Simulator(records, optimum.problem.simulator.law.effects), Simulator(records, ())
+    shared, local = optimum.shared, np.zeros((sim.n_local, len(records.runs)))
+    linear = plain.solve(shared[: sim.n_linear], local[:2])
+    near = np.zeros((sim.law.n_states, records.size))
+    near[:2] = 0.0 if linear is None else linear.states
+    solved = sim.solve(shared, local, start=sim.remembered(shared, local, near))
+    if solved is not None:
+        return solved.reading
+    out: Array = sim.march(shared[None], local[None])[0, 0] + sim.reading(shared, local)
     return out
 
 

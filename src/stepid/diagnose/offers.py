@@ -12,13 +12,13 @@ from stepid.engine.search import Contender, Ground, Scored, Start
 from stepid.engine.sketch import full_residual
 from stepid.engine.spectrum import resonances
 
-_STARTS = 3  # of each addition: of what rings, the loudest may not be what is missing
 _TRIED = 5  # additions to each base; to the best simple one, all
 _FEW = 3  # the same to a general effect, which is slow
 _SLOWER = 3.0  # times what an offer on a general effect promises to leave, as it is costly: simple ones race first
 _PRICE = 0.25  # share of what is left that a further parameter counts as, in the order of the race
 _KEPT = 4  # starts that are run after the first, where the simulated ones can be told apart
 _MODE = 2  # states of its own that make an effect a mode
+_GUESSES = 3  # of its own that a mode starts anew from
 _FAINT = 0.03  # share of an effect at which hardly any of it is there
 
 
@@ -70,7 +70,7 @@ def n_parameters(effect: Effect) -> int:
 
 def make_offer(base: Contender, additions: list[Scored]) -> Offer:
     """An offer to add an effect by its best scores."""
-    return Offer(base, base.cost - additions[0].gain, additions[:_STARTS])
+    return Offer(base, base.cost - additions[0].gain, additions)
 
 
 def offers_on(ground: Ground, bases: list[Contender], catalogue: tuple[Effect, ...]) -> list[Offer]:
@@ -136,7 +136,7 @@ class Entry:
         if self.contender.best is None:
             return
         linear, values, _ = standing(self.contender, None)
-        guesses = self.effect.starts(self.ground.scales)[-_STARTS:]
+        guesses = self.effect.starts(self.ground.scales)[-_GUESSES:]
         starts = [Start(linear, (*values[:-1], guess)) for guess in guesses]
         self.contender.begin(starts, like=self.contender.best, keep=len(starts), laps=8)
         self.contender.run(laps=10)

@@ -15,6 +15,7 @@ from stepid.engine.search import Contender, Ground, Scored, Start
 
 STRONG = 20.0  # evidence that a further effect must bring
 _MOST = 18  # combinations that are raced
+_FIRST = 6  # combinations that are raced before all single effects are
 _HEAVY = 2  # combinations with a mode that start anew where nothing reaches the floor
 _LEADS = 0.5  # of the best cost so far, at which a combination runs on a little at once
 _BEST = 4  # bases whose effects race together whatever they promise
@@ -32,18 +33,21 @@ _SWAPS = 2  # twins that are raced for each effect of a combination
 
 
 def extend(
-    ground: Ground, bases: list[Contender], catalogue: tuple[Effect, ...], progress: Progress
+    ground: Ground,
+    bases: list[Contender],
+    catalogue: tuple[Effect, ...],
+    progress: Progress,
+    race: Race | None = None,
 ) -> list[Contender]:
     """Race every base with one effect more, the most promising first, until one reaches the floor; best first.
 
-    All begin from the start that promises most; where none reaches the floor, from others.
+    All begin from the start that promises most; where none reaches the floor, from others. A `race` goes on.
     """
-    offers = offers_on(ground, bases, catalogue)
-    best = {e.name for b in sorted(bases, key=lambda b: b.cost)[:_BEST] for e in b.effects}
-    race = _Race(ground)
-    for offer in [*offers[:_MOST], *(o for o in offers[_MOST:] if o.names <= best)]:
-        if not race.over(offer):
-            race.enter(Entry(ground, offer, progress))
+    race = race or Race(ground)
+    if not race.explained():
+        offers = offers_on(ground, bases, catalogue)
+        best = {e.name for b in sorted(bases, key=lambda b: b.cost)[:_BEST] for e in b.effects}
+        race.try_all([*offers[:_MOST], *(o for o in offers[_MOST:] if o.names <= best)], progress)
     ranked = race.ranked()
     if ranked and race.ahead(ranked[0].contender) and race.explained():
         return [e.contender for e in race.ranked()]
@@ -61,7 +65,7 @@ def extend(
     return [e.contender for e in race.ranked()]
 
 
-class _Race:
+class Race:
     """The combinations that race so far; it is over some further tries after one explains all."""
 
     def __init__(self, ground: Ground) -> None:
@@ -69,15 +73,23 @@ class _Race:
 
     @property
     def contenders(self) -> list[Contender]:
+        """Those of the entries, in the order of their entry."""
         return [e.contender for e in self.entries]
 
     def ranked(self) -> list[Entry]:
         """Entries by their cost, the least first."""
         return sorted(self.entries, key=lambda e: e.contender.cost)
 
-    def enter(self, entry: Entry) -> None:
-        self.entries.append(entry)
-        self.lead(entry.contender)
+    def try_all(self, offers: list[Offer], progress: Progress, first: int | None = None) -> None:
+        """Enter offers that are not in the race, until it is over; no more where the `first` few do not explain all."""
+        known = {(id(e.offer.base), e.effect) for e in self.entries}
+        for place, offer in enumerate(offers):
+            if first is not None and place >= first and not self.explained():
+                return
+            if (id(offer.base), offer.additions[0].effect) not in known and not self.over(offer):
+                entry = Entry(self.ground, offer, progress)
+                self.entries.append(entry)
+                self.lead(entry.contender)
 
     def lead(self, contender: Contender) -> None:
         """Let a contender run on where it leads, or is near the floor."""
@@ -166,14 +178,29 @@ def _without(ground: Ground, contender: Contender, place: int) -> Contender:
     return rest
 
 
-def pairs(ground: Ground, alone: list[Contender], catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
-    """Race pairs of effects: what is added to each single one.
+def first_pairs(ground: Ground, alone: list[Contender], catalogue: tuple[Effect, ...], progress: Progress) -> Race:
+    """Race the few most promising pairs; go on with `pairs` where they do not explain all."""
+    race = Race(ground)
+    race.try_all(offers_on(ground, _bases(alone), catalogue), progress, first=_FIRST)
+    return race
 
-    Effects that contain a simpler one wait until `generalize`, unless they are far ahead.
-    """
+
+def pairs(
+    ground: Ground,
+    alone: list[Contender],
+    catalogue: tuple[Effect, ...],
+    progress: Progress,
+    race: Race | None = None,
+) -> list[Contender]:
+    """Race pairs of effects: what is added to each single one."""
+    return extend(ground, _bases(alone), catalogue, progress, race)
+
+
+def _bases(alone: list[Contender]) -> list[Contender]:
+    """Effects to add to; those that contain a simpler one wait until `generalize`, unless they are far ahead."""
     simple = [c for c in alone if not c.effects[0].contains]
     best = min((c.cost for c in simple), default=np.inf)
-    return extend(ground, [c for c in alone if c in simple or c.cost < _AHEAD * best], catalogue, progress)
+    return [c for c in alone if c in simple or c.cost < _AHEAD * best]
 
 
 def generalize(

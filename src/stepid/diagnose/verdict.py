@@ -9,7 +9,7 @@ import numpy as np
 
 from stepid.diagnose.candidate import Candidate, at_floor, is_white, linear_candidate
 from stepid.diagnose.compete import Progress, final, includes, settled, singles, widen
-from stepid.diagnose.pairs import STRONG, extend, finish, generalize, pairs, swap
+from stepid.diagnose.pairs import STRONG, Race, extend, finish, first_pairs, generalize, pairs, swap
 from stepid.diagnose.partial import partial_lead, same_law
 from stepid.diagnose.result import Verdict
 from stepid.diagnose.simplify import plainer, replaced, simplified
@@ -26,6 +26,7 @@ _MISTAKE = 50.0  # by which a mistake in one run must explain better than an eff
 _HINT = 5.0  # χ² that a more general effect must gain to count as a rival
 _FAINT = 1.05  # below this ratio to the floor only an undisputed name is given
 _SURE = 1.03  # times the floor below which the first race is enough
+_FAR = 1.5  # times the floor that the best single effect must leave for pairs to race before all singles have
 _NEAR = 1.15  # times the floor that a named effect may leave: real plants are never quite the model
 
 
@@ -82,13 +83,18 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
     if suspect is not None and beaten and suspect.settles:
         leave = suspect if suspect.sure else None
         return Judgment("unexplained", linear, (), (*ranked, linear), (*reasons, suspect.words), leave, suspect)
-    if best.optimum.rms > _SURE * floor or best.structure > _GATE:  # nearly right is not right: let more compete
+    race = None
+    if best.optimum.rms > _FAR * floor and suspect is None:  # no single effect is near: two may be
+        race = first_pairs(ground, alone, catalogue, progress)
+    explained = race is not None and race.explained()
+    if not explained and (best.optimum.rms > _SURE * floor or best.structure > _GATE):
+        # nearly right is not right: let more compete
         alone = widen(ground, alone, catalogue, progress)
         ranked = final(ground, alone, count=4)
         best = ranked[0]
     if not at_floor(ground, best) or best.structure > _PURE:
         most = 2 if suspect is not None else 3  # where one run is to blame, ever more effects say little
-        ranked = _combine(ground, alone, ranked, catalogue, progress, most=most)
+        ranked = _combine(ground, alone, ranked, catalogue, progress, race, most=most)
         ranked = simplified(ground, ranked)
     known = [c.effects for c in ranked if c.evidence < ranked[0].evidence + STRONG]
     ranked = replaced(ranked, plainer(ground, ranked[0], known))
@@ -161,11 +167,12 @@ def _combine(
     ranked: list[Candidate],
     catalogue: tuple[Effect, ...],
     progress: Progress,
+    race: Race | None,
     *,
     most: int,
 ) -> list[Candidate]:
     """Try two effects, then three where as many are allowed, while the floor is not reached."""
-    twos = pairs(ground, alone, catalogue, progress)
+    twos = pairs(ground, alone, catalogue, progress, race)
     if twos and settled(ground, twos[:1]):
         twos = sorted([*twos, *swap(ground, twos, catalogue, progress)], key=lambda c: c.cost)
     done = finish(ground, twos)

@@ -13,24 +13,29 @@ from stepid.engine.law import LENGTH, Lanes, Law
 Index = npt.NDArray[np.intp]
 
 
-def exponential(a: Array) -> Array:
-    """Matrix exponentials of a stack, shape (n, d, d): Taylor of degree 12 with scaling and squaring."""
+def exponential(a: Array) -> tuple[Array, Array]:
+    """Matrix exponentials of a stack and their integrals, exp(a) and ∫ exp(a s) ds over 0 to 1, shapes (n, d, d).
+
+    Taylor of degree 12 with scaling and squaring.
+    """
     norm = float(np.abs(a).sum(axis=2).max(initial=0.0))
     if not math.isfinite(norm):
-        return np.full_like(a, np.nan)
+        return np.full_like(a, np.nan), np.full_like(a, np.nan)
     squarings = max(0, math.ceil(math.log2(norm / 0.25))) if norm > 0 else 0
     b = a / 2.0**squarings
     eye = np.eye(a.shape[1])
-    total = eye + b / 12
-    for degree in range(11, 0, -1):
-        total = eye + (b @ total) / degree
+    mean = eye + b / 12
+    for degree in range(11, 1, -1):
+        mean = eye + (b @ mean) / degree
+    total = eye + b @ mean
     for _ in range(squarings):
+        mean = (mean + total @ mean) / 2
         total = total @ total
-    return total
+    return total, mean
 
 
-def step_matrices(law: Law, table: Array, sides: Array) -> tuple[Array, Array]:
-    """Transition matrix Φ and held-input matrix Γ of plants that are affine within a regime.
+def step_matrices(law: Law, table: Array, sides: Array) -> tuple[Array, Array, Array]:
+    """Transition matrix Φ, held-input matrix Γ and A of plants that are affine within a regime.
 
     Parameters
     ----------
@@ -42,22 +47,22 @@ def step_matrices(law: Law, table: Array, sides: Array) -> tuple[Array, Array]:
 
     Returns
     -------
-    phi, gamma : arrays, shape (lanes, d, d)
-        z(length) = Φ z(0) + Γ b, b the rates at z = 0.
+    phi, gamma, a : arrays, shape (lanes, d, d)
+        z(length) = Φ z(0) + Γ b, b the rates at z = 0; z' = A z + b.
     """
     d, lanes = law.n_states, table.shape[1]
     sign = np.ones(lanes)
     base = offset(law, table, sign, sides)
     held = Lanes(law, table, sides)
-    a = np.zeros((lanes, 2 * d, 2 * d))
+    a = np.empty((lanes, d, d))
     for j in range(d):
         z = np.zeros((d, lanes))
         z[j] = 1.0
         out = np.empty((d, lanes))
-        a[:, :d, j] = (held.rates(z, sign, 0.0, out) - base).T
-    a[:, :d, d:] = np.eye(d)
-    both = exponential(a * table[LENGTH][:, None, None])
-    return both[:, :d, :d], both[:, :d, d:]
+        a[:, :, j] = (held.rates(z, sign, 0.0, out) - base).T
+    length = table[LENGTH][:, None, None]
+    phi, mean = exponential(a * length)
+    return phi, mean * length, a
 
 
 def offset(law: Law, table: Array, sign: Array, sides: Array) -> Array:
@@ -81,14 +86,14 @@ class FullStep:
         regimes = 2**law.n_sides
         bits = np.repeat(np.arange(regimes), plants.shape[1])
         sides = np.array([np.where(bits >> i & 1, 1.0, -1.0) for i in range(law.n_sides)]).reshape(-1, bits.size)
-        self.phi, self.gamma = step_matrices(law, np.tile(plants, regimes), sides)
-        self._phi, self._gamma = (np.ascontiguousarray(m.transpose(1, 2, 0)) for m in (self.phi, self.gamma))
+        self.phi, self.gamma, a = step_matrices(law, np.tile(plants, regimes), sides)
+        by_lane = (np.ascontiguousarray(m.transpose(1, 2, 0)) for m in (self.phi, self.gamma, a))
+        self._phi, self._gamma, self._slope = by_lane
         self._plants = plants.shape[1]
 
     def __call__(self, group: Index, table: Array, z: Array, sign: Array, sides: Array) -> Array:
         """Advance every lane (of plant `group`) by its whole step, shape (d, lanes) in and out."""
-        for i in range(self._law.n_sides):
-            group = group + np.where(sides[i] > 0, self._plants << i, 0)
+        group = self._regime(group, sides)
         b = offset(self._law, table, sign, sides)
         out = np.zeros_like(z)
         for i, j in np.ndindex(self._phi.shape[:2]):
@@ -96,3 +101,16 @@ class FullStep:
             if j:  # the position's rate is zero at z = 0
                 out[i] += self._gamma[i, j].take(group) * b[j]
         return out
+
+    def transition(self, group: Index, sides: Array) -> Array:
+        """Φ of lanes over their whole step, shape (d, d, lanes)."""
+        return self._phi[:, :, self._regime(group, sides)]
+
+    def slope(self, group: Index, sides: Array) -> Array:
+        """A in z' = A z + b of lanes, shape (d, d, lanes)."""
+        return self._slope[:, :, self._regime(group, sides)]
+
+    def _regime(self, group: Index, sides: Array) -> Index:
+        for i in range(self._law.n_sides):
+            group = group + np.where(sides[i] > 0, self._plants << i, 0)
+        return group

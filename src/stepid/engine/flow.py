@@ -8,7 +8,7 @@ from stepid._base import Array
 from stepid.engine.events import first_event, margins
 from stepid.engine.exact import FullStep, Index
 from stepid.engine.law import LENGTH, Law
-from stepid.engine.substeps import stretch
+from stepid.engine.stretch import Stretch
 
 STILL = 1e-7  # m/s, slower than this is at rest where dry friction acts
 _EVENTS = 6  # reversals, contacts, stops and releases within one sample, at most
@@ -49,41 +49,87 @@ def advance(law: Law, table: Array, z: Array, full: FullStep | None = None, grou
     -------
     array, shape (n_states, lanes)
     """
-    lanes = z.shape[1]
-    z = z.copy()
-    elapsed, left = np.zeros(lanes), table[LENGTH].copy()
-    sides = np.where(law.switches(table, z, elapsed) < 0, -1.0, 1.0)
-    sign, moving = _direction(law, table, z, elapsed, sides)
-    if full is None or group is None:
-        after = stretch(law, table, z, elapsed, left, sign, sides, moving)
-    else:
-        after = full(group, table, z, sign, sides)
-        held = np.flatnonzero(moving == 0)
-        if held.size and law.n_rates > 2:
-            part = z[:, held], elapsed[held], left[held], sign[held], sides[:, held], moving[held]
-            after[:, held] = stretch(law, table[:, held], *part)
-        elif held.size:
-            after[:, held] = z[:, held]
+    way, after = _begun(law, table, z, full, group)
     if not (law.reverses or law.n_sides):
         return after
     out = after.copy()
-    index = np.arange(lanes)
+    index = np.arange(z.shape[1])
     for _ in range(_EVENTS):
-        end = margins(law, table, after, elapsed + left, sign, sides, moving)
+        end = margins(way, after, way.left)
         hit = np.flatnonzero((end < 0).any(axis=0))
         if not hit.size:
             break
-        table, z, elapsed, left, index = table[:, hit], z[:, hit], elapsed[hit], left[hit], index[hit]
-        sides, sign, moving, end = sides[:, hit], sign[hit], moving[hit], end[:, hit]
-        start = margins(law, table, z, elapsed, sign, sides, moving)
-        when, which, after = first_event(law, table, z, elapsed, left, sign, sides, moving, start, end, after[:, hit])
+        way, index = way.take(hit), index[hit]
+        when, which, z = first_event(way, end[:, hit], after[:, hit])
         turned = which == law.n_sides
-        after[1, turned] = 0.0
-        sides = sides.copy()
+        z[1, turned] = 0.0
+        sides = way.sides.copy()
         flipped = np.flatnonzero(~turned)
         sides[which[flipped], flipped] *= -1
-        z, elapsed, left = after, elapsed + when, left - when
+        table, elapsed, left = way.table, way.elapsed + when, way.left - when
         sign, moving = _direction(law, table, z, elapsed, sides)
-        after = stretch(law, table, z, elapsed, left, sign, sides, moving)
+        way = Stretch(law, table, z, elapsed, left, sign, sides, moving, full, way.group)
+        after = way.at(left)
         out[:, index] = after
     return out
+
+
+def linearize(
+    law: Law, table: Array, z: Array, eps: Array, full: FullStep | None = None, group: Index | None = None
+) -> tuple[Array, Array]:
+    """Advance every lane over its step, with the derivative by the state before it.
+
+    Parameters
+    ----------
+    law, table, z, full, group
+        See `advance`.
+    eps : array, shape (n_states,)
+        Differences of the states.
+
+    Returns
+    -------
+    array, shape (n_states, lanes)
+    array, shape (n_states, n_states, lanes)
+        [i, j] = ∂z_i(after)/∂z_j(before): of affine laws exact but where an event comes between.
+    """
+    if full is None or group is None:
+        return _differences(law, table, z, eps)
+    way, after = _begun(law, table, z, full, group)
+    slope = full.transition(group, way.sides)
+    if law.reverses or law.n_sides:
+        met = (margins(way, after, way.left) < 0).any(axis=0)
+        near = np.flatnonzero(met | (way.z[1] == 0) if law.dry else met)
+        if near.size:
+            after[:, near], slope[:, :, near] = _differences(law, table[:, near], z[:, near], eps, full, group[near])
+    return after, slope
+
+
+def _differences(
+    law: Law, table: Array, z: Array, eps: Array, full: FullStep | None = None, group: Index | None = None
+) -> tuple[Array, Array]:
+    """Advance every lane, and copies from slightly other states."""
+    d = law.n_states
+    copies = np.repeat(z[:, None], d + 1, axis=1)
+    for j in range(d):
+        copies[j, j + 1] += eps[j]
+    many = None if group is None else np.tile(group, d + 1)
+    psi = advance(law, np.tile(table, d + 1), copies.reshape(d, -1), full, many).reshape(d, d + 1, -1)
+    return psi[:, 0], (psi[:, 1:] - psi[:, :1]) / eps[None, :, None]
+
+
+def _begun(law: Law, table: Array, z: Array, full: FullStep | None, group: Index | None) -> tuple[Stretch, Array]:
+    """The stretch from each lane's state on, and where it leads if no event comes between."""
+    z = z.copy()
+    elapsed, left = np.zeros(z.shape[1]), table[LENGTH].copy()
+    sides = np.where(law.switches(table, z, elapsed) < 0, -1.0, 1.0)
+    sign, moving = _direction(law, table, z, elapsed, sides)
+    way = Stretch(law, table, z, elapsed, left, sign, sides, moving, full, group)
+    if full is None or group is None:
+        return way, way.at(left)
+    after = full(group, table, z, sign, sides)
+    held = np.flatnonzero(moving == 0)
+    if held.size and law.n_rates > 2:
+        after[:, held] = way.take(held).at(left[held])
+    elif held.size:
+        after[:, held] = z[:, held]
+    return way, after

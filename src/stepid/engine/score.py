@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ from stepid.engine.tables import Point
 from stepid.engine.trajectory import Simulator
 
 _HARDLY = 0.02  # share of the change to a general law that a linearized step must ask for
+_STARTS = 3  # of each effect: of what rings, the loudest may not be what is missing
 _OPEN = 1e-5  # singular value of a direction that the data leave open: no start moves along it
 
 
@@ -81,7 +83,10 @@ def _columns(ground: Ground, effects: tuple[Effect, ...], scales: Scales) -> lis
             forces.extend(regressor.forces)
         if not regressors:
             for values in effect.starts(scales):
-                response = _difference(ground, effect, tuple(values))
+                key = (effect, tuple(values))
+                if key not in ground.responses:
+                    ground.responses[key] = _difference(ground, *key)
+                response = ground.responses[key]
                 if response is not None:
                     found.append(_Column(effect, response, _scaled(effect, tuple(values))))
     if forces:
@@ -136,7 +141,7 @@ def _difference(ground: Ground, effect: Effect, values: tuple[float, ...]) -> Ar
 
 
 def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
-    """Score every start against the residual of a fit to the sketch, best first."""
+    """Score every start against the residual of a fit to the sketch: the best few of each effect, best first."""
     records = ground.sketch
     problem = base.problem
     residual = problem.residual(base.solved)
@@ -147,7 +152,7 @@ def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
     size[size == 0] = np.inf
     q, upper = np.linalg.qr(jacobian / size)
     n_free = int(problem.free.sum())
-    out = []
+    found = []
     for column in table:
         seen = records.weighted(column.responses.T).T
         r = seen - q @ (q.T @ seen)
@@ -156,16 +161,20 @@ def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
             continue
         scale[scale < 1e-12 * scale.max()] = np.inf
         coefficients = np.linalg.lstsq(r / scale, residual, rcond=1e-9)[0] / scale
-        values = column.values(coefficients)
+        left = residual - r @ coefficients
+        found.append((float(residual @ residual - left @ left), column, coefficients, seen))
+    out: list[Scored] = []
+    starts = Counter[Effect]()
+    for gain, column, coefficients, seen in sorted(found, key=lambda item: -item[0]):
+        values = column.values(coefficients) if starts[column.effect] < _STARTS else None
         if values is None:
             continue
-        left = residual - r @ coefficients
+        starts[column.effect] += 1
         change = np.linalg.lstsq(upper, q.T @ (residual - seen @ coefficients), rcond=_OPEN)[0] / size
         shared = base.shared.copy()
         shared[problem.free] += change[:n_free]
         shared = np.clip(shared, problem.lower, problem.upper)
-        out.append(Scored(column.effect, values, float(residual @ residual - left @ left), shared))
-    out.sort(key=lambda s: -s.gain)
+        out.append(Scored(column.effect, values, gain, shared))
     return out
 
 

@@ -50,6 +50,7 @@ class Ground:
         self.records, self.linear, self.floor = records, linear, floor
         self.scales: Scales = scales(records, linear, floor)
         self.columns: dict[Effect, list[Any]] = {}  # of `stepid.engine.score`, kept for the next race
+        self.responses: dict[tuple[Effect, tuple[float, ...]], Array | None] = {}  # to single starts, kept likewise
         self.period = period = strongest_period(records)
         self.measured: Motion = measured_motion(records, linear.shared, floor, period)
         self.motion = self.measured

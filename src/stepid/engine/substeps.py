@@ -49,7 +49,7 @@ def _smooth(
     return z
 
 
-def stretch(
+def substeps(
     law: Law, table: Array, z: Array, elapsed: Array, length: Array, sign: Array, sides: Array, moving: Array
 ) -> Array:
     """Advance every lane by its own `length` with as many substeps as it needs."""

@@ -16,7 +16,7 @@ from scipy.linalg import lapack
 from stepid._base import Array
 from stepid.effects.base import Effect
 from stepid.engine.exact import FullStep, Index
-from stepid.engine.flow import advance
+from stepid.engine.flow import advance, linearize
 from stepid.engine.law import LENGTH
 from stepid.engine.records import Records
 from stepid.engine.tables import Point, Tables
@@ -104,18 +104,12 @@ class Simulator(Tables):
 
     def _linearize(self, stages: list[_Stage], z: Array, index: Index) -> tuple[Array, Array]:
         """Ψ (d, n) of samples `index` and its derivative by the state (d, d, n): [i, j] = ∂Ψ_i/∂z_j."""
-        d, n = z.shape
-        if self.law.linear:
-            total = np.eye(d)
-            for stage in stages:
-                assert stage.full is not None
-                total = stage.full.phi[stage.group[index]] @ total
-            return self._step(stages, z, index), np.moveaxis(total, 0, 2)
-        copies = np.repeat(z[:, None], d + 1, axis=1)
-        for j in range(d):
-            copies[j, j + 1] += self._eps[j]
-        psi = self._step(stages, copies.reshape(d, -1), np.tile(index, d + 1)).reshape(d, d + 1, n)
-        return psi[:, 0], (psi[:, 1:] - psi[:, :1]) / self._eps[None, :, None]
+        total: Array | None = None
+        for lanes, group, full in stages:
+            z, slope = linearize(self.law, lanes[:, index], z, self._eps, full, group[index])
+            total = slope if total is None else np.einsum("ijs,jks->iks", slope, total)
+        assert total is not None
+        return z, total
 
     def band(self, slope: Array) -> Array:
         """Banded matrix of the chained steps for slopes (d, d, S), as LAPACK's dtbtrs takes it."""

@@ -1,0 +1,87 @@
+"""Single steps of affine plants against scipy's matrix exponential and closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import expm
+
+from stepid.effects import resolve
+from stepid.engine.exact import FullStep, exponential
+from stepid.engine.flow import advance, linearize
+from stepid.engine.law import DAMPING, FIRST, GAIN, LENGTH, MASS, STIFFNESS, VOLTS, Law
+from stepid.engine.series import along, crossing, series
+
+RATE, DECAY = 14.0, 1.5  # rad/s and 1/s, of a free swing
+LOST = np.array([[0.0, 1.0], [-(RATE**2 + DECAY**2), -2 * DECAY]])
+
+
+def test_exponentials_and_their_integrals_are_scipys() -> None:
+    rng = np.random.default_rng(3)
+    stack = rng.normal(size=(40, 3, 3)) * rng.choice([0.05, 1.0, 6.0], size=(40, 1, 1))
+    whole, mean = exponential(stack)
+    for a, phi, gamma in zip(stack, whole, mean, strict=True):
+        both = expm(np.block([[a, np.eye(3)], [np.zeros((3, 6))]]))
+        size = np.abs(both).max()
+        np.testing.assert_allclose(phi, both[:3, :3], rtol=1e-11, atol=1e-12 * size)
+        np.testing.assert_allclose(gamma, both[:3, 3:], rtol=1e-11, atol=1e-12 * size)
+
+
+@given(st.floats(0.0, 1.0), st.floats(-1e-2, 1e-2), st.floats(-0.3, 0.3))
+def test_a_series_is_the_exact_path_at_any_moment(share: float, x: float, v: float) -> None:
+    length, z = np.array([0.05]), np.array([[x], [v]])
+    terms = series(LOST[:, :, None], LOST @ z, length)
+    assert terms is not None
+    there = z + along(terms, share * length)
+    np.testing.assert_allclose(there, expm(LOST * share * 0.05) @ z, rtol=0, atol=1e-13)
+
+
+def test_a_motion_too_fast_for_its_step_has_no_series() -> None:
+    assert series(1e4 * LOST[:, :, None], LOST @ np.array([[1e-2], [0.0]]), np.array([0.05])) is None
+
+
+@given(st.floats(0.02, 0.98), st.sampled_from([-1.0, 1.0]))
+def test_a_swing_turns_where_its_closed_form_does(share: float, side: float) -> None:
+    # v(t) = e^(−σt) sin(ω (t* − t)) is zero at t*; the stretch ends before the next reversal
+    length = np.array([0.9 * np.pi / RATE])
+    turn = share * length
+    v = side * np.sin(RATE * turn)
+    slope = -side * (DECAY * np.sin(RATE * turn) + RATE * np.cos(RATE * turn))
+    x = -(slope + 2 * DECAY * v) / (RATE**2 + DECAY**2)
+    z = np.array([x, v])
+    terms = series(LOST[:, :, None], LOST @ z, length)
+    assert terms is not None
+    end = (z + along(terms, length))[1]
+    at = crossing(side * z[1], side * terms[:, 1], length, side * end)
+    np.testing.assert_allclose(at, turn, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("names", "values"),
+    [
+        (("coulomb_friction",), (0.6,)),
+        (("free_play",), (0.004,)),
+        (("coulomb_friction", "actuator_lag"), (0.6, 0.03)),
+    ],
+)
+def test_the_derivative_of_a_step_is_that_of_its_differences(names: tuple[str, ...], values: tuple[float, ...]) -> None:
+    """Exact where nothing happens within the step; the events are differences themselves."""
+    law = Law(resolve(names))
+    rng = np.random.default_rng(5)
+    lanes = 200
+    table = np.zeros((law.n_rows, lanes))
+    table[[MASS, STIFFNESS, DAMPING, GAIN, VOLTS, LENGTH]] = np.array([1.2, 210.0, 6.0, 8.0, 0.4, 0.009])[:, None]
+    table[FIRST:] = np.array(values)[:, None]
+    z = rng.normal(size=(law.n_states, lanes)) * np.array([0.01, 0.1, 0.2])[: law.n_states, None]
+    eps = np.array([1e-7, 1e-6, 1e-6])[: law.n_states]
+    full, group = FullStep(law, table[:, :1]), np.zeros(lanes, dtype=np.intp)
+    after, slope = linearize(law, table, z, eps, full, group)
+    np.testing.assert_array_equal(after, advance(law, table, z, full, group))
+    for j in range(law.n_states):
+        moved = z.copy()
+        moved[j] += eps[j]
+        change = (advance(law, table, moved, full, group) - after) / eps[j]
+        near = np.isclose(slope[:, j], change, rtol=1e-5, atol=1e-5).all(axis=0)
+        assert near.mean() > 0.98  # a difference may just meet an event that the lane itself does not
