@@ -13,6 +13,7 @@ from stepid.diagnose.candidate import Candidate
 from stepid.effects import resolve
 
 simplify = importlib.import_module("stepid.diagnose.simplify")
+verdict = importlib.import_module("stepid.diagnose.verdict")
 
 
 @pytest.mark.slow
@@ -48,3 +49,10 @@ def test_simplification_goes_on_while_it_betters(monkeypatch: pytest.MonkeyPatch
 
     monkeypatch.setattr(simplify, "simplify", one_less)
     assert simplify.simplified(None, [three])[0].names == ("cogging",)  # type: ignore[arg-type]
+
+
+def test_two_effects_in_the_other_order_are_no_rival() -> None:
+    pair = Candidate(resolve(("coulomb_friction", "input_delay")), None, 0.0, 0.0)  # type: ignore[arg-type]
+    turned = replace(pair, effects=pair.effects[::-1], evidence=0.1)
+    assert verdict._accept([pair], [turned]) == [pair]
+    assert simplify.replaced([pair], [turned]) == [turned]

@@ -15,6 +15,8 @@ from stepid.engine.search import Ground
 from stepid.mistakes import SLACK, WHITE, Mistake, at_floor, known, mistakes
 
 _PROMISE = 0.6  # share of the misfit that may be left, to first order, without the run
+_ROUGH = 3e-3  # share of the misfit to which the fits without a run are told, where
+_AGREE = 0.7  # of it is left, or more: the others do not agree
 _LIKELY = 4.0  # times the noise that it may be where an effect explains it as well
 _TRIED = 2  # runs left out in turn where effects make the fit slow
 _STANDS_OUT = 0.3  # the same where it alone is to tell
@@ -156,10 +158,14 @@ def _without(fit: Optimum, run: int, tolerance: float) -> Optimum | None:
         return None
     problem = build(rest, fit.problem.simulator.law.effects)
     problem = replace(problem, active=fit.problem.active[:, keep], free=problem.free & known(problem))
-    found = [minimize(problem, fit.shared, fit.local[:, keep], tolerance=tolerance)]
+    rough = max(tolerance, _ROUGH * fit.cost)
+    found = [minimize(problem, fit.shared, fit.local[:, keep], tolerance=rough)]
     if not problem.simulator.law.effects and known(problem).all():  # the bad run may have led it far astray
-        found.append(fit_linear(rest, tolerance=tolerance))
-    return min((f for f in found if f is not None), key=lambda f: f.cost, default=None)
+        found.append(fit_linear(rest, tolerance=rough))
+    best = min((f for f in found if f is not None), key=lambda f: f.cost, default=None)
+    if best is None or best.cost > _AGREE * fit.cost:
+        return best
+    return minimize(best.problem, best.shared, best.local, start=best.solved.states, tolerance=tolerance)
 
 
 def _still_driven(rest: Records, records: Records) -> bool:

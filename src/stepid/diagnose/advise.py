@@ -50,18 +50,21 @@ def _proposals(campaign: Campaign) -> list[tuple[str, Experiment]]:
     ]
 
 
-def _readings(records: Records, optimum: Optimum) -> Array:
-    """What a fitted model reads in runs from rest; not finite where it runs away."""
-    sim, plain = Simulator(records, optimum.problem.simulator.law.effects), Simulator(records, ())
+def _answers(records: Records, optimum: Optimum, near: Array | None = None) -> tuple[Array, Array]:
+    """States of a fitted model in runs from rest, and what it reads; not finite where it runs away.
+
+    `near` are those of a model much like it.
+    """
+    sim = Simulator(records, optimum.problem.simulator.law.effects)
     shared, local = optimum.shared, np.zeros((sim.n_local, len(records.runs)))
-    linear = plain.solve(shared[: sim.n_linear], local[:2])
-    near = np.zeros((sim.law.n_states, records.size))
-    near[:2] = 0.0 if linear is None else linear.states
-    solved = sim.solve(shared, local, start=sim.remembered(shared, local, near))
-    if solved is not None:
-        return solved.reading
-    out: Array = sim.march(shared[None], local[None])[0, 0] + sim.reading(shared, local)
-    return out
+    if near is not None and np.isfinite(near).all():
+        start = np.zeros((sim.law.n_states, records.size))
+        start[:2] = near[:2]
+        solved = sim.solve(shared, local, start=sim.remembered(shared, local, start))
+        if solved is not None:
+            return solved.states, solved.reading
+    states = sim.march(shared[None], local[None])[0]
+    return states, states[0] + sim.reading(shared, local)
 
 
 def next_experiment(
@@ -83,8 +86,8 @@ def next_experiment(
     proposals = _proposals(campaign)
     if proposals:
         records = lay_out(campaign).like([experiment for _, experiment in proposals])
-        base = _readings(records, chosen)
-        apart = [records.centered(base - _readings(records, rival)) for rival in rivals]
+        states, base = _answers(records, chosen)
+        apart = [records.centered(base - _answers(records, rival, states)[1]) for rival in rivals]
         for (words, _), piece in zip(proposals, records.pieces(), strict=True):
             gaps = [float(np.sqrt(np.mean(a[piece] ** 2))) for a in apart if np.isfinite(a[piece]).all()]
             if gaps and min(gaps) > best[0]:

@@ -119,6 +119,8 @@ class Race:
         if not self.explained():
             return False
         best = min(self.contenders, key=lambda c: c.cost)
+        if offer.names == set(best.names):
+            return True  # from its other effect
         few = offer.n_parameters < sum(map(n_parameters, best.effects))
         if offer.left > max(self.ground.floored, (_FEWER if few else _AS_MUCH) * best.cost):
             return True
@@ -235,5 +237,8 @@ def generalize(
 
 
 def finish(ground: Ground, contenders: list[Contender], count: int = 4) -> list[Candidate]:
-    """Polish the best combinations; best evidence first."""
-    return final(ground, contenders[:count], count=1, spread=0.05)
+    """Polish the best combinations, each once whatever the order of its effects; best evidence first."""
+    once: dict[frozenset[str], Contender] = {}
+    for contender in contenders:
+        once.setdefault(frozenset(contender.names), contender)
+    return final(ground, list(once.values())[:count], count=1, spread=0.05)
