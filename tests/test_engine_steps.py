@@ -13,9 +13,18 @@ from stepid.engine.exact import FullStep, exponential
 from stepid.engine.flow import advance, linearize
 from stepid.engine.law import DAMPING, FIRST, GAIN, LENGTH, MASS, STIFFNESS, VOLTS, Law
 from stepid.engine.series import along, crossing, series
+from stepid.engine.stretch import Stretch
 
 RATE, DECAY = 14.0, 1.5  # rad/s and 1/s, of a free swing
 LOST = np.array([[0.0, 1.0], [-(RATE**2 + DECAY**2), -2 * DECAY]])
+
+
+def lane_table(law: Law, values: tuple[float, ...], lanes: int) -> np.ndarray:
+    """One plant on many lanes."""
+    table = np.zeros((law.n_rows, lanes))
+    table[[MASS, STIFFNESS, DAMPING, GAIN, VOLTS, LENGTH]] = np.array([1.2, 210.0, 6.0, 8.0, 0.4, 0.009])[:, None]
+    table[FIRST:] = np.array(values)[:, None]
+    return table
 
 
 def test_exponentials_and_their_integrals_are_scipys() -> None:
@@ -58,6 +67,23 @@ def test_a_swing_turns_where_its_closed_form_does(share: float, side: float) -> 
     np.testing.assert_allclose(at, turn, rtol=0, atol=1e-11)
 
 
+@pytest.mark.parametrize("lag", [3e-2, 1e-3, 1e-5])
+def test_within_a_step_it_is_where_a_shorter_step_leads(lag: float) -> None:
+    """However fast the lag: by its series, or by the exponential where that would need too many terms."""
+    law = Law(resolve(("coulomb_friction", "actuator_lag")))
+    table = lane_table(law, (0.6, lag), 50)
+    z = np.random.default_rng(6).normal(size=(3, 50)) * np.array([0.01, 0.1, 0.2])[:, None]
+    group, left = np.zeros(50, dtype=np.intp), table[LENGTH]
+    sign = np.where(z[1] < 0, -1.0, 1.0)
+    blank, none, moving = np.zeros(50), np.ones((0, 50)), np.ones(50)
+    way = Stretch(law, table, z, blank, left, sign, none, moving, FullStep(law, table[:, :1]), group)
+    assert (way.terms is None) == (lag == 1e-5)
+    shorter = table.copy()
+    shorter[LENGTH] *= 0.37
+    expected = FullStep(law, shorter[:, :1])(group, shorter, z, sign, none)
+    np.testing.assert_allclose(way.at(0.37 * left), expected, rtol=1e-9, atol=1e-13)
+
+
 @pytest.mark.parametrize(
     ("names", "values"),
     [
@@ -71,9 +97,7 @@ def test_the_derivative_of_a_step_is_that_of_its_differences(names: tuple[str, .
     law = Law(resolve(names))
     rng = np.random.default_rng(5)
     lanes = 200
-    table = np.zeros((law.n_rows, lanes))
-    table[[MASS, STIFFNESS, DAMPING, GAIN, VOLTS, LENGTH]] = np.array([1.2, 210.0, 6.0, 8.0, 0.4, 0.009])[:, None]
-    table[FIRST:] = np.array(values)[:, None]
+    table = lane_table(law, values, lanes)
     z = rng.normal(size=(law.n_states, lanes)) * np.array([0.01, 0.1, 0.2])[: law.n_states, None]
     eps = np.array([1e-7, 1e-6, 1e-6])[: law.n_states]
     full, group = FullStep(law, table[:, :1]), np.zeros(lanes, dtype=np.intp)

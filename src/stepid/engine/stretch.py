@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stepid._base import Array
-from stepid.engine.exact import FullStep, Index
+from stepid.engine.exact import FullStep, Index, exponential
 from stepid.engine.law import Lanes, Law
 from stepid.engine.series import along, series
 from stepid.engine.substeps import substeps
@@ -74,12 +74,15 @@ class Stretch:
         return self.onward(self.z, 0.0, time)
 
     def onward(self, z: Array, since: Array | float, time: Array) -> Array:
-        """States so long [s] after the start, from those at an earlier moment: a series needs them not."""
-        terms = self.terms
-        if terms is not None:
-            return self.z + along(terms, time)
-        elapsed, length = self.elapsed + since, time - since
-        return substeps(self.law, self.table, z, elapsed, length, self.sign, self.sides, self.moving)
+        """States so long [s] after the start, from those at an earlier moment: affine plants need them not."""
+        if self.full is None or self.group is None:
+            elapsed, length = self.elapsed + since, time - since
+            return substeps(self.law, self.table, z, elapsed, length, self.sign, self.sides, self.moving)
+        if self.terms is not None:
+            return self.z + along(self.terms, time)
+        mean = exponential(np.moveaxis(self._slope() * time, 2, 0))[1]
+        out: Array = self.z + np.einsum("sij,js->is", mean, self.rates(self.z, 0.0) * time)
+        return out
 
     def rates(self, z: Array, time: Array | float) -> Array:
         """Rates of change of states so long after the start, shape (n_states, lanes); memories have none."""
@@ -92,8 +95,13 @@ class Stretch:
     def terms(self) -> Array | None:
         """Coefficients of the lanes' series, see `stepid.engine.series`; None where they have none."""
         if not self._begun and self.full is not None and self.group is not None:
-            slope = self.full.slope(self.group, self.sides)
-            slope[:2] *= self.moving
-            self._terms = series(slope, self.rates(self.z, 0.0), self.left)
+            self._terms = series(self._slope(), self.rates(self.z, 0.0), self.left)
         self._begun = True
         return self._terms
+
+    def _slope(self) -> Array:
+        assert self.full is not None
+        assert self.group is not None
+        slope = self.full.slope(self.group, self.sides)
+        slope[:2] *= self.moving
+        return slope
