@@ -17,6 +17,7 @@ STRONG = 20.0  # evidence that a further effect must bring
 _MOST = 18  # combinations that are raced
 _FIRST = 6  # combinations that are raced before all single effects are
 _HEAVY = 2  # combinations with a mode that start anew where nothing reaches the floor
+_LOST = 30.0  # times the floor's cost above which three effects are not raced from other starts
 _LEADS = 0.5  # of the best cost so far, at which a combination runs on a little at once
 _BEST = 4  # bases whose effects race together whatever they promise
 _MORE = 3  # combinations that are raced beside one at the floor
@@ -41,7 +42,8 @@ def extend(
 ) -> list[Contender]:
     """Race every base with one effect more, the most promising first, until one reaches the floor; best first.
 
-    All begin from the start that promises most; where none reaches the floor, from others. A `race` goes on.
+    All begin from the start that promises most; where none reaches the floor, from others, three effects only where one
+    comes near. A `race` goes on.
     """
     race = race or Race(ground)
     if not race.explained():
@@ -52,6 +54,9 @@ def extend(
     if ranked and race.ahead(ranked[0].contender) and race.explained():
         return [e.contender for e in race.ranked()]
     advance(ground, race.contenders, laps=(5, 10, 10))
+    least = min((c.cost for c in race.contenders), default=np.inf)
+    if least > _LOST * ground.floored and all(len(b.effects) > 1 for b in bases):
+        return [e.contender for e in race.ranked()]
     for entry in race.entries:
         if race.over(entry.offer):
             continue
@@ -132,9 +137,10 @@ class Race:
 def swap(ground: Ground, raced: list[Contender], catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
     """Race the best combination with each of its effects replaced by what may do as well, or by a simpler one inside.
 
-    Combinations in `raced` are not raced again.
+    Combinations in `raced` are not raced again where they came near: one may have begun where it got stuck.
     """
-    winner, known = raced[0], [set(c.names) for c in raced]
+    winner = raced[0]
+    known = [set(c.names) for c in raced if c.cost < _HOPELESS * ground.floored]
     assert winner.best is not None
     simple = tuple(e for e in catalogue if not e.contains)
     found: list[Contender] = []

@@ -13,6 +13,7 @@ from stepid.diagnose.pairs import STRONG, Race, extend, finish, first_pairs, gen
 from stepid.diagnose.partial import partial_lead, same_law
 from stepid.diagnose.result import Verdict
 from stepid.diagnose.simplify import plainer, replaced, simplified
+from stepid.diagnose.translate import translated
 from stepid.diagnose.wording import effect_names, length
 from stepid.effects.base import Effect
 from stepid.engine.search import Contender, Ground
@@ -91,6 +92,10 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         # nearly right is not right: let more compete
         alone = widen(ground, alone, catalogue, progress)
         ranked = final(ground, alone, count=4)
+        best = ranked[0]
+    leader = next((c for c in alone if c.effects == best.effects), None)
+    if leader is not None and best.effects[0].contains:
+        ranked = _accept(ranked, translated(ground, leader, catalogue, progress))
         best = ranked[0]
     if not at_floor(ground, best) or best.structure > _PURE:
         most = 2 if suspect is not None else 3  # where one run is to blame, ever more effects say little
