@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from stepid.effects import resolve
@@ -65,6 +66,34 @@ def test_a_swing_turns_where_its_closed_form_does(share: float, side: float) -> 
     end = (z + along(terms, length))[1]
     at = crossing(side * z[1], side * terms[:, 1], length, side * end)
     np.testing.assert_allclose(at, turn, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("lag", [1e-1, 1e-2, 1e-3, 1e-4, 1e-5])
+@pytest.mark.parametrize("fineness", [0.25, 1.0])
+def test_a_lag_beside_a_curved_spring_is_followed_however_fast(lag: float, fineness: float) -> None:
+    law = Law(resolve(("cubic_stiffness", "actuator_lag")), fineness)
+    table = lane_table(law, (2e5, lag), 1)
+    z = np.array([[0.004], [0.2], [0.0]])  # the drive has just been switched on
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        force = 8.0 * y[2] - 210.0 * y[0] - 6.0 * y[1] - 2e5 * y[0] ** 3
+        return [y[1], force / 1.2, (0.4 - y[2]) / lag]
+
+    expected = solve_ivp(rates, (0, 0.009), z[:, 0], method="Radau", rtol=1e-10, atol=1e-13).y[:, -1]
+    found = advance(law, table, z)[:, 0]
+    assert abs(found[0] - expected[0]) < (5e-6 if fineness < 1 else 2e-7)
+    assert abs(found[2] - expected[2]) < 1e-6
+
+
+def test_a_lag_that_has_followed_stays_where_it_is() -> None:
+    """However stiff: no rounding error grows in it."""
+    law = Law(resolve(("cubic_stiffness", "actuator_lag")), 0.25)
+    table = lane_table(law, (2e5, 1e-5), 1)
+    z = np.array([[0.004], [0.0], [0.4]])
+    for _ in range(500):
+        z = advance(law, table, z)
+    assert z[2, 0] == 0.4
+    assert abs(z[0, 0]) < 0.03
 
 
 @pytest.mark.parametrize("lag", [3e-2, 1e-3, 1e-5])

@@ -212,6 +212,13 @@ class Effect:
         """Reading added to the true position, m."""
         return 0.0
 
+    def relax(self, p: Values, m: Motion, time: Array, length: Array | None = None) -> tuple[Array, ...]:
+        """Own states after `time` [s] in closed form, for effects whose states follow the held input alone.
+
+        Within a piece of `length`, their mean over it where they settle much faster.
+        """
+        raise NotImplementedError
+
     def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
         """Substeps that a time step of `length` [s] needs to follow this effect's law."""
         return 1.0

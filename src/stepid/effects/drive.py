@@ -10,6 +10,9 @@ import numpy as np
 from stepid._base import Array
 from stepid.effects.base import Effect, Motion, Parameter, Regressor, Scales, Values
 
+_SETTLED = 2.0  # time constants, in which a lag is no more followed but taken at its mean
+_THERE = 1e-6  # of the voltage, to which a lagging drive has followed it
+
 
 class ActuatorLag(Effect):
     """The drive force follows the voltage through a first-order lag."""
@@ -38,8 +41,17 @@ class ActuatorLag(Effect):
     def at_rest(self, p: Values, x: Array, volts: Array) -> tuple[Array, ...]:
         return (volts,)
 
+    def relax(self, p: Values, m: Motion, time: Array, length: Array | None = None) -> tuple[Array, ...]:
+        away = m.extra[0] - m.volts
+        there: Array = m.volts + away * np.exp(-time / p[0])
+        if length is None:
+            return (there,)
+        mean = m.volts - away * np.expm1(-length / p[0]) * p[0] / np.maximum(length, 1e-12)
+        return (np.where(length > _SETTLED * p[0], mean, there),)
+
     def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
-        return np.minimum(length / p[0] / 0.3, 64.0)
+        away = np.abs(m.extra[0] - m.volts) > _THERE * np.abs(m.volts).max(initial=0.0)
+        return np.where(away, np.minimum(length / p[0] / 0.3, 64.0), 1.0)
 
 
 class InputDelay(Effect):

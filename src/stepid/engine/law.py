@@ -60,6 +60,7 @@ class Law:
         self.places = tuple(places)
         self.n_rows = row
         self._n_memory = self.n_states - self.n_rates
+        self._relaxing = tuple(place for place in places if type(place.effect).relax is not Effect.relax)
 
     def values(self, table: Array, place: _Place) -> Values:
         """Return one effect's parameter values from a lane table."""
@@ -110,6 +111,18 @@ class Law:
                     after[place.memory] = place.effect.remember(
                         self.values(table, place), tuple(before[place.memory]), after[0] - before[0], sign
                     )
+
+    @property
+    def relaxes(self) -> bool:
+        """Whether own states of an effect follow the held input alone, in closed form."""
+        return bool(self._relaxing)
+
+    def relax(self, table: Array, before: Array, after: Array, time: Array, length: Array | None = None) -> None:
+        """Write own states that follow the held input alone into `after`, see `Effect.relax`."""
+        blank, sides = np.ones(before.shape[1]), np.ones((self.n_sides, before.shape[1]))
+        for place in self._relaxing:
+            m = self.motion(table, place, before, blank, 0.0, sides)
+            after[place.extra] = place.effect.relax(self.values(table, place), m, time, length)
 
     def pieces(self, table: Array, z: Array, sign: Array, elapsed: Array, sides: Array, length: Array) -> Array:
         """Substeps that each lane needs for a step of `length`."""

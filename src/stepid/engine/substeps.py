@@ -31,20 +31,27 @@ def _smooth(
     lanes = Lanes(law, table, sides)
     z = z.copy()
     for i in range(n):
-        start = elapsed + i * h
-        lanes.rates(z, sign, start, k[0])
+        start, first = elapsed + i * h, z
+        if law.relaxes:
+            first = z.copy()
+            law.relax(table, z, first, 0.0 * h, h)
+        lanes.rates(first, sign, start, k[0])
         if held:
             k[0, :2] *= moving
         for stage in range(1, 6):
             y = z.copy()
             y[: law.n_rates] += h * (_A[stage - 1] @ flat[:stage]).reshape(shape)
             law.remember(table, z, y, sign)
+            if law.relaxes:
+                law.relax(table, z, y, _C[stage - 1] * h, h)
             lanes.rates(y, sign, start + _C[stage - 1] * h, k[stage])
             if held:
                 k[stage, :2] *= moving
         y = z.copy()
         y[: law.n_rates] += h * (_B @ flat).reshape(shape)
         law.remember(table, z, y, sign)
+        if law.relaxes:
+            law.relax(table, z, y, h)
         z = y
     return z
 
