@@ -31,6 +31,7 @@ _SIMPLER = 0.5  # the same for one with fewer parameters
 _HOPELESS = 3.0  # times the floor's cost above which such a twin does not race on
 _ADAPTED = 6  # steps in which what remains adapts to the loss of an effect
 _SWAPS = 2  # twins that are raced for each effect of a combination
+_SIMPLER_SWAPS = 4  # the same of those with fewer parameters: a sine in position comes near many a simple law
 
 
 def extend(
@@ -154,15 +155,14 @@ def swap(ground: Ground, raced: list[Contender], catalogue: tuple[Effect, ...], 
             offers.setdefault(scored.effect, []).append(scored)
         own = offers[effect][0].gain if effect in offers else 0.0
         others = [e for e in offers if e is not effect and not any(related(e, w) for w in base.effects)]
+        others = [e for e in others if {*base.names, e.name} not in known]
         few = [e for e in others if n_parameters(e) < n_parameters(effect) and offers[e][0].gain > _SIMPLER * own]
         alike = [e for e in others if e.name in effect.contains or offers[e][0].gain > _TWIN * own]
-        for other in dict.fromkeys([*few[:_SWAPS], *alike[:_SWAPS]]):
-            offer = make_offer(base, offers[other][:1])
-            if offer.names not in known:
-                entry = Entry(ground, offer, progress)
-                if ground.floored <= entry.contender.cost < _HOPELESS * ground.floored:
-                    entry.again()
-                found.append(entry.contender)
+        for other in dict.fromkeys([*few[:_SIMPLER_SWAPS], *alike[:_SWAPS]]):
+            entry = Entry(ground, make_offer(base, offers[other][:1]), progress)
+            if ground.floored <= entry.contender.cost < _HOPELESS * ground.floored:
+                entry.again()
+            found.append(entry.contender)
     advance(ground, [winner, *(c for c in found if c.cost < _HOPELESS * ground.floored)])
     return found
 
