@@ -45,8 +45,8 @@ def translated(
 def _translations(ground: Ground, general: Contender, catalogue: tuple[Effect, ...]) -> list[_Words]:
     """Starts of an effect inside the general one with another beside it, the nearest first."""
     effect, best = general.effects[0], general.best
-    if best is None or len(general.effects) > 1 or effect.n_extra or effect.n_memory:
-        return []
+    if best is None or effect.affine or not effect.contains or effect.n_extra or effect.n_memory:
+        return []  # a curved law of velocity or position may be two; others are seldom mistaken
     n = general.coarse.simulator.n_linear
     a, b, c = general.coarse.simulator.n_labels
     motion = _motion(general)

@@ -94,7 +94,7 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         ranked = final(ground, alone, count=4)
         best = ranked[0]
     leader = next((c for c in alone if c.effects == best.effects), None)
-    if leader is not None and best.effects[0].contains:
+    if leader is not None and not (at_floor(ground, best) and is_white(ground, best, _PURE)):
         ranked = _accept(ranked, translated(ground, leader, catalogue, progress))
         best = ranked[0]
     if not at_floor(ground, best) or best.structure > _PURE:
