@@ -17,7 +17,7 @@ encoder that rounds, noise from none to heavy, four to nine runs over steps up, 
 and pulses. *r0* is the RMS residual of the best joint linear fit over the noise RMS: at 1 the effect is invisible. An
 answer is a set: the effect named first, and those that the data cannot tell from it. Inseparable: a twin, fitted to
 noise-free data made from the truth, leaves Δχ² < 10. The floor in every ratio is the true noise.
-Pairs before number 260 were developed against, as were some of the others: `--skip` draws fresh ones.
+Pairs before number 460 were developed against, as were some of the others: `--skip` draws fresh ones.
 """
 
 
