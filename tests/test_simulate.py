@@ -184,3 +184,25 @@ class RisingFriction(Effect):
 def test_a_general_law_from_outside_need_not_say_where_it_grows_from() -> None:
     found = stepid.diagnose(stepid.datasets.lab_campaign(), catalogue=(*CATALOGUE, RisingFriction()))
     assert found.effects == ("coulomb_friction",)
+
+
+class PowerDamping(CubicDamping):
+    """Damping by any power of the velocity; the simpler law inside it need not be in the catalogue."""
+
+    name = "power_damping"
+    parameters = (Parameter("coefficient", "N·s³/m³"), Parameter("power", "", 1.0))
+    law = "−c |v|^(p−1) v"
+    contains = ("cubic_damping",)
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(share * scales.damping / scales.velocity**2, 2.8) for share in (0.1, 1.0)]
+
+    def force(self, p: tuple[np.ndarray, ...], m: Motion) -> np.ndarray:
+        return -p[0] * np.abs(m.v) ** (p[1] - 1) * m.v
+
+
+@pytest.mark.parametrize("inner", [(), (CubicDamping(),)])
+def test_a_law_from_outside_may_contain_another(damped: stepid.Campaign, inner: tuple[Effect, ...]) -> None:
+    found = stepid.diagnose(damped, catalogue=(*CATALOGUE, *inner, PowerDamping()))
+    assert found.verdict == "named"
+    assert found.effects == (("cubic_damping",) if inner else ("power_damping",))

@@ -18,7 +18,7 @@ from stepid.diagnose.notes import notes_on
 from stepid.diagnose.result import Diagnosis, Gap, Ranked, RunGap
 from stepid.diagnose.verdict import Judgment, judge
 from stepid.diagnose.wording import effect_names
-from stepid.effects import CATALOGUE, Effect
+from stepid.effects import CATALOGUE, Effect, among_themselves
 from stepid.engine.least_squares import Optimum
 from stepid.engine.search import Ground
 from stepid.engine.threads import single_threaded
@@ -80,7 +80,7 @@ def diagnose(
             f"campaign {campaign.name!r} has one usable run. {' '.join(screen(campaign).notes)}",
             "Record the others again: a model that fits one run cannot be checked on another.",
         )
-    judgment = judge(ground, catalogue, tell)
+    judgment = judge(ground, among_themselves(catalogue), tell)
     if judgment.suspect is not None:
         return _diagnose_without(judgment.suspect, campaign, catalogue, tell)
     tell("runs held out")

@@ -11,7 +11,7 @@ from stepid._base import Array
 from stepid.diagnose.candidate import Candidate, candidate, polish
 from stepid.diagnose.compete import level_within
 from stepid.diagnose.pairs import STRONG
-from stepid.effects import Effect, resolve
+from stepid.effects import Effect
 from stepid.engine.least_squares import Optimum, minimize
 from stepid.engine.problem import build
 from stepid.engine.search import Contender, Ground, Start
@@ -55,7 +55,9 @@ def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
     return sorted(out, key=lambda c: c.evidence)
 
 
-def plainer(ground: Ground, found: Candidate, known: list[tuple[Effect, ...]]) -> list[Candidate]:
+def plainer(
+    ground: Ground, found: Candidate, known: list[tuple[Effect, ...]], catalogue: tuple[Effect, ...]
+) -> list[Candidate]:
     """Replace each general effect by the simpler one inside it, fitted from where it stands; those that do no worse.
 
     The simpler one may have been stuck on its own; those in `known` were not.
@@ -63,7 +65,7 @@ def plainer(ground: Ground, found: Candidate, known: list[tuple[Effect, ...]]) -
     out = []
     for place, effect in enumerate(found.effects):
         own, shared = _place(found, place), found.optimum.shared
-        for inner in resolve(effect.contains):
+        for inner in (e for e in catalogue if e.name in effect.contains):
             level = level_within(effect, shared[own], inner)
             if level is None or len(inner.parameters) > 1 or inner.run_parameters != effect.run_parameters:
                 continue

@@ -10,7 +10,6 @@ import numpy as np
 from stepid._base import Array
 from stepid.diagnose.candidate import Candidate, polish
 from stepid.diagnose.compete import Progress
-from stepid.effects import resolve
 from stepid.effects.base import Effect, Motion
 from stepid.engine.search import Contender, Ground, Start
 
@@ -56,7 +55,7 @@ def _translations(ground: Ground, general: Contender, catalogue: tuple[Effect, .
     if effect.dry:
         force = force - motion.sign * np.asarray(effect.friction(p, motion))
     out = []
-    inside = [e for e in resolve(effect.contains) if e in catalogue]
+    inside = [e for e in catalogue if e.name in effect.contains]
     for one, other in product(inside, [e for e in catalogue if not e.contains and not e.dry]):
         pairs = product(one.regressors(ground.scales, motion), other.regressors(ground.scales, motion))
         for first, second in pairs:

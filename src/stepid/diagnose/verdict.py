@@ -102,7 +102,7 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
         ranked = _combine(ground, alone, ranked, catalogue, progress, race, most=most)
         ranked = simplified(ground, ranked)
     known = [c.effects for c in ranked if c.evidence < ranked[0].evidence + STRONG]
-    ranked = replaced(ranked, plainer(ground, ranked[0], known))
+    ranked = replaced(ranked, plainer(ground, ranked[0], known, catalogue))
     best = ranked[0]
     everything = tuple(sorted([*ranked, linear], key=lambda c: c.evidence))
     gain = linear.evidence - best.evidence

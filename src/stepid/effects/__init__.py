@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from copy import copy
 
 from stepid.effects.base import Effect, Motion, Parameter, Scales
 from stepid.effects.damping import PositionDependentDamping, QuadraticDamping
@@ -49,6 +50,19 @@ CATALOGUE: tuple[Effect, ...] = (
     SensorDrift(),
 )
 """Every effect that stepid knows, in the order of the documentation's table."""
+
+
+def among_themselves(catalogue: tuple[Effect, ...]) -> tuple[Effect, ...]:
+    """Effects of which none contains another that is not among them: such a one has nothing to begin from."""
+    names = {e.name for e in catalogue}
+    out = []
+    for effect in catalogue:
+        inside = tuple(name for name in effect.contains if name in names)
+        if inside != effect.contains:
+            effect = copy(effect)
+            vars(effect)["contains"] = inside
+        out.append(effect)
+    return tuple(out)
 
 
 def resolve(effects: Iterable[str | Effect], *, catalogue: tuple[Effect, ...] = CATALOGUE) -> tuple[Effect, ...]:
