@@ -58,9 +58,7 @@ def _answers(records: Records, optimum: Optimum, near: Array | None = None) -> t
     sim = Simulator(records, optimum.problem.simulator.law.effects)
     shared, local = optimum.shared, np.zeros((sim.n_local, len(records.runs)))
     if near is not None and np.isfinite(near).all():
-        start = np.zeros((sim.law.n_states, records.size))
-        start[:2] = near[:2]
-        solved = sim.solve(shared, local, start=sim.remembered(shared, local, start))
+        solved = sim.solve(shared, local, start=sim.along(shared, local, near))
         if solved is not None:
             return solved.states, solved.reading
     states = sim.march(shared[None], local[None])[0]

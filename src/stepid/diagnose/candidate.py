@@ -35,6 +35,11 @@ class Candidate:
         """Canonical names."""
         return tuple(e.name for e in self.effects)
 
+    @property
+    def combination(self) -> frozenset[str]:
+        """The names, whatever their order."""
+        return frozenset(self.names)
+
 
 def evidence(optimum: Optimum, floor: float) -> float:
     """χ² plus log(n) a shared parameter and log(n of the run) a parameter of a run (BIC)."""

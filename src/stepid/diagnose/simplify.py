@@ -32,8 +32,8 @@ def simplified(ground: Ground, ranked: list[Candidate]) -> list[Candidate]:
 
 def replaced(ranked: list[Candidate], better: list[Candidate]) -> list[Candidate]:
     """A ranking with some fitted anew."""
-    names = {frozenset(c.names) for c in better}
-    return sorted([*better, *(c for c in ranked if frozenset(c.names) not in names)], key=lambda c: c.evidence)
+    anew = {c.combination for c in better}
+    return sorted([*better, *(c for c in ranked if c.combination not in anew)], key=lambda c: c.evidence)
 
 
 def simplify(ground: Ground, found: Candidate) -> list[Candidate]:

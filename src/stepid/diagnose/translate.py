@@ -10,8 +10,9 @@ import numpy as np
 from stepid._base import Array
 from stepid.diagnose.candidate import Candidate, polish
 from stepid.diagnose.compete import Progress
-from stepid.effects.base import Effect, Motion
+from stepid.effects.base import Effect
 from stepid.engine.search import Contender, Ground, Start
+from stepid.engine.weak import motion_along
 
 _LEFT = 0.1  # share of the force that two simple effects may leave, beyond the plant's own
 _TRIED = 2
@@ -48,7 +49,7 @@ def _translations(ground: Ground, general: Contender, catalogue: tuple[Effect, .
         return []  # a curved law of velocity or position may be two; others are seldom mistaken
     n = general.coarse.simulator.n_linear
     a, b, c = general.coarse.simulator.n_labels
-    motion = _motion(general)
+    motion = motion_along(general.coarse.simulator.records, best.shared[:n], *best.solved.states[:2])
     seen = np.abs(motion.v) > _CREEP * np.abs(motion.v).max()
     p = tuple(np.full(motion.v.size, v) for v in best.shared[n:])
     force: Array = effect.force(p, motion) + np.zeros(motion.v.size)
@@ -76,17 +77,3 @@ def _translations(ground: Ground, general: Contender, catalogue: tuple[Effect, .
             linear[a + b : a + b + c] -= found[1]
             out.append(_Words(share, (one, other), Start(linear, tuple(v for v in values if v is not None))))
     return sorted(out, key=lambda words: words.left)
-
-
-def _motion(contender: Contender) -> Motion:
-    """What the effects of a fit see along its path."""
-    best = contender.best
-    assert best is not None
-    records = contender.coarse.simulator.records
-    a, b, _ = contender.coarse.simulator.n_labels
-    run, shared = records.run, best.shared
-    x, v = best.solved.states[:2]
-    mass = (shared[:a][records.base] + records.added_mass)[run]
-    stiffness, damping = shared[a : a + b][records.spring][run], shared[a + b :][records.damper][run]
-    sign: Array = np.where(v < 0, -1.0, 1.0)
-    return Motion(x, v, sign, records.time, mass, stiffness, damping, records.volts)

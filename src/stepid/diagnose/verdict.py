@@ -193,8 +193,8 @@ def _combine(
 
 def _accept(ranked: list[Candidate], more: list[Candidate]) -> list[Candidate]:
     """Add combinations to a ranking; a further effect leads only where its evidence is strong."""
-    best, known = ranked[0], {frozenset(c.names) for c in ranked}
-    more = [c for c in more if frozenset(c.names) not in known]
+    best, known = ranked[0], {c.combination for c in ranked}
+    more = [c for c in more if c.combination not in known]
     leads = [c for c in more if len(c.effects) <= len(best.effects) or c.evidence < best.evidence - STRONG]
     follows = [c for c in more if c not in leads and c.evidence > best.evidence]
     return sorted([*ranked, *leads, *follows], key=lambda c: c.evidence)

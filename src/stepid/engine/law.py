@@ -112,15 +112,10 @@ class Law:
                         self.values(table, place), tuple(before[place.memory]), after[0] - before[0], sign
                     )
 
-    @property
-    def relaxes(self) -> bool:
-        """Whether own states of an effect follow the held input alone, in closed form."""
-        return bool(self._relaxing)
-
     def relax(self, table: Array, before: Array, after: Array, time: Array, length: Array | None = None) -> None:
         """Write own states that follow the held input alone into `after`, see `Effect.relax`."""
-        blank, sides = np.ones(before.shape[1]), np.ones((self.n_sides, before.shape[1]))
         for place in self._relaxing:
+            blank, sides = np.ones(before.shape[1]), np.ones((self.n_sides, before.shape[1]))
             m = self.motion(table, place, before, blank, 0.0, sides)
             after[place.extra] = place.effect.relax(self.values(table, place), m, time, length)
 

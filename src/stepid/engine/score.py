@@ -116,9 +116,7 @@ def _difference(ground: Ground, effect: Effect, values: tuple[float, ...]) -> Ar
     sim = problem.simulator
     local = start_local(problem, linear)
     shared = np.concatenate([linear.shared, values])
-    states = np.zeros((sim.law.n_states, records.size))
-    states[:2] = linear.solved.states
-    states = sim.remembered(shared, local, states)
+    states = sim.along(shared, local, linear.solved.states)
     wanted = problem.wanted
     wanted[: sim.n_linear] = False
     solved = sim.solve(shared, local, start=states, wanted=wanted)
@@ -210,11 +208,9 @@ def promises(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], starts
 
 def _readings(sim: Simulator, shared: Array, local: Array, inner: Optimum) -> list[Array]:
     """Readings of several plants near a fit: by Newton from there; from the first that does not settle, marched."""
-    states = np.zeros((sim.law.n_states, sim.records.size))
-    states[:2] = inner.solved.states[:2]
     found: list[Array] = []
     for s in shared:
-        solved = sim.solve(s, local, start=sim.remembered(s, local, states))
+        solved = sim.solve(s, local, start=sim.along(s, local, inner.solved.states))
         if solved is None:
             break
         found.append(solved.reading)

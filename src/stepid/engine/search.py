@@ -190,9 +190,7 @@ class Contender:
         return found.converged and (again or found.cost < 1.02 * ground.noise_cost)
 
     def _near(self, like: Optimum, shared: Array, local: Array) -> Array:
-        states = np.zeros((self.coarse.simulator.law.n_states, self.ground.sketch.size))
-        states[:2] = like.solved.states[:2]
-        return self.coarse.simulator.remembered(shared, local, states)
+        return self.coarse.simulator.along(shared, local, like.solved.states)
 
     def _reach(self, reading: Array) -> float:
         """Cost that a trajectory would leave after the linear plant has adapted to it."""

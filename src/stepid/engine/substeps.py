@@ -31,10 +31,8 @@ def _smooth(
     lanes = Lanes(law, table, sides)
     z = z.copy()
     for i in range(n):
-        start, first = elapsed + i * h, z
-        if law.relaxes:
-            first = z.copy()
-            law.relax(table, z, first, 0.0 * h, h)
+        start, first = elapsed + i * h, z.copy()
+        law.relax(table, z, first, 0.0 * h, h)
         lanes.rates(first, sign, start, k[0])
         if held:
             k[0, :2] *= moving
@@ -42,16 +40,14 @@ def _smooth(
             y = z.copy()
             y[: law.n_rates] += h * (_A[stage - 1] @ flat[:stage]).reshape(shape)
             law.remember(table, z, y, sign)
-            if law.relaxes:
-                law.relax(table, z, y, _C[stage - 1] * h, h)
+            law.relax(table, z, y, _C[stage - 1] * h, h)
             lanes.rates(y, sign, start + _C[stage - 1] * h, k[stage])
             if held:
                 k[stage, :2] *= moving
         y = z.copy()
         y[: law.n_rates] += h * (_B @ flat).reshape(shape)
         law.remember(table, z, y, sign)
-        if law.relaxes:
-            law.relax(table, z, y, h)
+        law.relax(table, z, y, h)
         z = y
     return z
 

@@ -152,8 +152,10 @@ class Simulator(Tables):
             z[1, piece] = np.gradient(y, r.time[piece])
         return z
 
-    def remembered(self, shared: Array, local: Array, z: Array) -> Array:
-        """States with the memories that the path z[0] leaves behind, sample by sample, shape (d, S)."""
+    def along(self, shared: Array, local: Array, path: Array) -> Array:
+        """States along a path, shape (d, S): its positions and velocities, and the memories that they leave behind."""
+        z = np.zeros((self.law.n_states, self.records.size))
+        z[:2] = path[:2]
         if self.law.n_rates == self.law.n_states:
             return z
         point = Point(shared[None], local[None])

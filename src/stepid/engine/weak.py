@@ -172,6 +172,11 @@ def measured_motion(records: Records, linear: Array, floor: float, period: float
         rest = np.median(y[-max(8, y.size // 6) :]) if records.moving[r] else y[0]
         x[piece] = savgol_filter(y, window, degree) - rest
         v[piece] = savgol_filter(y, window, degree, deriv=1, delta=h)
+    return motion_along(records, linear, x, v)
+
+
+def motion_along(records: Records, linear: Array, x: Array, v: Array) -> Motion:
+    """What effects see on a path of positions from rest and velocities, shape (S,) each, of a linear plant."""
     a, b = len(records.bases), len(records.springs)
     run = records.run
     return Motion(
