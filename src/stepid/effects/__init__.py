@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from copy import copy
 
-from stepid.effects.base import Effect, Motion, Parameter, Scales
-from stepid.effects.damping import PositionDependentDamping, QuadraticDamping
+from stepid.effects.base import Effect, Moment, Motion, Parameter, Scales
+from stepid.effects.damping import PositionDependentDamping, PowerDamping, QuadraticDamping
 from stepid.effects.drive import (
     ActuatorDeadZone,
     ActuatorLag,
+    ActuatorRateLimit,
     ActuatorSaturation,
     Cogging,
     InputDelay,
@@ -23,7 +24,7 @@ from stepid.effects.friction import (
     StribeckFriction,
 )
 from stepid.effects.sensing import SensorDrift
-from stepid.effects.stiffness import CubicStiffness, EndStop, FreePlay, QuadraticStiffness
+from stepid.effects.stiffness import CubicStiffness, EndStop, FreePlay, QuadraticStiffness, SineStiffness
 from stepid.effects.structure import FlexibleCoupling, ViscoelasticSpring
 from stepid.errors import InputError
 
@@ -48,6 +49,9 @@ CATALOGUE: tuple[Effect, ...] = (
     PeriodicDisturbance(),
     Cogging(),
     SensorDrift(),
+    SineStiffness(),
+    PowerDamping(),
+    ActuatorRateLimit(),
 )
 """Every effect that stepid knows, in the order of the documentation's table."""
 
@@ -96,4 +100,4 @@ def resolve(effects: Iterable[str | Effect], *, catalogue: tuple[Effect, ...] = 
     return tuple(found)
 
 
-__all__ = ["CATALOGUE", "Effect", "Motion", "Parameter", "Scales", "resolve"]
+__all__ = ["CATALOGUE", "Effect", "Moment", "Motion", "Parameter", "Scales", "resolve"]

@@ -11,8 +11,8 @@ from stepid._base import Array
 
 GRAVITY = 9.81  # m/s²
 
-Values = tuple[Array, ...]
-"""Parameter values of one effect, in the order of `Effect.parameters`, each broadcastable over the lanes."""
+Values = tuple[float, ...]
+"""Parameter values of one effect, in the order of `Effect.parameters`, those of a run last."""
 
 
 class Parameter(NamedTuple):
@@ -33,30 +33,49 @@ class Parameter(NamedTuple):
     upper: float = np.inf
 
 
-class Motion(NamedTuple):
-    """The state of many plants at once ("lanes"), as an effect sees it; every array has shape (lanes,).
+class Moment(NamedTuple):
+    """One plant at one moment, as the law of an effect sees it.
 
     Parameters
     ----------
-    x : array
+    x : float
         m, from the spring's rest position.
-    v : array
+    v : float
         m/s.
-    sign : array
-        Direction of motion, ±1, held through a stretch without reversal.
-    time : array
+    sign : float
+        Direction of motion, ±1, held until the cart reverses.
+    time : float
         s, from the record's first sample.
-    mass, stiffness, damping : array
+    mass, stiffness, damping : float
         kg, N/m, N·s/m.
-    volts : array
-        V, the input held through the step.
-    sides : tuple of array
+    volts : float
+        V, the input; for an effect of the drive, what the effects before it in `Effect.drive_order` hand on.
+    sides : tuple of float
         Signs of the effect's own `switches`.
-    extra : tuple of array
+    extra : tuple of float
         The effect's own states.
-    memory : tuple of array
+    memory : tuple of float
         The effect's own states that follow the displacement, not time.
+    slope : float
+        V/s, change of `volts`.
     """
+
+    x: float
+    v: float
+    sign: float
+    time: float
+    mass: float
+    stiffness: float
+    damping: float
+    volts: float
+    sides: tuple[float, ...] = ()
+    extra: tuple[float, ...] = ()
+    memory: tuple[float, ...] = ()
+    slope: float = 0.0
+
+
+class Motion(NamedTuple):
+    """A measured motion, sample by sample, as `Effect.regressors` sees it: the fields of `Moment`, shape (samples,) each."""
 
     x: Array
     v: Array
@@ -66,9 +85,6 @@ class Motion(NamedTuple):
     stiffness: Array
     damping: Array
     volts: Array
-    sides: tuple[Array, ...] = ()
-    extra: tuple[Array, ...] = ()
-    memory: tuple[Array, ...] = ()
 
 
 class Scales(NamedTuple):
@@ -126,8 +142,8 @@ class Regressor(NamedTuple):
 class Effect:
     """Base of every effect. Subclasses set the class attributes and override what they change; all else stays linear.
 
-    All methods work on lanes: arrays of one shape, one entry per plant and moment. The parameter values `p` come as a
-    tuple in the order of `parameters`.
+    Its laws are static methods on plain numbers, one plant at one moment: stepid compiles them for its simulation. The
+    parameter values `p` come as a tuple in the order of `parameters`, those of a run last.
     """
 
     name: ClassVar[str]
@@ -139,11 +155,13 @@ class Effect:
     advice: ClassVar[str] = ""  # what to do about it
 
     linear: ClassVar[bool] = False  # the plant stays linear: solved exactly
-    affine: ClassVar[bool] = False  # linear with constant forces between its events: solved exactly between them
     dry: ClassVar[bool] = False  # holds the cart at rest within its breakaway force
     reverses: ClassVar[bool] = False  # its law changes where the velocity changes sign
     rests_anywhere: ClassVar[bool] = False  # the cart may start off the spring's rest position
     never_rests: ClassVar[bool] = False  # the cart may be in motion at the start of any record
+    drive_order: ClassVar[int] = (
+        2  # place in the chain from command to force: delay 0, dead zone, saturation, rate, lag 4
+    )
     repeats: ClassVar[bool] = False  # a sine of the position: its parameters are amplitude, pitch [m] and phase
     n_switches: ClassVar[int] = 0  # positions or states where its law changes
     n_extra: ClassVar[int] = 0  # own states with a rate in time
@@ -168,60 +186,68 @@ class Effect:
         """Forces on the measured motion that would be this effect, for starts by linear least squares (optional)."""
         return ()
 
-    def force(self, p: Values, m: Motion) -> Array | float:
-        """Force added to the plant, N, friction that holds at rest excepted."""
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
+        """Force added to the plant, N, dry friction excepted."""
         return 0.0
 
-    def friction(self, p: Values, m: Motion) -> Array | float:
+    @staticmethod
+    def friction(p: Values, m: Moment) -> float:
         """Magnitude of dry friction while sliding in direction `m.sign`, N."""
         return 0.0
 
-    def breakaway(self, p: Values, m: Motion) -> Array | float:
-        """Largest force that friction holds at rest against a push in direction `m.sign`, N."""
-        return self.friction(p, m)
+    @staticmethod
+    def breakaway(p: Values, m: Moment) -> float:
+        """Largest force that friction holds at rest against a push in direction `m.sign`, N; as `friction` unless given."""
+        return 0.0
 
-    def switches(self, p: Values, m: Motion) -> tuple[Array, ...]:
-        """Functions of the state whose sign changes mark a change of law."""
+    @staticmethod
+    def switches(p: Values, m: Moment) -> tuple[float, ...]:
+        """Functions of the state whose sign changes mark a change of law; the signs are `m.sides`."""
         return ()
 
-    def rates(self, p: Values, m: Motion) -> tuple[Array, ...]:
+    @staticmethod
+    def rates(p: Values, m: Moment) -> tuple[float, ...]:
         """Rates of the effect's own states `m.extra`, per second."""
         return ()
 
-    def at_rest(self, p: Values, x: Array, volts: Array) -> tuple[Array, ...]:
-        """Own states (extra, then memory) of a plant that has long rested at `x` under `volts`."""
-        return tuple(np.zeros_like(x) for _ in range(self.n_extra + self.n_memory))
+    @staticmethod
+    def at_rest(p: Values, x: float, volts: float) -> tuple[float, ...]:
+        """Own states (extra, then memory) of a plant that has long rested at `x` under `volts`; zeros unless given."""
+        return ()
 
-    def remember(self, p: Values, memory: tuple[Array, ...], shift: Array, sign: Array) -> tuple[Array, ...]:
+    @staticmethod
+    def remember(p: Values, memory: tuple[float, ...], shift: float, sign: float) -> tuple[float, ...]:
         """Own memory after the cart has moved by `shift` [m] in direction `sign` from where it was `memory`."""
         return memory
 
-    def memory_slopes(self, p: Values, m: Motion) -> tuple[Array, ...]:
+    @staticmethod
+    def memory_slopes(p: Values, m: Moment) -> tuple[float, ...]:
         """Change of the own memory per meter of travel, for solvers that know rates only (optional)."""
-        return tuple(np.zeros_like(m.x) for _ in range(self.n_memory))
+        return ()
 
-    def drive(self, p: Values, m: Motion) -> Array:
-        """Voltage that reaches the motor, V (the measured one unless the effect changes it)."""
+    @staticmethod
+    def drive(p: Values, m: Moment) -> float:
+        """Voltage handed on toward the motor, V; `m.volts` is what arrives from the effects before in `drive_order`."""
         return m.volts
 
-    def delay(self, p: Values) -> Array | float:
+    @staticmethod
+    def delay(p: Values) -> float:
         """Time by which the input comes late, s."""
         return 0.0
 
-    def reading(self, p: Values, time: Array) -> Array | float:
+    @staticmethod
+    def reading(p: Values, time: float) -> float:
         """Reading added to the true position, m."""
         return 0.0
 
-    def relax(self, p: Values, m: Motion, time: Array, length: Array | None = None) -> tuple[Array, ...]:
-        """Own states after `time` [s] in closed form, for effects whose states follow the held input alone.
+    @staticmethod
+    def relax(p: Values, m: Moment, time: float) -> tuple[float, ...]:
+        """Own states `time` [s] after `m` in closed form, for effects of the drive whose states follow `m.volts` alone.
 
-        Within a piece of `length`, their mean over it where they settle much faster.
+        The input changes by `m.slope` a second meanwhile.
         """
-        raise NotImplementedError
-
-    def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
-        """Substeps that a time step of `length` [s] needs to follow this effect's law."""
-        return 1.0
+        return ()
 
     def __repr__(self) -> str:
         return f"<effect {self.name}: {', '.join(q.name for q in self.parameters)}>"

@@ -7,8 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from stepid._base import Array
-from stepid.effects.base import Effect, Motion, Parameter, Regressor, Scales, Values
+from stepid.effects.base import Effect, Moment, Motion, Parameter, Regressor, Scales, Values
 
 
 class QuadraticDamping(Effect):
@@ -29,8 +28,40 @@ class QuadraticDamping(Effect):
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         return [Regressor((-m.v * np.abs(m.v),), lambda a: (a[0],) if a[0] > 0 else None)]
 
-    def force(self, p: Values, m: Motion) -> Array | float:
-        return -p[0] * m.sign * np.square(m.v)
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
+        return -p[0] * m.sign * m.v * m.v
+
+
+class PowerDamping(Effect):
+    """−c_p v (v² + ε²)^((p−1)/2), ε = 1e-6 m/s: viscous at p = 1, quadratic at 2, close to dry friction toward 0."""
+
+    name = "power_damping"
+    parameters = (Parameter("coefficient", "N·(s/m)^p"), Parameter("exponent", "", 0.3, 3.0))
+    law = "−c_p v |v|^(p − 1)"
+    formula = r"-c_p\, v\, |v|^{p-1}"
+    symbols = ("c_p", "p")
+    seen = "neither a straight nor an exponential envelope"
+    advice = "find what the cart moves through (oil, air, a brush); keep it in the model"
+    reverses: ClassVar[bool] = True
+    contains = ("quadratic_damping",)
+
+    def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(inner[0] * scales.velocity ** (2.0 - p), p) for p in (1.7, 2.3)]
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(0.3 * (scales.damping + 0.1) * scales.velocity ** (1.0 - p), p) for p in (0.5, 1.5, 2.5)]
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        def at(exponent: float) -> Regressor:
+            force = -np.sign(m.v) * np.abs(m.v) ** exponent
+            return Regressor((force,), lambda a: (a[0], exponent) if a[0] > 0 else None)
+
+        return [at(p) for p in (0.5, 1.4, 1.7, 2.4)]
+
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
+        return -p[0] * m.v * (m.v * m.v + 1e-12) ** (0.5 * (p[1] - 1.0))
 
 
 class PositionDependentDamping(Effect):
@@ -50,5 +81,6 @@ class PositionDependentDamping(Effect):
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         return [Regressor((-m.damping * m.x * m.v,), lambda a: (a[0],))]
 
-    def force(self, p: Values, m: Motion) -> Array | float:
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
         return -m.damping * p[0] * m.x * m.v

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
 
-from stepid._base import Array
-from stepid.effects.base import Effect, Motion, Parameter, Regressor, Scales, Values
-
-_SETTLED = 2.0  # time constants, in which a lag is no more followed but taken at its mean
-_THERE = 1e-6  # of the voltage, to which a lagging drive has followed it
+from stepid.effects.base import Effect, Moment, Motion, Parameter, Regressor, Scales, Values
 
 
 class ActuatorLag(Effect):
@@ -27,31 +24,28 @@ class ActuatorLag(Effect):
     linear: ClassVar[bool] = True
     n_extra: ClassVar[int] = 1
     settled: ClassVar[bool] = True
+    drive_order: ClassVar[int] = 4
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         period = 2 * np.pi * np.sqrt(scales.mass / scales.stiffness)
         return [(0.01 * period,), (0.05 * period,)]
 
-    def rates(self, p: Values, m: Motion) -> tuple[Array, ...]:
+    @staticmethod
+    def rates(p: Values, m: Moment) -> tuple[float, ...]:
         return ((m.volts - m.extra[0]) / p[0],)
 
-    def drive(self, p: Values, m: Motion) -> Array:
+    @staticmethod
+    def drive(p: Values, m: Moment) -> float:
         return m.extra[0]
 
-    def at_rest(self, p: Values, x: Array, volts: Array) -> tuple[Array, ...]:
+    @staticmethod
+    def at_rest(p: Values, x: float, volts: float) -> tuple[float, ...]:
         return (volts,)
 
-    def relax(self, p: Values, m: Motion, time: Array, length: Array | None = None) -> tuple[Array, ...]:
-        away = m.extra[0] - m.volts
-        there: Array = m.volts + away * np.exp(-time / p[0])
-        if length is None:
-            return (there,)
-        mean = m.volts - away * np.expm1(-length / p[0]) * p[0] / np.maximum(length, 1e-12)
-        return (np.where(length > _SETTLED * p[0], mean, there),)
-
-    def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
-        away = np.abs(m.extra[0] - m.volts) > _THERE * np.abs(m.volts).max(initial=0.0)
-        return np.where(away, np.minimum(length / p[0] / 0.3, 64.0), 1.0)
+    @staticmethod
+    def relax(p: Values, m: Moment, time: float) -> tuple[float, ...]:
+        behind = m.volts - m.slope * p[0]  # where it has settled to behind a steady change
+        return (behind + m.slope * time + (m.extra[0] - behind) * math.exp(-time / p[0]),)
 
 
 class InputDelay(Effect):
@@ -69,7 +63,8 @@ class InputDelay(Effect):
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(0.45 * scales.sample_time,), (1.6 * scales.sample_time,)]
 
-    def delay(self, p: Values) -> Array | float:
+    @staticmethod
+    def delay(p: Values) -> float:
         return p[0]
 
 
@@ -84,13 +79,14 @@ class ActuatorDeadZone(Effect):
     seen = "gain depends on step size: needs runs of two sizes"
     advice = "drive with larger steps, or add the level to the command"
     linear: ClassVar[bool] = True  # a fixed change of a known input
+    drive_order: ClassVar[int] = 1
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(0.05 * scales.volts_least,), (0.3 * scales.volts_least,)]
 
-    def drive(self, p: Values, m: Motion) -> Array:
-        out: Array = np.sign(m.volts) * np.maximum(np.abs(m.volts) - p[0], 0.0)
-        return out
+    @staticmethod
+    def drive(p: Values, m: Moment) -> float:
+        return math.copysign(max(abs(m.volts) - p[0], 0.0), m.volts)
 
 
 class ActuatorSaturation(Effect):
@@ -111,9 +107,53 @@ class ActuatorSaturation(Effect):
     def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
         return (0.95 * values[0],)  # from above the largest input there is no way down
 
-    def drive(self, p: Values, m: Motion) -> Array:
-        out: Array = np.clip(m.volts, -p[0], p[0])
-        return out
+    @staticmethod
+    def drive(p: Values, m: Moment) -> float:
+        return max(-p[0], min(m.volts, p[0]))
+
+
+class ActuatorRateLimit(Effect):
+    """The drive's voltage follows the command no faster than a rate."""
+
+    name = "actuator_rate_limit"
+    parameters = (Parameter("rate", "V/s", 1e-6),)
+    law = "K_f w, |w′| ≤ rate"
+    formula = r"K_f\, w, \quad |\dot w| \le r"
+    symbols = ("r",)
+    seen = "large steps start late, small ones do not: needs two sizes"
+    advice = "raise the amplifier's slew rate, or drive with smaller steps"
+    n_extra: ClassVar[int] = 1
+    settled: ClassVar[bool] = True
+    drive_order: ClassVar[int] = 3
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        period = 2 * math.pi * math.sqrt(scales.mass / scales.stiffness)
+        return [(scales.volts / (part * period),) for part in (0.02, 0.08, 0.3)]
+
+    def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
+        return (values[0] / max(share, 1e-3),)  # the faster, the less of it is left
+
+    @staticmethod
+    def drive(p: Values, m: Moment) -> float:
+        return m.extra[0]
+
+    @staticmethod
+    def at_rest(p: Values, x: float, volts: float) -> tuple[float, ...]:
+        return (volts,)
+
+    @staticmethod
+    def relax(p: Values, m: Moment, time: float) -> tuple[float, ...]:
+        behind = m.volts - m.extra[0]
+        if behind == 0.0 and abs(m.slope) <= p[0]:
+            return (m.volts + m.slope * time,)
+        speed = math.copysign(p[0], behind if behind != 0.0 else m.slope)
+        closing = speed - m.slope
+        if behind * closing <= 0.0 or time * abs(closing) < abs(behind):
+            return (m.extra[0] + speed * time,)
+        if abs(m.slope) <= p[0]:
+            return (m.volts + m.slope * time,)
+        met = behind / closing
+        return (m.volts + m.slope * met + math.copysign(p[0], m.slope) * (time - met),)
 
 
 class PeriodicDisturbance(Effect):
@@ -132,11 +172,9 @@ class PeriodicDisturbance(Effect):
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(0.01 * scales.force, f) for f in scales.resonances]
 
-    def force(self, p: Values, m: Motion) -> Array | float:
-        return p[0] * np.sin(2 * np.pi * p[1] * m.time + p[2])
-
-    def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
-        return 2 * np.pi * p[1] * length / 0.3
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
+        return p[0] * math.sin(2 * math.pi * p[1] * m.time + p[2])
 
 
 class Cogging(Effect):
@@ -166,9 +204,6 @@ class Cogging(Effect):
 
         return [at(float(part) * scales.displacement) for part in np.geomspace(0.05, 0.8, 24)]
 
-    def force(self, p: Values, m: Motion) -> Array | float:
-        return p[0] * np.sin(2 * np.pi * m.x / p[1] + p[2])
-
-    def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
-        path = np.abs(m.v) * length + 0.5 * np.abs(acceleration) * length**2
-        return np.maximum(2 * np.pi * path / p[1] / 0.5, np.sqrt(2 * np.pi * p[0] / (p[1] * m.mass)) * length / 0.25)
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
+        return p[0] * math.sin(2 * math.pi * m.x / p[1] + p[2])

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
 
 from stepid._base import Array
-from stepid.effects.base import GRAVITY, Effect, Motion, Parameter, Regressor, Scales, Values
+from stepid.effects.base import GRAVITY, Effect, Moment, Motion, Parameter, Regressor, Scales, Values
 
 _SHARES = (0.01, 0.04, 0.12)  # of the largest spring force
 
@@ -34,7 +35,6 @@ class CoulombFriction(_DryFriction):
     symbols = ("F_c",)
     seen = "straight-line envelope, dead stop off zero, c and K that rise with mass in the paper's table"
     advice = "clean and align the rails, oil the bearings; keep it in the model"
-    affine: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.force,) for share in _SHARES]
@@ -42,7 +42,8 @@ class CoulombFriction(_DryFriction):
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         return [Regressor((-_direction(scales, m),), lambda a: (a[0],) if a[0] > 0 else None)]
 
-    def friction(self, p: Values, m: Motion) -> Array | float:
+    @staticmethod
+    def friction(p: Values, m: Moment) -> float:
         return p[0]
 
 
@@ -56,7 +57,6 @@ class LoadProportionalFriction(_DryFriction):
     symbols = (r"\mu",)
     seen = "as Coulomb friction, growing with added mass"
     advice = "the friction sits under the cart's weight: check wheels and rails, keep it in the model"
-    affine: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.force / (scales.mass * GRAVITY),) for share in _SHARES]
@@ -64,7 +64,8 @@ class LoadProportionalFriction(_DryFriction):
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         return [Regressor((-_direction(scales, m) * m.mass * GRAVITY,), lambda a: (a[0],) if a[0] > 0 else None)]
 
-    def friction(self, p: Values, m: Motion) -> Array | float:
+    @staticmethod
+    def friction(p: Values, m: Moment) -> float:
         return p[0] * GRAVITY * m.mass
 
 
@@ -103,18 +104,13 @@ class StribeckFriction(_DryFriction):
 
         return [at(part * scales.velocity) for part in (0.02, 0.05, 0.12, 0.3)]
 
-    def friction(self, p: Values, m: Motion) -> Array | float:
-        out: Array = p[0] + (p[1] - p[0]) * np.exp(-np.square(m.v / p[2]))
-        return out
+    @staticmethod
+    def friction(p: Values, m: Moment) -> float:
+        return p[0] + (p[1] - p[0]) * math.exp(-((m.v / p[2]) ** 2))
 
-    def breakaway(self, p: Values, m: Motion) -> Array | float:
+    @staticmethod
+    def breakaway(p: Values, m: Moment) -> float:
         return p[1]
-
-    def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
-        change = acceleration * length
-        slowest = np.where(m.v * (m.v + change) <= 0, 0.0, np.minimum(np.abs(m.v), np.abs(m.v + change)))
-        needed: Array = np.where(slowest < 4 * p[2], 2.5 * np.abs(change) / p[2], 1.0)
-        return needed
 
 
 class AsymmetricFriction(_DryFriction):
@@ -127,7 +123,6 @@ class AsymmetricFriction(_DryFriction):
     symbols = ("F_c^+", "F_c^-")
     seen = "halves of the envelope shrink differently"
     advice = "look for a tilted rail or a one-sided seal; record steps in both directions"
-    affine: ClassVar[bool] = True
     contains = ("coulomb_friction",)
 
     def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
@@ -145,9 +140,9 @@ class AsymmetricFriction(_DryFriction):
         forces = (-np.maximum(sign, 0.0), -np.minimum(sign, 0.0))
         return [Regressor(forces, lambda a: (a[0], a[1]) if min(a) > 0 else None)]
 
-    def friction(self, p: Values, m: Motion) -> Array | float:
-        level: Array = np.where(m.sign > 0, p[0], p[1])
-        return level
+    @staticmethod
+    def friction(p: Values, m: Moment) -> float:
+        return p[0] if m.sign > 0 else p[1]
 
 
 class PreslidingHysteresis(Effect):
@@ -165,6 +160,7 @@ class PreslidingHysteresis(Effect):
     advice = "let the cart make one full swing before the record; keep it in the model"
     reverses: ClassVar[bool] = True
     n_memory: ClassVar[int] = 1
+    n_switches: ClassVar[int] = 1  # loading and unloading differ in their curvature
     contains = ("coulomb_friction",)
 
     def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
@@ -181,24 +177,25 @@ class PreslidingHysteresis(Effect):
 
         return [at(part * scales.displacement) for part in (0.002, 0.01, 0.05)]
 
-    def force(self, p: Values, m: Motion) -> Array | float:
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
         return -p[0] * m.memory[0] / p[1]
 
-    def remember(self, p: Values, memory: tuple[Array, ...], shift: Array, sign: Array) -> tuple[Array, ...]:
+    @staticmethod
+    def switches(p: Values, m: Moment) -> tuple[float, ...]:
+        return (m.memory[0],)
+
+    @staticmethod
+    def remember(p: Values, memory: tuple[float, ...], shift: float, sign: float) -> tuple[float, ...]:
         distance = p[1]
         along = sign * memory[0]
-        path = np.abs(shift)
-        free = np.maximum(-along, 0.0)  # unloading is elastic until z = 0
-        built = np.maximum(along, 0.0)
-        loaded = distance - (distance - built) * np.exp(-np.maximum(path - free, 0.0) / distance)
-        return (sign * np.where(path < free, along + path, loaded),)
+        path = abs(shift)
+        free = max(-along, 0.0)  # unloading is elastic until z = 0
+        if path < free:
+            return (sign * (along + path),)
+        built = max(along, 0.0)
+        return (sign * (distance - (distance - built) * math.exp(-(path - free) / distance)),)
 
-    def memory_slopes(self, p: Values, m: Motion) -> tuple[Array, ...]:
-        return (1.0 - np.maximum(m.sign * m.memory[0] / p[1], 0.0),)
-
-    def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
-        left = 1.0 - m.sign * m.memory[0] / p[1]
-        path = np.abs(m.v) * length + 0.5 * np.abs(acceleration) * length**2
-        needed: Array = np.where(left > 1e-4, np.minimum(4.0 * path / p[1], 16.0), 1.0)
-        stiff = np.where(left > 1e-4, np.sqrt(p[0] / (p[1] * m.mass)) * length / 0.2, 1.0)
-        return np.maximum(needed, stiff)
+    @staticmethod
+    def memory_slopes(p: Values, m: Moment) -> tuple[float, ...]:
+        return (1.0 - max(m.sign * m.memory[0] / p[1], 0.0),)

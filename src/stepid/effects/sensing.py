@@ -7,7 +7,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from stepid._base import Array
 from stepid.effects.base import Effect, Parameter, Scales, Values
 
 
@@ -26,5 +25,6 @@ class SensorDrift(Effect):
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(0.0,)]
 
-    def reading(self, p: Values, time: Array) -> Array | float:
+    @staticmethod
+    def reading(p: Values, time: float) -> float:
         return p[0] * time

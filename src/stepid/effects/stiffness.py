@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
 
-from stepid._base import Array
-from stepid.effects.base import Effect, Motion, Parameter, Regressor, Scales, Values
+from stepid.effects.base import Effect, Moment, Motion, Parameter, Regressor, Scales, Values
 
 
 class CubicStiffness(Effect):
@@ -28,8 +28,9 @@ class CubicStiffness(Effect):
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         return [Regressor((-(m.x**3),), lambda a: (a[0],))]
 
-    def force(self, p: Values, m: Motion) -> Array | float:
-        return -p[0] * m.x * np.square(m.x)
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
+        return -p[0] * m.x * m.x * m.x
 
 
 class QuadraticStiffness(Effect):
@@ -49,8 +50,38 @@ class QuadraticStiffness(Effect):
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         return [Regressor((-(m.x**2),), lambda a: (a[0],))]
 
-    def force(self, p: Values, m: Motion) -> Array | float:
-        return -p[0] * np.square(m.x)
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
+        return -p[0] * m.x * m.x
+
+
+class SineStiffness(Effect):
+    """−k (sin(a x)/a − x): the spring force k x becomes k sin(a x)/a, a pendulum's."""
+
+    name = "sine_stiffness"
+    parameters = (Parameter("curvature", "1/m"),)
+    law = "−k (sin(a x)/a − x)"
+    formula = r"-k\left(\frac{\sin(a x)}{a} - x\right)"
+    symbols = ("a",)
+    seen = "slower at large swings, by more than a cubic allows"
+    advice = "take smaller swings; keep it in the model: a pendulum's moment is a sine"
+
+    def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
+        return [(part / scales.displacement,) for part in (0.5, 1.2)]
+
+    def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
+        def at(curvature: float) -> Regressor:
+            bend = m.x - np.sin(curvature * m.x) / curvature
+            return Regressor((m.stiffness * bend,), lambda a: (curvature * math.sqrt(a[0]),) if a[0] > 0 else None)
+
+        return [at(part / scales.displacement) for part in (0.3, 0.8, 1.3, 2.0)]
+
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
+        angle = p[0] * m.x
+        if abs(angle) < 1e-3:  # sin(a x)/a − x by its series, exact to rounding there
+            return m.stiffness * m.x * angle * angle / 6.0 * (1.0 - angle * angle / 20.0)
+        return -m.stiffness * (math.sin(angle) / p[0] - m.x)
 
 
 class FreePlay(Effect):
@@ -63,7 +94,6 @@ class FreePlay(Effect):
     symbols = ("g",)
     seen = "floats about zero, lower frequency at small amplitude"
     advice = "tighten the spring's clamps"
-    affine: ClassVar[bool] = True
     n_switches: ClassVar[int] = 2
     rests_anywhere: ClassVar[bool] = True
 
@@ -76,13 +106,16 @@ class FreePlay(Effect):
 
         return [at(part * scales.displacement) for part in (0.0005, 0.003, 0.01, 0.03, 0.07, 0.15)]
 
-    def switches(self, p: Values, m: Motion) -> tuple[Array, ...]:
+    @staticmethod
+    def switches(p: Values, m: Moment) -> tuple[float, ...]:
         return (m.x - p[0], m.x + p[0])
 
-    def force(self, p: Values, m: Motion) -> Array | float:
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
         above, below = m.sides
-        inside = (above < 0) & (below >= 0)
-        return m.stiffness * np.where(inside, m.x, np.where(above >= 0, p[0], -p[0]))
+        if above >= 0:
+            return m.stiffness * p[0]
+        return -m.stiffness * p[0] if below < 0 else m.stiffness * m.x
 
 
 def _ends(scales: Scales) -> list[float]:
@@ -100,7 +133,6 @@ class EndStop(Effect):
     symbols = ("k_s", "x_s")
     seen = "clipped, kinked peaks"
     advice = "move the stop out of the cart's way or take smaller steps"
-    affine: ClassVar[bool] = True
     n_switches: ClassVar[int] = 1
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
@@ -118,12 +150,10 @@ class EndStop(Effect):
 
         return [at(part * end) for end in _ends(scales) for part in (0.98, 0.95, 0.9, 0.84, 0.77, 0.68, 0.58)]
 
-    def switches(self, p: Values, m: Motion) -> tuple[Array, ...]:
-        return (np.sign(p[1]) * (m.x - p[1]),)
+    @staticmethod
+    def switches(p: Values, m: Moment) -> tuple[float, ...]:
+        return (math.copysign(1.0, p[1]) * (m.x - p[1]),)
 
-    def force(self, p: Values, m: Motion) -> Array | float:
-        return np.where(m.sides[0] >= 0, -p[0] * (m.x - p[1]), 0.0)
-
-    def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
-        needed: Array = np.where(m.sides[0] >= 0, np.sqrt(p[0] / m.mass) * length / 0.2, 1.0)
-        return needed
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
+        return -p[0] * (m.x - p[1]) if m.sides[0] >= 0 else 0.0

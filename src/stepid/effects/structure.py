@@ -7,8 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from stepid._base import Array
-from stepid.effects.base import Effect, Motion, Parameter, Scales, Values
+from stepid.effects.base import Effect, Moment, Parameter, Scales, Values
 
 
 class ViscoelasticSpring(Effect):
@@ -31,10 +30,12 @@ class ViscoelasticSpring(Effect):
     def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
         return tuple(share * v for v in values)
 
-    def force(self, p: Values, m: Motion) -> Array | float:
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
         return -m.extra[0]
 
-    def rates(self, p: Values, m: Motion) -> tuple[Array, ...]:
+    @staticmethod
+    def rates(p: Values, m: Moment) -> tuple[float, ...]:
         return (p[0] * (m.v - m.extra[0] / p[1]),)
 
 
@@ -66,15 +67,15 @@ class FlexibleCoupling(Effect):
     def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
         return tuple(share * v for v in values)
 
-    def force(self, p: Values, m: Motion) -> Array | float:
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
         return p[1] * (m.extra[0] - m.x) + p[2] * (m.extra[1] - m.v)
 
-    def rates(self, p: Values, m: Motion) -> tuple[Array, ...]:
-        return (m.extra[1], -self.force(p, m) / p[0])
+    @staticmethod
+    def rates(p: Values, m: Moment) -> tuple[float, ...]:
+        coupling = p[1] * (m.extra[0] - m.x) + p[2] * (m.extra[1] - m.v)
+        return (m.extra[1], -coupling / p[0])
 
-    def at_rest(self, p: Values, x: Array, volts: Array) -> tuple[Array, ...]:
-        return (x, np.zeros_like(x))
-
-    def pieces(self, p: Values, m: Motion, acceleration: Array, length: Array) -> Array | float:
-        fast: Array = np.sqrt(p[1] * (1.0 / p[0] + 1.0 / m.mass)) * length / 0.25
-        return fast
+    @staticmethod
+    def at_rest(p: Values, x: float, volts: float) -> tuple[float, ...]:
+        return (x, 0.0)

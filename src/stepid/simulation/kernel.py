@@ -1,0 +1,627 @@
+"""The kernel: one plant follows one record, step by step, event by event.
+
+Read it from the bottom: `simulate` takes lanes (one plant, one record) in turn, `_follow_record` goes from sample to
+sample, `_advance` from event to event, `_step` is one Runge-Kutta step, `_evaluate` the equation of motion. All of it is
+plain Python on floats and small arrays, compiled by numba where numba is there.
+
+A state `y` is position [m] from the spring's rest, velocity [m/s], then each effect's own states: first those with a rate
+in time, then its memories, which follow the displacement. Between events the law is smooth: the direction of motion,
+`m[SIGN]`, whether friction holds the cart, `m[HELD]`, and the side of every switch, `w.sides`, stay as they are.
+
+The step is Dormand and Prince's of order five (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, table
+II.5.2); its embedded error chooses the step length, so that no law has to say how fast it is. A plant that is linear and
+whose input is held takes exact steps by the matrix exponential instead.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stepid.simulation.compiled import JIT, call, compiled
+
+Array = Any  # numba knows the types
+
+# what a law is asked for (`stepid.simulation.laws` writes the answers)
+EVALUATE, SWITCHES, BREAKAWAY, REMEMBER, RELAX, AT_REST, DELAY, READING = range(8)
+# the moment, as laws see it beside the state
+SIGN, TIME, MASS, STIFFNESS, DAMPING, VOLTS, SLOPE, SPAN, HELD, MOMENT = range(10)
+# a plant's values: these, then the effects' parameters
+Q_MASS, Q_STIFFNESS, Q_DAMPING, Q_GAIN, Q_FIRST = range(5)
+# an effect's place: where its values, states and sides begin, how many there are, what it does
+VALUES, OWN, SIDES, N_EXTRA, N_MEMORY, N_SWITCHES, DRIVES, DRY, RELAXES, DELAYS, READS, PLACE = range(12)
+# what a law writes when it is evaluated
+FORCE, FRICTION, DRIVEN, RATES = range(4)
+
+_A = np.array(
+    [
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [1 / 5, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [3 / 40, 9 / 40, 0.0, 0.0, 0.0, 0.0],
+        [44 / 45, -56 / 15, 32 / 9, 0.0, 0.0, 0.0],
+        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0.0, 0.0],
+        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0.0],
+        [35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
+    ]
+)
+_C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
+_E = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
+_STAGES = 7
+_ORDER = 5.0
+
+_STILL = 1e-7  # m/s, slower than this is at rest where dry friction acts
+_CROSSED = 1e-13  # m or m/s, by which a margin must be past zero
+_EVENTS = 64  # between two changes of the input, at most; the rest of such a sample is followed without
+_SHORTEST = 1e-7  # of a sample, to which a step may shrink
+_LOCATE = 60  # tries to locate an event
+_FAR = 1e3  # positions this many times larger than the scale are a runaway
+_TERMS = 16  # of the exponential's series, for a matrix of norm 1/2
+
+
+MOST_EFFECTS, MOST_STATES, MOST_SWITCHES, MOST_VALUES = 8, 16, 8, 64
+
+WORK = np.dtype(
+    [
+        ("effects", np.int64),  # how many
+        ("states", np.int64),
+        ("switches", np.int64),
+        ("laws", np.int64 if JIT else object, MOST_EFFECTS),  # one an effect
+        ("places", np.int64, (MOST_EFFECTS, PLACE)),
+        ("q", np.float64, MOST_VALUES),  # values of the plant
+        ("reverses", np.int64),  # whether the law changes where the velocity changes sign
+        ("dry", np.int64),  # whether friction can hold the cart
+        ("known", np.int64),  # whether own states are known in closed form
+        ("rated", np.int64),  # whether own states have a rate
+        ("restless", np.int64),  # whether the cart may be in motion at the start of any record
+        ("m", np.float64, MOMENT),
+        ("u", np.float64, 5),  # the input: since when, and its polynomial in the time since then
+        ("sides", np.float64, MOST_SWITCHES),  # of the switches, -1 or 1
+        ("out", np.float64, 4 + MOST_STATES),  # what a law writes
+        ("k", np.float64, (_STAGES + 1, MOST_STATES)),  # rates at the stages of a step, and room for others
+        ("y", np.float64, MOST_STATES),  # the state
+        ("stage", np.float64, MOST_STATES),  # the state at a stage; after a step, where it leads
+        ("margin", np.float64, 1 + MOST_SWITCHES),  # how far each event is
+        ("allowed", np.float64, MOST_STATES),  # error of each state that a step may make; below 0 relative to its size
+    ]
+)
+"""A plant and the room to follow it in."""
+Work = Any
+
+@compiled
+def _copy(there: Array, here: Array, size: int) -> None:
+    for j in range(size):
+        here[j] = there[j]
+
+
+@compiled
+def _clear(here: Array, size: int) -> None:
+    for j in range(size):
+        here[j] = 0.0
+
+
+@compiled
+def _input(w: Work, t: float) -> float:
+    s = t - w.u[0]
+    return w.u[1] + s * (w.u[2] + s * (w.u[3] + s * w.u[4]))
+
+
+@compiled
+def _slope(w: Work, t: float) -> float:
+    s = t - w.u[0]
+    return w.u[2] + s * (2.0 * w.u[3] + s * 3.0 * w.u[4])
+
+
+@compiled
+def _ask(w: Work, kind: int, e: int, y: Array) -> float:
+    return call(w.laws[e], kind, w.q, w.places[e, VALUES], w.m, y, w.places[e, OWN], w.sides, w.places[e, SIDES], w.out)
+
+
+@compiled
+def _evaluate(w: Work, t: float, y: Array, dy: Array) -> float:
+    """Write the rates of the state; return the force on the cart without dry friction, N."""
+    m, out, q = w.m, w.out, w.q
+    m[TIME] = t
+    raw = _input(w, t)
+    driven = raw
+    force = -q[Q_STIFFNESS] * y[0] - q[Q_DAMPING] * y[1]
+    friction = 0.0
+    for e in range(w.effects):
+        m[VOLTS] = driven if w.places[e, DRIVES] else raw
+        _ask(w, EVALUATE, e, y)
+        force += out[FORCE]
+        friction += out[FRICTION]
+        if w.places[e, DRIVES]:
+            driven = out[DRIVEN]
+        for j in range(w.places[e, N_EXTRA]):
+            dy[w.places[e, OWN] + j] = out[RATES + j]
+        for j in range(w.places[e, N_EXTRA], w.places[e, N_EXTRA] + w.places[e, N_MEMORY]):
+            dy[w.places[e, OWN] + j] = 0.0
+    force += q[Q_GAIN] * driven
+    if m[HELD] > 0.0:
+        dy[0] = 0.0
+        dy[1] = 0.0
+    else:
+        dy[0] = y[1]
+        dy[1] = (force - m[SIGN] * friction) / q[Q_MASS]
+    return force
+
+
+@compiled
+def _own_states(w: Work, t: float, span: float, y: Array, after: Array) -> None:
+    """Write into `after` the states that are known in closed form `span` [s] after `y`: lags and memories."""
+    m, out = w.m, w.out
+    volts, slope = _input(w, t), _slope(w, t)
+    for e in range(w.effects):
+        own = w.places[e, OWN]
+        if w.places[e, DRIVES]:
+            m[TIME], m[VOLTS], m[SLOPE], m[SPAN] = t, volts, slope, span
+            if w.places[e, RELAXES]:
+                _ask(w, RELAX, e, y)
+                for j in range(w.places[e, N_EXTRA]):
+                    after[own + j] = out[j]
+            _ask(w, EVALUATE, e, y)
+            before = out[DRIVEN]
+            if slope != 0.0 or w.places[e, RELAXES]:  # what the next one in the chain sees, as a straight line
+                m[TIME], m[VOLTS] = t + span, volts + slope * span
+                _ask(w, EVALUATE, e, after)
+                slope = (out[DRIVEN] - before) / span if span > 0.0 else 0.0
+            volts = before
+        if w.places[e, N_MEMORY]:
+            m[SPAN] = after[0] - y[0]
+            _ask(w, REMEMBER, e, y)
+            for j in range(w.places[e, N_MEMORY]):
+                after[own + w.places[e, N_EXTRA] + j] = out[j]
+
+
+@compiled
+def _step(w: Work, t: float, h: float) -> float:
+    """Step from `w.y` to `w.stage`; the rates at its start are `w.k[0]`. Return its error in units of what is allowed."""
+    y, z, k = w.y, w.stage, w.k
+    d = w.states
+    known = w.known
+    for s in range(1, _STAGES):
+        for j in range(d):
+            total = 0.0
+            for i in range(s):
+                total += _A[s, i] * k[i, j]
+            z[j] = y[j] + h * total
+        if known:
+            _own_states(w, t, _C[s] * h, y, z)
+        _evaluate(w, t + _C[s] * h, z, k[s])
+    worst = 0.0
+    for j in range(d):
+        total = 0.0
+        for i in range(_STAGES):
+            total += _E[i] * k[i, j]
+        size = max(abs(y[j]), abs(z[j]))
+        allowed = w.allowed[j] if w.allowed[j] > 0.0 else -w.allowed[j] * size
+        if allowed > 0.0:
+            worst = max(worst, abs(h * total) / allowed)
+        if z[j] != z[j]:
+            worst = np.inf
+    return worst
+
+
+@compiled
+def _hold(w: Work, y: Array) -> float:
+    """Largest force that dry friction holds against a push in direction `m[SIGN]`, N."""
+    total = 0.0
+    for e in range(w.effects):
+        if w.places[e, DRY]:
+            total += _ask(w, BREAKAWAY, e, y)
+    return total
+
+
+@compiled
+def _margins(w: Work, t: float, y: Array) -> None:
+    """Write how far each event is: reversal or release first, then the switches; below zero it has passed."""
+    m, g, out = w.m, w.margin, w.out
+    g[0] = 1.0
+    if m[HELD] > 0.0:
+        net = _evaluate(w, t, y, w.k[_STAGES])
+        sign = m[SIGN]
+        m[SIGN] = -1.0 if net < 0.0 else 1.0
+        g[0] = _hold(w, y) - abs(net)
+        m[SIGN] = sign
+    elif w.reverses:
+        g[0] = m[SIGN] * y[1]
+    m[TIME] = t
+    for e in range(w.effects):
+        if w.places[e, N_SWITCHES]:
+            _ask(w, SWITCHES, e, y)
+            for j in range(w.places[e, N_SWITCHES]):
+                side = w.places[e, SIDES] + j
+                g[1 + side] = w.sides[side] * out[j]
+
+
+@compiled
+def _choose_sides(w: Work, t: float, y: Array) -> None:
+    w.m[TIME] = t
+    for e in range(w.effects):
+        if w.places[e, N_SWITCHES]:
+            _ask(w, SWITCHES, e, y)
+            for j in range(w.places[e, N_SWITCHES]):
+                w.sides[w.places[e, SIDES] + j] = -1.0 if w.out[j] < 0.0 else 1.0
+
+
+@compiled
+def _choose_direction(w: Work, t: float) -> None:
+    """Direction of motion, or held, of a cart that moves, or whose velocity has just become zero."""
+    m, y = w.m, w.y
+    m[HELD] = 0.0
+    m[SIGN] = -1.0 if y[1] < 0.0 else 1.0
+    if not w.reverses or abs(y[1]) > (_STILL if w.dry else 0.0):
+        return
+    y[1] = 0.0
+    net = _evaluate(w, t, y, w.k[_STAGES])
+    m[SIGN] = -1.0 if net < 0.0 else 1.0
+    if w.dry and abs(net) <= _hold(w, y):
+        m[HELD] = 1.0
+
+
+@compiled
+def _locate(w: Work, t: float, h: float, which: int, before: float, after: float) -> float:
+    """Share of a step at which an event happens, by bracketing secants (Illinois); `w.stage` is the state there."""
+    low, high, there = 0.0, 1.0, 1.0
+    for _ in range(_LOCATE):
+        there = 0.5 * (low + high) if before <= 0.0 else low + (high - low) * before / (before - after)
+        _step(w, t, there * h)
+        _margins(w, t + there * h, w.stage)
+        g = w.margin[which]
+        if abs(g) <= _CROSSED or high - low < _SHORTEST * _SHORTEST:
+            break
+        if g < 0.0:
+            high, after = there, g
+            before *= 0.5
+        else:
+            low, before = there, g
+            after *= 0.5
+    return there
+
+
+@compiled
+def _first_event(w: Work, t: float, h: float) -> tuple[int, float]:
+    """Event that happens first within a step, -1 for none, and the share of the step at which it does."""
+    g = w.margin
+    _margins(w, t + h, w.stage)
+    passed = False
+    for j in range(1 + w.switches):
+        passed = passed or g[j] < -_CROSSED
+    if not passed:
+        return -1, 1.0
+    ends, starts = np.empty(1 + MOST_SWITCHES), np.empty(1 + MOST_SWITCHES)
+    _copy(g, ends, 1 + w.switches)
+    _margins(w, t, w.y)
+    _copy(g, starts, 1 + w.switches)
+    first, share = -1, 2.0
+    for j in range(1 + w.switches):
+        if ends[j] < -_CROSSED:
+            there = _locate(w, t, h, j, max(starts[j], 0.0), ends[j])
+            if there < share:
+                first, share = j, there
+    return first, share
+
+
+@compiled
+def _happen(w: Work, which: int, t: float) -> None:
+    """Change the law as an event says."""
+    if which > 0:
+        w.sides[which - 1] = -w.sides[which - 1]
+    elif w.m[HELD] > 0.0:
+        net = _evaluate(w, t, w.y, w.k[_STAGES])
+        w.m[SIGN] = -1.0 if net < 0.0 else 1.0
+        w.m[HELD] = 0.0
+    else:
+        w.y[1] = 0.0
+        _choose_direction(w, t)
+
+
+@compiled
+def _stays(w: Work, t: float, until: float) -> bool:
+    """Whether a held cart stays where it is because nothing changes."""
+    if w.rated:
+        return False
+    net = _evaluate(w, t, w.y, w.k[_STAGES])
+    middle = _evaluate(w, 0.5 * (t + until), w.y, w.k[_STAGES])
+    end = _evaluate(w, until, w.y, w.k[_STAGES])
+    return net == middle and net == end
+
+
+@compiled
+def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[float, bool]:
+    """Follow the plant to `until`, its input one polynomial. Return the length of the next step; whether rates are known."""
+    shortest = _SHORTEST * (until - t)
+    events = 0
+    while t < until:
+        left = until - t
+        held = w.m[HELD] > 0.0
+        if held and _stays(w, t, until):
+            return h, False
+        length = min(h, 0.25 * (left + shortest)) if held else h
+        last = length >= left
+        if last:
+            length = left
+        elif length > 0.5 * left:
+            length = 0.5 * left
+        if not fresh:
+            _evaluate(w, t, w.y, w.k[0])
+            fresh = True
+        error = _step(w, t, length)
+        if error > 1.0 and length > shortest:
+            h = length * max(0.1, 0.9 * error ** (-1.0 / _ORDER))
+            continue
+        which, share = -1, 1.0
+        if events < _EVENTS and (w.reverses or w.switches > 0):
+            which, share = _first_event(w, t, length)
+        if which >= 0:
+            _step(w, t, share * length)
+            _copy(w.stage, w.y, w.states)
+            t += share * length
+            _happen(w, which, t)
+            events += 1
+            fresh = False
+            continue
+        _copy(w.stage, w.y, w.states)
+        t = until if last else t + length
+        _copy(w.k[_STAGES - 1], w.k[0], w.states)
+        h = max(h if last else 0.0, length * min(5.0, 0.9 * max(error, 1e-4) ** (-1.0 / _ORDER)))
+        if not abs(w.y[0]) < np.inf:
+            return h, fresh
+    return h, fresh
+
+
+@compiled
+def _times(left: Array, right: Array, out: Array, factor: float) -> None:
+    """Write a product of two square matrices, times a factor."""
+    d = out.shape[0]
+    for i in range(d):
+        for j in range(d):
+            total = 0.0
+            for r in range(d):
+                total += left[i, r] * right[r, j]
+            out[i, j] = factor * total
+
+
+@compiled
+def _exponential(a: Array, h: float, phi: Array, psi: Array) -> None:
+    """Write exp(a h) and the integral of exp(a s) over s from 0 to h, by a scaled and squared series."""
+    d = a.shape[0]
+    norm = 0.0
+    for i in range(d):
+        row = 0.0
+        for j in range(d):
+            row += abs(a[i, j]) * h
+        norm = max(norm, row)
+    halvings = 0
+    while norm > 0.5 and halvings < 60:
+        norm *= 0.5
+        halvings += 1
+    s = h / 2.0**halvings
+    term, new = np.zeros((d, d)), np.zeros((d, d))
+    for i in range(d):
+        for j in range(d):
+            term[i, j] = 1.0 if i == j else 0.0
+            phi[i, j], psi[i, j] = term[i, j], s * term[i, j]
+    for n in range(1, _TERMS):
+        _times(term, a, new, s / n)
+        for i in range(d):
+            for j in range(d):
+                term[i, j] = new[i, j]
+                phi[i, j] += term[i, j]
+                psi[i, j] += term[i, j] * s / (n + 1)
+    for _ in range(halvings):
+        _times(phi, psi, new, 1.0)
+        _times(phi, phi, term, 1.0)
+        for i in range(d):
+            for j in range(d):
+                psi[i, j] += new[i, j]
+                phi[i, j] = term[i, j]
+
+
+@compiled
+def _matrix(w: Work, t: float, a: Array) -> None:
+    """Write the matrix of a linear law, column by column."""
+    d = w.states
+    _clear(w.stage, w.states)
+    _evaluate(w, t, w.stage, w.k[0])
+    for j in range(d):
+        w.stage[j] = 1.0
+        _evaluate(w, t, w.stage, w.k[1])
+        for i in range(d):
+            a[i, j] = w.k[1, i] - w.k[0, i]
+        w.stage[j] = 0.0
+
+
+@compiled
+def _stand(w: Work, x: float) -> None:
+    """The state of a plant that has long rested at x."""
+    _clear(w.y, w.states)
+    w.y[0] = x
+    w.m[VOLTS] = w.u[1]
+    for e in range(w.effects):
+        if w.places[e, N_EXTRA] + w.places[e, N_MEMORY] > 0:
+            _ask(w, AT_REST, e, w.y)
+            for j in range(w.places[e, N_EXTRA] + w.places[e, N_MEMORY]):
+                w.y[w.places[e, OWN] + j] = w.out[j]
+        if w.places[e, DRIVES]:
+            _ask(w, EVALUATE, e, w.y)
+            w.m[VOLTS] = w.out[DRIVEN]
+
+
+@compiled
+def _standing_force(w: Work, t: float, x: float) -> float:
+    _stand(w, x)
+    _choose_sides(w, t, w.y)
+    return _evaluate(w, t, w.y, w.k[0])
+
+
+@compiled
+def _begin(w: Work, t: float, start: Array, moving: bool, scale: float) -> None:
+    """Put the plant where its record begins: at rest under the input before it, unless it is moving."""
+    w.m[SIGN], w.m[HELD] = 1.0, 0.0
+    x = 0.0
+    if w.u[1] != 0.0 and not moving:
+        step = 1e-6 * scale
+        for _ in range(12):
+            f = _standing_force(w, t, x)
+            slope = (_standing_force(w, t, x + step) - f) / step
+            x -= f / min(slope, -0.05 * w.q[Q_STIFFNESS])  # in a gap there is no slope: leap out of it
+    _stand(w, x + start[0])
+    if moving or w.restless:
+        w.y[1] = start[1]
+    if moving:
+        for j in range(2, w.states):
+            w.y[j] += start[j]
+    _choose_sides(w, t, w.y)
+    _choose_direction(w, t)
+
+
+@compiled
+def _seen(w: Work, t: float) -> float:
+    """The reading: position and what the effects add to it, m."""
+    x = w.y[0]
+    w.m[TIME] = t
+    for e in range(w.effects):
+        if w.places[e, READS]:
+            x += _ask(w, READING, e, w.y)
+    return x
+
+
+@compiled
+def _follow_record(
+    w: Work,
+    time: Array,
+    coefficients: Array,
+    before: float,
+    start: Array,
+    moving: bool,
+    scale: float,
+    exact: bool,
+    reading: Array,
+    states: Array,
+) -> None:
+    """Follow one record, sample by sample; what comes after a runaway is not a number."""
+    n, d, degree = time.size, w.states, coefficients.shape[1]
+    _clear(w.u, 5)
+    w.u[1] = before
+    _begin(w, time[0], start, moving, scale)
+    delay = 0.0
+    for e in range(w.effects):
+        if w.places[e, DELAYS]:
+            delay += max(0.0, _ask(w, DELAY, e, w.y))
+    a, phi, psi, lengths = np.zeros((d, d)), np.zeros((2, d, d)), np.zeros((2, d, d)), np.zeros(2)
+    slot, constant = 0, np.zeros(d)
+    if exact:
+        _matrix(w, time[0], a)
+        _copy(w.k[0], constant, d)
+    t, j = time[0], -1
+    h = time[1] - t if n > 1 else 1.0
+    fresh = False
+    for i in range(n):
+        reading[i] = _seen(w, t)
+        for r in range(states.shape[0]):
+            states[r, i] = w.y[r]
+        if i == n - 1:
+            break
+        while t < time[i + 1]:
+            changed = False
+            while j + 1 < n and time[j + 1] + delay <= t:
+                j += 1
+                changed = changed or degree > 1 or coefficients[j, 0] != w.u[1]
+            if changed:
+                w.u[0] = time[j] + delay
+                for r in range(degree):
+                    w.u[1 + r] = coefficients[j, r]
+                fresh = False
+                if exact:
+                    _clear(w.stage, w.states)
+                    _evaluate(w, t, w.stage, constant)
+                elif w.m[HELD] > 0.0 or w.y[1] == 0.0:
+                    _choose_direction(w, t)
+            until = time[i + 1]
+            if j + 1 < n:
+                until = min(until, time[j + 1] + delay)
+            if exact:
+                length = until - t
+                if abs(lengths[slot] - length) > 1e-12 * length:
+                    slot = 1 - slot
+                    if abs(lengths[slot] - length) > 1e-12 * length:
+                        _exponential(a, length, phi[slot], psi[slot])
+                        lengths[slot] = length
+                for r in range(d):
+                    total = 0.0
+                    for c in range(d):
+                        total += phi[slot, r, c] * w.y[c] + psi[slot, r, c] * constant[c]
+                    w.stage[r] = total
+                _copy(w.stage, w.y, w.states)
+            else:
+                h, fresh = _advance(w, t, until, h, fresh)
+            t = until
+        if not abs(w.y[0]) < _FAR * scale:
+            for later in range(i + 1, n):
+                reading[later] = np.nan
+                for r in range(states.shape[0]):
+                    states[r, later] = np.nan
+            break
+
+
+@compiled
+def simulate(
+    w: Work, values: Array, start: Array, run: Array, bounds: Array, time: Array, coefficients: Array, before: Array,
+    moving: Array, tolerance: float, scale: float, exact: bool, offset: Array, reading: Array, states: Array,
+) -> None:
+    """Simulate lanes, one plant on one record each.
+
+    Parameters
+    ----------
+    w : record of `WORK`
+        The structure of the plant: its effects' laws and places, and what they do.
+    values : array, shape (L, Q)
+        Values of each lane's plant.
+    start : array, shape (L, states)
+        Displacement [m], velocity [m/s] and own states at the first sample, see `stepid.model.RunState`.
+    run : array of int, shape (L,)
+        Record of each lane.
+    bounds : array of int, shape (R + 1,)
+        Where each record's samples begin and end.
+    time : array, shape (S,)
+        s, of each sample.
+    coefficients : array, shape (S, 1), (S, 2) or (S, 4)
+        Polynomial of the input [V] from each sample to the next: held, straight or cubic.
+    before : array, shape (R,)
+        V, input before each record.
+    moving : array of bool, shape (R,)
+        Whether each record starts in motion.
+    tolerance : float
+        m, error of one step in position.
+    scale : float
+        m, typical displacement.
+    exact : bool
+        Whether to take exact steps: the plant is linear, the input held.
+    offset : array of int, shape (L,)
+        Where each lane's samples begin in `reading` and `states`.
+    reading : array, shape (N,)
+        m, written.
+    states : array, shape (d, N)
+        The first d states, written.
+    """
+    q, allowed = w.q, w.allowed
+    for lane in range(values.shape[0]):
+        _copy(values[lane], q, values.shape[1])
+        w.m[MASS], w.m[STIFFNESS], w.m[DAMPING] = q[Q_MASS], q[Q_STIFFNESS], q[Q_DAMPING]
+        for j in range(w.states):
+            allowed[j] = -tolerance / scale
+        allowed[0], allowed[1] = tolerance, tolerance * np.sqrt(abs(q[Q_STIFFNESS]) / q[Q_MASS])
+        for e in range(w.effects):
+            if w.places[e, RELAXES]:
+                for j in range(w.places[e, N_EXTRA]):
+                    allowed[w.places[e, OWN] + j] = 0.0
+        r = run[lane]
+        first, last = bounds[r], bounds[r + 1]
+        at = offset[lane]
+        n = last - first
+        _follow_record(
+            w, time[first:last], coefficients[first:last], before[r], start[lane], moving[r], scale, exact,
+            reading[at : at + n], states[:, at : at + n],
+        )

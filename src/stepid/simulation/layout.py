@@ -1,0 +1,120 @@
+"""Where each parameter of a campaign's plants stands in an array: views by name in place of index arithmetic."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from stepid.core.base import Array
+from stepid.effects.base import Effect
+from stepid.simulation.records import Records
+
+Index = npt.NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class ParameterLayout:
+    """The global parameters of a campaign, shape (P,), and those of each run, shape (Q, R).
+
+    Global: base mass of every base label [kg], stiffness of every spring label [N/m], damping of every damper label
+    [N·s/m], force gain [N/V], then each effect's parameters. Per run: displacement [m] and velocity [m/s] at the first
+    sample, the effects' run parameters, the effects' own states at the first sample.
+    """
+
+    records: Records
+    effects: tuple[Effect, ...]
+
+    @cached_property
+    def base_mass(self) -> slice:
+        """Base masses among the global parameters."""
+        return slice(0, len(self.records.bases))
+
+    @cached_property
+    def stiffness(self) -> slice:
+        """Stiffnesses among the global parameters."""
+        return slice(self.base_mass.stop, self.base_mass.stop + len(self.records.springs))
+
+    @cached_property
+    def damping(self) -> slice:
+        """Damping constants among the global parameters."""
+        return slice(self.stiffness.stop, self.stiffness.stop + len(self.records.dampers))
+
+    @cached_property
+    def force_gain(self) -> int:
+        """Place of the force gain among the global parameters."""
+        return self.damping.stop
+
+    @cached_property
+    def linear(self) -> slice:
+        """Parameters of the linear plant among the global ones."""
+        return slice(0, self.force_gain + 1)
+
+    @cached_property
+    def values(self) -> tuple[slice, ...]:
+        """Each effect's parameters among the global ones."""
+        out, at = [], self.linear.stop
+        for e in self.effects:
+            out.append(slice(at, at + len(e.parameters)))
+            at += len(e.parameters)
+        return tuple(out)
+
+    @cached_property
+    def run_values(self) -> tuple[slice, ...]:
+        """Each effect's run parameters among those of a run."""
+        out, at = [], 2
+        for e in self.effects:
+            out.append(slice(at, at + len(e.run_parameters)))
+            at += len(e.run_parameters)
+        return tuple(out)
+
+    @cached_property
+    def own_states(self) -> slice:
+        """The effects' own states at the first sample among the parameters of a run."""
+        first = 2 + sum(len(e.run_parameters) for e in self.effects)
+        return slice(first, first + sum(e.n_extra + e.n_memory for e in self.effects))
+
+    @property
+    def n_global(self) -> int:
+        """Number of global parameters."""
+        return self.linear.stop + sum(len(e.parameters) for e in self.effects)
+
+    @property
+    def n_run(self) -> int:
+        """Number of parameters of a run."""
+        return self.own_states.stop
+
+    def touched(self, parameter: int) -> Index:
+        """Runs that a global parameter enters."""
+        r = self.records
+        for place, labels in ((self.base_mass, r.base), (self.stiffness, r.spring), (self.damping, r.damper)):
+            if place.start <= parameter < place.stop:
+                return np.flatnonzero(labels == parameter - place.start)
+        return np.arange(len(r.runs))
+
+    def mass(self, shared: Array) -> Array:
+        """Moving mass of each run, kg, shape (..., R), for global parameters (..., P)."""
+        out: Array = shared[..., self.base_mass][..., self.records.base] + self.records.added_mass
+        return out
+
+    def plants(self, shared: Array, local: Array) -> Array:
+        """Values of C plants on every run, as the kernel takes them: shape (C, R, values)."""
+        r = self.records
+        runs = len(r.runs)
+        columns = [
+            self.mass(shared),
+            shared[:, self.stiffness][:, r.spring],
+            shared[:, self.damping][:, r.damper],
+            np.repeat(shared[:, self.force_gain, None], runs, axis=1),
+        ]
+        for values, own in zip(self.values, self.run_values, strict=True):
+            columns += [np.repeat(column[:, None], runs, axis=1) for column in shared[:, values].T]
+            columns += list(local[:, own].swapaxes(0, 1))
+        return np.stack(columns, axis=-1)
+
+
+def own_state_names(effects: tuple[Effect, ...]) -> list[str]:
+    """Names of the effects' own states, in the order of `ParameterLayout.own_states`: ``"flexible_coupling.1"``, …"""
+    return [f"{e.name}.{i + 1}" for e in effects for i in range(e.n_extra + e.n_memory)]

@@ -1,0 +1,212 @@
+"""All records of a campaign simulated for given plants, with the derivatives that a fit needs."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from stepid.core.base import Array
+from stepid.effects.base import Effect
+from stepid.errors import InputError
+from stepid.simulation.layout import ParameterLayout
+from stepid.simulation.magnitudes import exponents, magnitudes
+from stepid.simulation.records import Records
+
+Mask = npt.NDArray[np.bool_]
+Index = npt.NDArray[np.intp]
+
+FINE = 5e-8  # of the typical displacement, error of one step: well below a thousandth of a count on a 1 cm swing
+COARSE = 1e-6  # the same while searching
+_DIFFERENCE = 1e-5  # relative step of a forward difference
+
+
+class Solved(NamedTuple):
+    """A simulated campaign.
+
+    `states` (2, S) are position from rest [m] and velocity [m/s], `reading` (S,) what the sensor says [m];
+    `shared` (P, S) and `local` (Q, S) its derivatives by the global and the per-run parameters, zero where not wanted,
+    None where none was.
+    """
+
+    states: Array
+    reading: Array
+    shared: Array | None = None
+    local: Array | None = None
+
+
+class Simulator:
+    """Simulates all records of a campaign for one structure of plant.
+
+    Derivatives are forward differences of copies of the plant: measured beside tangents and closed forms, they cost one
+    simulation a parameter and know nothing of the law, so that they hold for every effect, one from outside too. A
+    parameter of some runs costs those runs only.
+
+    Parameters
+    ----------
+    records : Records
+    effects : tuple of Effect
+    tolerance : float
+        Error of one step, as a share of the typical displacement.
+    workers : int
+        Threads.
+    """
+
+    def __init__(
+        self, records: Records, effects: tuple[Effect, ...], tolerance: float = FINE, *, workers: int = 1
+    ) -> None:
+        self.records, self.effects, self.tolerance, self.workers = records, effects, tolerance, workers
+        self.layout = ParameterLayout(records, effects)
+        self.linear = all(e.linear for e in effects)
+        self.scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), 1e-9)
+        self._powers = exponents(tuple(q for e in effects for q in e.parameters))
+        self._work: Any = None
+
+    # ---- magnitudes -----------------------------------------------------------------------------------------------
+
+    def steps(self, shared: Array) -> Array:
+        """Finite-difference steps of the global and the per-run parameters, shape (P + Q,)."""
+        local = np.full(self.layout.n_run, _DIFFERENCE)
+        local[:2] = _DIFFERENCE * self.scale, 10 * _DIFFERENCE * self.scale
+        local[self.layout.own_states] = _DIFFERENCE * self.scale
+        return np.concatenate([_DIFFERENCE * np.maximum(np.abs(shared), 1e-2 * self.typical(shared)), local])
+
+    def typical(self, shared: Array) -> Array:
+        """Magnitudes by which the global parameters are judged."""
+        of = self.layout
+        mass, stiffness = np.abs(shared[of.base_mass]).max(), np.abs(shared[of.stiffness]).max()
+        out = np.maximum(np.abs(shared), 1e-12)
+        own = magnitudes(
+            self._powers, mass=mass, stiffness=stiffness, gain=float(shared[of.force_gain]), travel=self.scale
+        )
+        out[of.linear.stop :] = np.maximum(out[of.linear.stop :], own)  # at zero, too, there is a slope to find
+        out[of.base_mass] = max(mass, 0.1)
+        out[of.damping] = np.sqrt(mass * stiffness)
+        return out
+
+    # ---- the kernel -----------------------------------------------------------------------------------------------
+
+    def _structure(self) -> Any:
+        """Record of the plant's structure, as the kernel takes it; the first one compiles the effects' laws."""
+        from stepid.simulation.work import structure
+
+        if self._work is None:
+            self._work = structure(self.effects)
+        return self._work.copy()
+
+    def _run(self, values: Array, start: Array, run: Index, offset: Index, size: int, n_states: int) -> tuple[Array, Array]:
+        """Simulate lanes: plants `values` (L, ·), beginning as `start` (L, ·) says, on runs `run` (L,)."""
+        from stepid.simulation import kernel
+
+        r = self.records
+        reading, states = np.empty(size), np.empty((n_states, size))
+        exact = self.linear and r.coefficients.shape[1] == 1
+
+        def some(lanes: slice) -> None:
+            kernel.simulate(
+                self._structure(), values[lanes], start[lanes], run[lanes], r.bounds, r.time, r.coefficients, r.before,
+                r.moving, self.tolerance * self.scale, self.scale, exact, offset[lanes], reading, states,
+            )
+
+        if self.workers == 1 or len(run) == 1:
+            some(slice(None))
+        else:
+            ends = np.linspace(0, len(run), min(self.workers, len(run)) + 1).astype(int)
+            with ThreadPoolExecutor(self.workers) as pool:
+                list(pool.map(some, [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]))
+        return reading, states
+
+    def readings(self, shared: Array, local: Array) -> Array:
+        """Readings of C plants, m, shape (C, S), for parameters (C, P) and (C, Q, R); NaN after a runaway."""
+        return self._every(shared, local, 0)[0]
+
+    def _every(self, shared: Array, local: Array, n_states: int) -> tuple[Array, Array]:
+        r, copies = self.records, len(shared)
+        values = self.layout.plants(shared, local)
+        values = np.ascontiguousarray(values.reshape(-1, values.shape[-1]))
+        run = np.tile(np.arange(len(r.runs)), copies)
+        offset = (np.arange(copies)[:, None] * r.size + r.first).ravel()
+        reading, states = self._run(values, self._starts(local), run, offset, copies * r.size, n_states)
+        return reading.reshape(copies, r.size), states.reshape(n_states, copies, r.size)
+
+    def _starts(self, local: Array) -> Array:
+        """Displacement, velocity and own states at the start of every lane, shape (C·R, states)."""
+        rows = np.concatenate([local[:, :2], local[:, self.layout.own_states]], axis=1)
+        return np.ascontiguousarray(rows.swapaxes(1, 2).reshape(-1, rows.shape[1]))
+
+    def solve(self, shared: Array, local: Array, *, wanted: Mask | None = None, active: Mask | None = None) -> Solved | None:
+        """Simulate all records for one plant.
+
+        Parameters
+        ----------
+        shared : array, shape (P,)
+        local : array, shape (Q, R)
+        wanted : array of bool, shape (P,), optional
+            Global parameters to which derivatives are wanted.
+        active : array of bool, shape (Q, R), optional
+            Per-run parameters to which derivatives are wanted.
+
+        Returns
+        -------
+        Solved or None
+            None where the plant runs away.
+        """
+        reading, states = self._every(shared[None], local[None], 2)
+        if not np.isfinite(reading).all():
+            return None
+        if wanted is None or active is None:
+            return Solved(states[:, 0], reading[0])
+        return Solved(states[:, 0], reading[0], *self._derivatives(shared, local, reading[0], wanted, active))
+
+    def _derivatives(
+        self, shared: Array, local: Array, reading: Array, wanted: Mask, active: Mask
+    ) -> tuple[Array, Array]:
+        r, of = self.records, self.layout
+        steps = self.steps(shared)
+        rows = [(p, of.touched(p)) for p in np.flatnonzero(wanted)]
+        rows += [(of.n_global + q, np.flatnonzero(active[q])) for q in np.flatnonzero(active.any(axis=1))]
+        moved = [np.repeat(a[None], len(rows), axis=0) for a in (shared, local)]
+        for copy, (row, runs) in enumerate(rows):
+            if row < of.n_global:
+                moved[0][copy, row] += steps[row]
+            else:
+                moved[1][copy, row - of.n_global, runs] += steps[row]
+        out = np.zeros((of.n_global + of.n_run, r.size))
+        if rows:
+            copy = np.concatenate([np.full(runs.size, i) for i, (_, runs) in enumerate(rows)])
+            run = np.concatenate([runs for _, runs in rows])
+            lanes = copy * len(r.runs) + run
+            sizes = np.diff(r.bounds)[run]
+            offset = np.concatenate([[0], np.cumsum(sizes)])
+            values = of.plants(*moved)
+            found, _ = self._run(
+                np.ascontiguousarray(values[copy, run]), self._starts(moved[1])[lanes], run, offset[:-1], int(offset[-1]), 0
+            )
+            pieces = r.pieces()
+            for i, (c, k) in enumerate(zip(copy, run, strict=True)):
+                row = rows[c][0]
+                out[row, pieces[k]] = (found[offset[i] : offset[i + 1]] - reading[pieces[k]]) / steps[row]
+        return out[: of.n_global], out[of.n_global :]
+
+
+def check_size(effects: tuple[Effect, ...]) -> None:
+    """Refuse more than the kernel has room for.
+
+    Raises
+    ------
+    stepid.errors.InputError
+    """
+    from stepid.simulation import kernel
+
+    states = 2 + sum(e.n_extra + e.n_memory for e in effects)
+    values = kernel.Q_FIRST + sum(len(e.parameters) + len(e.run_parameters) for e in effects)
+    for what, has, most in (
+        ("effects", len(effects), kernel.MOST_EFFECTS),
+        ("states", states, kernel.MOST_STATES),
+        ("switches", sum(e.n_switches for e in effects), kernel.MOST_SWITCHES),
+        ("values", values, kernel.MOST_VALUES),
+    ):
+        if has > most:
+            raise InputError(f"{has} {what} are more than a simulation holds ({most})", "Use fewer effects at once.")
