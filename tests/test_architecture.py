@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[1]
 HEAVY = ["control", "matplotlib", "numpy", "scipy", "pydantic", "pandas", "plotly", "jinja2", "typer", "rich"]
 ONE_ROOM = {
     "control": "transfer",
-    "pandas": "frames.py",
+    "pandas": "core",
     "matplotlib": "plot",
     "typer": "cli.py",
     "rich": "cli.py",
@@ -38,7 +38,7 @@ def test_import_contracts_hold() -> None:
 def test_the_page_about_the_house_shows_these_layers() -> None:
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]["contracts"]
     (layers,) = [contract["layers"] for contract in contracts if contract["type"] == "layers"]
-    shown = "\n".join(" · ".join(name.strip(" ()") for name in layer.split(":")) for layer in layers)
+    shown = "\n".join(" · ".join(name.strip() for name in layer.split("|")) for layer in layers)
     assert f"```text\n{shown}\n```" in (ROOT / "docs" / "architecture.md").read_text("utf-8")
 
 
@@ -51,7 +51,7 @@ def test_importing_stepid_loads_nothing_heavy() -> None:
 def test_the_core_loads_no_optional_package() -> None:
     names = "Campaign Experiment read_campaign identify solve transfer_function verify"
     loaded = python(f"import sys, stepid; [getattr(stepid, n) for n in '{names}'.split()]; print(*sys.modules)").split()
-    assert "stepid.experiment" in loaded
+    assert "stepid.core.experiment" in loaded
     assert not {"control", "matplotlib", "pandas", "plotly", "jinja2", "typer", "rich"} & set(loaded)
 
 

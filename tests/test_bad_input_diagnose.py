@@ -133,7 +133,7 @@ REAL = os.environ.get("STEPID_REAL_DATA")
 
 @pytest.mark.skipif(REAL is None, reason="STEPID_REAL_DATA does not name the folder of real recordings")
 def test_a_real_amplifier_that_was_off_at_first() -> None:
-    from stepid.screen import screen
+    from stepid.fitting.screening import screen
 
     root = Path(REAL or "") / "ecp210-milan" / "steps"
     runs = [

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import stepid
-import stepid.engine.search as search
+import stepid.fitting.multistart as search
 from broken_campaigns import FRICTION, NOISE, SAMPLE_TIME, campaign, changed, inputs, scaled
 from stepid.effects import resolve
-from stepid.engine.least_squares import minimize
-from stepid.engine.problem import build, start_local
-from stepid.engine.records import lay_out
 from stepid.errors import InputError, UndeterminedError
-from stepid.screen import screen
+from stepid.fitting.levenberg_marquardt import minimize
+from stepid.fitting.problem import build, start_local
+from stepid.fitting.screening import screen
+from stepid.simulation.records import lay_out
 
 WHOLE = campaign(1)
 

@@ -8,7 +8,7 @@ import pytest
 import stepid
 from closed_form import SAMPLE_TIME, Plant, make_run
 from stepid import characteristics as ch
-from stepid.second_order import damping_ratio_slope, settling_time
+from stepid.identification.second_order import damping_ratio_slope, settling_time
 
 PLANT = Plant(base_mass=0.954, stiffness=216.2, damping=14.0)
 ADDED = (0.0, 0.5, 1.5, 2.0)

@@ -7,8 +7,8 @@ import pytest
 
 import stepid
 from closed_form import SAMPLE_TIME, Plant, make_run
-from stepid.characteristics import damped_frequency, damping_ratio
 from stepid.errors import InputError, NoOvershootError, NoStepError, NotSettledError
+from stepid.identification.characteristics import damped_frequency, damping_ratio
 
 PLANT = Plant(base_mass=0.954, stiffness=216.2, damping=14.0)
 NOISE = {"noise": 5e-6, "rng": np.random.default_rng(1)}

@@ -11,7 +11,7 @@ import pytest
 import stepid
 from closed_form import SAMPLE_TIME
 from stepid.errors import NoOvershootError, NotSettledError
-from stepid.release import constant_loss, find_extrema
+from stepid.identification.free_response import constant_loss, find_extrema
 
 
 def swing(*, ratio: float = 0.03, frequency: float = 20.0, hold: int = 80, count: int = 1200, noise: float = 0.0):

@@ -15,8 +15,8 @@ from matplotlib import pyplot as plt
 
 import stepid
 from stepid.cli import run
+from stepid.core.atomic_write import staged
 from stepid.report.file_names import file_names
-from stepid.staging import staged
 
 MANIFEST = Path(stepid.datasets.__file__).parent / "lab" / "campaign.toml"
 

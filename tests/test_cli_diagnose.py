@@ -16,7 +16,7 @@ from matplotlib import pyplot as plt
 import diagnosis_example as example
 import stepid
 from stepid.cli import run
-from stepid.diagnose.result import Diagnosis
+from stepid.diagnosis.result import Diagnosis
 
 LAB = Path(stepid.datasets.__file__).parent / "lab" / "campaign.toml"
 

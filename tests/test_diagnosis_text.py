@@ -9,11 +9,11 @@ import pytest
 import diagnosis_example as example
 import stepid
 from diagnosis_example import changed
-from stepid.diagnose.result import Diagnosis, Gap, Where
-from stepid.diagnose.summary import QUESTIONS, next_steps
-from stepid.diagnose.wording import digits, effect_names, length
-from stepid.estimate import Estimate
-from stepid.parameters import IdentifiedParameters, ParameterUncertainty
+from stepid.core.estimate import Estimate
+from stepid.diagnosis.result import Diagnosis, Gap, Where
+from stepid.diagnosis.text import QUESTIONS, next_steps
+from stepid.diagnosis.wording import digits, effect_names, length
+from stepid.identification.parameters import IdentifiedParameters, ParameterUncertainty
 from stepid.report import diagnosis_report, hand_method_table
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import stepid
-from stepid._base import Array
+from stepid.core.base import Array
 from stepid.effects import resolve
-from stepid.engine import displace, least_squares
-from stepid.engine.displace import resettle, scan_starts
-from stepid.engine.least_squares import Problem, minimize
-from stepid.engine.problem import build, fit_linear, start_local
-from stepid.engine.records import lay_out
+from stepid.fitting import levenberg_marquardt, multistart_sticking
+from stepid.fitting.levenberg_marquardt import Problem, minimize
+from stepid.fitting.multistart_sticking import resettle, scan_starts
+from stepid.fitting.problem import build, fit_linear, start_local
+from stepid.simulation.records import lay_out
 
 TRUTH = stepid.datasets.lab_truth()
 
@@ -46,7 +46,7 @@ def test_a_kick_leaves_a_minimum_where_no_displacement_would(monkeypatch: pytest
     stuck = minimize(*_held(0.285))
     assert stuck is not None
     assert stuck.rms > 2 * TRUTH.noise_rms
-    monkeypatch.setattr(displace, "scan_starts", lambda optimum: optimum.local)
+    monkeypatch.setattr(multistart_sticking, "scan_starts", lambda optimum: optimum.local)
     assert resettle(stuck, tolerance=0.0).rms < 1.015 * TRUTH.noise_rms
 
 
@@ -54,7 +54,7 @@ def test_a_marched_trial_leads_to_another_pattern_of_sticking(monkeypatch: pytes
     found = minimize(*_held(0.35))
     assert found is not None
     assert found.rms < 1.015 * TRUTH.noise_rms
-    monkeypatch.setattr(least_squares, "_MARCHES", 0)
+    monkeypatch.setattr(levenberg_marquardt, "_MARCHES", 0)
     stuck = minimize(*_held(0.35))
     assert stuck is not None
     assert stuck.rms > 2 * TRUTH.noise_rms

@@ -127,7 +127,9 @@ def test_every_equation_links_to_its_function() -> None:
 def test_reference_lists_every_public_name() -> None:
     page = (ROOT / "docs" / "reference.md").read_text(encoding="utf-8")
     listed = set(re.findall(r"auto(?:function|class|module):: stepid\.([\w.]+)", page))
-    assert set(stepid.__all__) <= listed, f"missing in reference.md: {sorted(set(stepid.__all__) - listed)}"
+    missing = set(stepid.__all__) - listed - {"characteristics"}
+    assert not missing, f"missing in reference.md: {sorted(missing)}"
+    assert stepid.characteristics.__name__.removeprefix("stepid.") in listed
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.name)

@@ -6,7 +6,7 @@ import re
 import runpy
 from pathlib import Path
 
-from stepid.diagnose.phases import PHASES
+from stepid.diagnosis.phases import PHASES
 from stepid.effects import CATALOGUE
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"

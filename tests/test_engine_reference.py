@@ -10,10 +10,10 @@ import pytest
 import stepid
 from exact_plants import COUNTS, EFFECTS, exact_campaign, true_model
 from stepid.effects import CATALOGUE, resolve
-from stepid.engine.problem import build
-from stepid.engine.records import lay_out
-from stepid.engine.trajectory import Simulator
-from stepid.simulate import pack, solve_model
+from stepid.fitting.problem import build
+from stepid.simulation.records import lay_out
+from stepid.simulation.simulate import pack, solve_model
+from stepid.simulation.trajectory import Simulator
 
 SHORT = ((0.5, 0.5), (2.0, -0.5), (1.0, 0.3))
 SEVERAL = (

@@ -10,11 +10,11 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from stepid.effects import resolve
-from stepid.engine.exact import FullStep, exponential
-from stepid.engine.flow import advance, linearize
-from stepid.engine.law import DAMPING, FIRST, GAIN, LENGTH, MASS, STIFFNESS, VOLTS, Law
-from stepid.engine.series import along, crossing, series
-from stepid.engine.stretch import Stretch
+from stepid.simulation.exact import FullStep, exponential
+from stepid.simulation.flow import advance, linearize
+from stepid.simulation.law import DAMPING, FIRST, GAIN, LENGTH, MASS, STIFFNESS, VOLTS, Law
+from stepid.simulation.series import along, crossing, series
+from stepid.simulation.stretch import Stretch
 
 RATE, DECAY = 14.0, 1.5  # rad/s and 1/s, of a free swing
 LOST = np.array([[0.0, 1.0], [-(RATE**2 + DECAY**2), -2 * DECAY]])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import stepid
-from stepid.engine.records import lay_out
-from stepid.floor import succession
+from stepid.fitting.noise_floor import succession
+from stepid.simulation.records import lay_out
 
 RECORDS = lay_out(stepid.datasets.lab_campaign())
 

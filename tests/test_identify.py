@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 import stepid
 from closed_form import SAMPLE_TIME, Plant, draw_plant, make_campaign, make_run
 from stepid.errors import UndeterminedError
-from stepid.identification import characterize_campaign
-from stepid.pooling import pool_steps
+from stepid.identification.identify import characterize_campaign
+from stepid.identification.pooling import pool_steps
 
 STIFFNESS = {"light": 175.0, "medium": 216.0, "stiff": 450.0}
 DAMPING = {"none": 1.5, "1/2 turn": 14.0, "4 full turns": 36.0}

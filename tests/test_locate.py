@@ -9,17 +9,17 @@ from scipy.optimize import brentq
 import stepid
 from closed_form import SAMPLE_TIME, Plant, make_run
 from hidden.campaigns import Request, make_campaigns
-from stepid.diagnose.force import SHAPES, Shape, bump, residual_force, shape
-from stepid.diagnose.locate import locate, phases_of, run_trends
-from stepid.diagnose.phases import BEFORE, DRIVEN, OVERSHOOT, PHASES, REST, RING_DOWN, RISE, phase_of_samples
-from stepid.diagnose.wording import sentences
-from stepid.engine.least_squares import Optimum
-from stepid.engine.problem import fit_linear
-from stepid.engine.records import Records, lay_out
-from stepid.engine.spectrum import strongest_period
-from stepid.engine.weak import measured_motion
-from stepid.experiment import Campaign
-from stepid.floor import noise_floor
+from stepid.core.experiment import Campaign
+from stepid.diagnosis.locate import locate, phases_of, run_trends
+from stepid.diagnosis.phases import BEFORE, DRIVEN, OVERSHOOT, PHASES, REST, RING_DOWN, RISE, phase_of_samples
+from stepid.diagnosis.residual_force import SHAPES, Shape, bump, residual_force, shape
+from stepid.diagnosis.wording import sentences
+from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.noise_floor import noise_floor
+from stepid.fitting.problem import fit_linear
+from stepid.fitting.spectrum import strongest_period
+from stepid.fitting.weak_form import measured_motion
+from stepid.simulation.records import Records, lay_out
 
 PLANT = Plant(base_mass=0.95, stiffness=216.0, damping=8.0)
 START = 12

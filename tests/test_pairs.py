@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import replace
 
 import pytest
 
 import stepid
 from hidden.sets import one
-from stepid.diagnose.candidate import Candidate
+from stepid.diagnosis import verdict
+from stepid.diagnosis.selection import backward
+from stepid.diagnosis.selection.candidate import Candidate
 from stepid.effects import resolve
-
-simplify = importlib.import_module("stepid.diagnose.simplify")
-verdict = importlib.import_module("stepid.diagnose.verdict")
 
 
 @pytest.mark.slow
@@ -40,8 +38,8 @@ def test_both_effects_are_named(number: int) -> None:
 def test_simplification_ends_where_nothing_simpler_is_better(monkeypatch: pytest.MonkeyPatch) -> None:
     pair = Candidate(resolve(("coulomb_friction", "input_delay")), None, 0.0, 0.0)  # type: ignore[arg-type]
     worse = replace(pair, effects=pair.effects[:1], evidence=1.0)
-    monkeypatch.setattr(simplify, "simplify", lambda ground, found: [worse])
-    assert simplify.simplified(None, [pair]) == [pair, worse]  # type: ignore[arg-type]
+    monkeypatch.setattr(backward, "simplify", lambda ground, found: [worse])
+    assert backward.simplified(None, [pair]) == [pair, worse]  # type: ignore[arg-type]
 
 
 def test_simplification_goes_on_while_it_betters(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -50,12 +48,12 @@ def test_simplification_goes_on_while_it_betters(monkeypatch: pytest.MonkeyPatch
     def one_less(ground: object, found: Candidate) -> list[Candidate]:
         return [replace(found, effects=found.effects[1:], evidence=found.evidence - 1.0)]
 
-    monkeypatch.setattr(simplify, "simplify", one_less)
-    assert simplify.simplified(None, [three])[0].names == ("cogging",)  # type: ignore[arg-type]
+    monkeypatch.setattr(backward, "simplify", one_less)
+    assert backward.simplified(None, [three])[0].names == ("cogging",)  # type: ignore[arg-type]
 
 
 def test_two_effects_in_the_other_order_are_no_rival() -> None:
     pair = Candidate(resolve(("coulomb_friction", "input_delay")), None, 0.0, 0.0)  # type: ignore[arg-type]
     turned = replace(pair, effects=pair.effects[::-1], evidence=0.1)
     assert verdict._accept([pair], [turned]) == [pair]
-    assert simplify.replaced([pair], [turned]) == [turned]
+    assert backward.replaced([pair], [turned]) == [turned]

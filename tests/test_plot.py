@@ -14,7 +14,7 @@ from matplotlib import pyplot as plt
 import stepid
 from stepid import plot
 from stepid.plot.style import figure_of
-from stepid.verification import Verification, VerificationRun
+from stepid.transfer.verification import Verification, VerificationRun
 
 
 @pytest.fixture(autouse=True)

@@ -14,7 +14,7 @@ from matplotlib.colors import to_hex
 import diagnosis_example as example
 from diagnosis_example import changed
 from stepid import plot
-from stepid.diagnose.result import Diagnosis, Gap
+from stepid.diagnosis.result import Diagnosis, Gap
 from stepid.errors import InputError
 
 

@@ -18,10 +18,10 @@ import report_example
 import stepid
 from diagnosis_example import changed
 from page_text import Tags, packed
-from stepid.diagnose.result import Diagnosis, Gap, RunGap
-from stepid.diagnose.summary import found_sizes
-from stepid.diagnose.wording import length
-from stepid.estimate import Estimate
+from stepid.core.estimate import Estimate
+from stepid.diagnosis.result import Diagnosis, Gap, RunGap
+from stepid.diagnosis.text import found_sizes
+from stepid.diagnosis.wording import length
 from stepid.report import captions, provenance
 from stepid.report.hand import HandMethod
 from stepid.report.page import Still, _tiles

@@ -11,7 +11,7 @@ import numpy as np
 import diagnosis_example as example
 import stepid
 from diagnosis_example import changed
-from stepid.diagnose.result import RunGap
+from stepid.diagnosis.result import RunGap
 from stepid.report import provenance, story
 from stepid.report.story import tell
 from stepid.report.thin import MOST, kept_samples

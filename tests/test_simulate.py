@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stepid
-from stepid._base import Array
+from stepid.core.base import Array
 from stepid.effects import CATALOGUE, Effect, Motion, Parameter, Scales
 from stepid.errors import ConvergenceError, InputError
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import stepid
-from stepid._base import Array
-from stepid.engine.records import Records, lay_out
-from stepid.engine.spectrum import resonances, strongest_period
+from stepid.core.base import Array
+from stepid.fitting.spectrum import resonances, strongest_period
+from stepid.simulation.records import Records, lay_out
 
 STEP = 0.005
 

@@ -7,7 +7,7 @@ import pytest
 
 import stepid
 from stepid.errors import InputError, UndeterminedError
-from stepid.stacked import frequency_row, undetermined_springs
+from stepid.identification.stacked import frequency_row, undetermined_springs
 
 
 def run(name: str, mass: float, *, spring: str = "medium", stiffness: float = 200.0, base: str = "cart"):

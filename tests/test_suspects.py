@@ -11,8 +11,8 @@ import pytest
 import stepid
 from broken_campaigns import FRICTION, campaign, changed, scaled, shifted
 from stepid.effects import resolve
-from stepid.fit import fit_effects, ground_of
-from stepid.suspects import find_suspect
+from stepid.fitting.fit import fit_effects, ground_of
+from stepid.fitting.outlier_run import find_suspect
 
 
 def drifting(whole: stepid.Campaign) -> stepid.Campaign:

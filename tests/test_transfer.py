@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import stepid
 from stepid.errors import IdentificationError, InputError
-from stepid.parameters import IdentifiedParameters
+from stepid.identification.parameters import IdentifiedParameters
 from stepid.transfer import free_responses, held_response, transfer_function
 
 

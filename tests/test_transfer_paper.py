@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stepid
-from stepid.paper import PRINTED, PaperRebuild, printed_parameters
+from stepid.datasets.replication import PRINTED, PaperRebuild, printed_parameters
 
 
 @pytest.fixture(scope="module")
@@ -15,7 +15,7 @@ def paper() -> PaperRebuild:
 
 
 @pytest.mark.parametrize("case", PRINTED, ids=lambda c: c.name)
-def test_table_2(paper: PaperRebuild, case: stepid.paper.PrintedCase) -> None:
+def test_table_2(paper: PaperRebuild, case: stepid.datasets.replication.PrintedCase) -> None:
     found = paper.parameters
     assert found.masses[case.name] == pytest.approx(case.mass, abs=2e-4)
     assert found.damping[case.name] == pytest.approx(case.damping, abs=0.01)
@@ -25,7 +25,7 @@ def test_table_2(paper: PaperRebuild, case: stepid.paper.PrintedCase) -> None:
 
 
 @pytest.mark.parametrize("case", PRINTED, ids=lambda c: c.equation)
-def test_equations_12_to_15(paper: PaperRebuild, case: stepid.paper.PrintedCase) -> None:
+def test_equations_12_to_15(paper: PaperRebuild, case: stepid.datasets.replication.PrintedCase) -> None:
     for parameters in (paper.parameters, printed_parameters()):
         system = stepid.transfer_function(parameters, case.name)
         second, first, one = system.den_array[0, 0]

@@ -7,9 +7,9 @@ import pytest
 
 import stepid
 from hidden import Run, fast, sets
-from stepid.diagnose.diagnosis import ground_of
+from stepid.diagnosis.diagnose import ground_of
 from stepid.effects import resolve
-from stepid.engine.wells import well_starts
+from stepid.fitting.multistart_cogging import well_starts
 
 COUNTS = 226600
 BASE, STIFFNESS, DAMPING = 2.44, 328.0, 23.8

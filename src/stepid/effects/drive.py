@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from stepid._base import Array
+from stepid.core.base import Array
 from stepid.effects.base import Effect, Motion, Parameter, Regressor, Scales, Values
 
 _SETTLED = 2.0  # time constants, in which a lag is no more followed but taken at its mean

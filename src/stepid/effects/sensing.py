@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from stepid._base import Array
+from stepid.core.base import Array
 from stepid.effects.base import Effect, Parameter, Scales, Values
 
 
