@@ -15,11 +15,11 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from closed_form import WEIGHTS, draw_plant, make_campaign
-from stepid.characteristics import characterize
 from stepid.errors import NotSettledError
-from stepid.peak import InterpolatedPeak, Peak, SampledPeak
-from stepid.solution import solve
-from stepid.stacked import assemble
+from stepid.identification.characteristics import characterize
+from stepid.identification.peak import InterpolatedPeak, Peak, SampledPeak
+from stepid.identification.solve import solve
+from stepid.identification.stacked import assemble
 
 LENGTHS = ((1e-3, 1.5), (1e-2, 1.0), (2e-2, 0.5), (4e-2, 0.25))
 

@@ -16,12 +16,12 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from closed_form import draw_plant, make_campaign
-from stepid.characteristics import characterize
 from stepid.errors import IdentificationError
-from stepid.peak import InterpolatedPeak, Peak, SampledPeak
-from stepid.solution import solve
-from stepid.solvers import OrdinaryLeastSquares, WeightedLeastSquares
-from stepid.stacked import assemble
+from stepid.identification.characteristics import characterize
+from stepid.identification.peak import InterpolatedPeak, Peak, SampledPeak
+from stepid.identification.solve import solve
+from stepid.identification.solvers import OrdinaryLeastSquares, WeightedLeastSquares
+from stepid.identification.stacked import assemble
 
 SOLVERS = {"ordinary": OrdinaryLeastSquares(), "weighted": WeightedLeastSquares()}
 QUANTITIES = ("base mass", "stiffness", "damping (each run)", "damping (pooled)")

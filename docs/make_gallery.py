@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import stepid
-from stepid.diagnose.locate import locate
-from stepid.diagnose.result import Where
-from stepid.diagnose.wording import effect_names, length
+from stepid.diagnosis.locate import locate
+from stepid.diagnosis.result import Where
+from stepid.diagnosis.wording import effect_names, length
 from stepid.effects import CATALOGUE, Effect
-from stepid.fit import ground_of
+from stepid.fitting.fit import ground_of
 from stepid.plot.layout import new_figure, stacked_axes
 from stepid.plot.style import MODEL, OTHER, SERIES, styled
 from stepid.plot.style import PAGE as PAGE_WIDTH

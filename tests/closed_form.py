@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepid.experiment import Campaign, Experiment
+from stepid.core.experiment import Campaign, Experiment
 
 SAMPLE_TIME = 0.0088542  # s
 WEIGHTS = (0.0, 0.5, 1.5, 2.0)  # kg, cases 4 to 7

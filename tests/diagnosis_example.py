@@ -7,15 +7,15 @@ from functools import cache
 import numpy as np
 
 import stepid
-from stepid.diagnose.locate import locate, phases_of
-from stepid.diagnose.result import Diagnosis, Gap, Ranked, RunGap
+from stepid.diagnosis.locate import locate, phases_of
+from stepid.diagnosis.result import Diagnosis, Gap, Ranked, RunGap
 from stepid.effects import resolve
-from stepid.engine.least_squares import minimize
-from stepid.engine.problem import build, fit_linear, start_local
-from stepid.engine.records import lay_out
-from stepid.estimates import estimates
-from stepid.floor import noise_floor
-from stepid.simulate import unpack
+from stepid.fitting.covariance import estimates
+from stepid.fitting.fit import unpack
+from stepid.fitting.levenberg_marquardt import minimize
+from stepid.fitting.noise_floor import noise_floor
+from stepid.fitting.problem import build, fit_linear, start_local
+from stepid.simulation.records import lay_out
 
 RUNS = ("case 4", "case 5", "case 6", "case 7")
 LEVEL = 0.3  # N, hidden in the campaign

@@ -9,7 +9,7 @@ from tempfile import mkdtemp
 import matplotlib as mpl
 
 import diagnosis_example as example
-from stepid.diagnose.result import Diagnosis
+from stepid.diagnosis.result import Diagnosis
 
 NINE = tuple(f"case {number}" for number in range(1, 10))
 

@@ -17,8 +17,8 @@ import stepid  # what takes long to load is loaded by the command that needs it:
 from stepid.errors import IdentificationError, StepidError
 
 if TYPE_CHECKING:
-    from stepid.experiment import Campaign
-    from stepid.parameters import IdentifiedParameters
+    from stepid.core.experiment import Campaign
+    from stepid.identification.parameters import IdentifiedParameters
     from stepid.report import Section
 
 app = typer.Typer(
@@ -90,9 +90,9 @@ def _root(
 @app.command(epilog=_examples("stepid paper", "stepid paper --out out"))
 def paper(out: Out = None, as_json: Json = False) -> None:
     """Rebuild Burchett's Table 2 and Eqs. 12 to 15 beside the printed ones, name the misprints, draw the figures."""
+    from stepid.core.atomic_write import staged
     from stepid.report import as_text, paper_report
     from stepid.report.json_values import paper_values
-    from stepid.staging import staged
 
     rebuilt = stepid.rebuild_paper()
     sections = paper_report(rebuilt)
@@ -118,11 +118,11 @@ def paper(out: Out = None, as_json: Json = False) -> None:
 @_showing_a_manifest
 def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> None:
     """Find masses, stiffness and damping by the paper's method, and verify them against the records."""
-    from stepid.identification import characterize_campaign
+    from stepid.core.atomic_write import staged
+    from stepid.identification.identify import characterize_campaign
     from stepid.report import as_text, identify_report
     from stepid.report.file_names import file_names
     from stepid.report.json_values import identify_values
-    from stepid.staging import staged
 
     read = stepid.read_campaign(campaign)
     parameters = stepid.identify(read)
@@ -155,11 +155,11 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
 @_showing_a_manifest
 def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False, quiet: Quiet = False) -> None:
     """Say whether a linear model is adequate, and if not, which effect is missing; show the gap before and after."""
+    from stepid.core.atomic_write import staged
     from stepid.report import as_text, diagnosis_report
     from stepid.report.json_values import diagnosis_values
     from stepid.report.provenance import of_files
     from stepid.report.write import write_all
-    from stepid.staging import staged
 
     read = stepid.read_campaign(campaign)
     if not (quiet or as_json):

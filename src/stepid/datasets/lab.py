@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from stepid._base import Finite, Model, Positive
-from stepid.experiment import Campaign
-from stepid.files import read_campaign
+from stepid.core.base import Finite, Model, Positive
+from stepid.core.experiment import Campaign
+from stepid.io.campaign_files import read_campaign
 
 _FOLDER = Path(__file__).parent / "lab"
 

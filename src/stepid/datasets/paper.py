@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
-from stepid._base import Model
-from stepid.experiment import MassOffset
-from stepid.response import Characteristics, CharacteristicsUncertainty
+from stepid.core.base import Model
+from stepid.core.experiment import MassOffset
+from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
 
 SAMPLE_TIME = 0.0088542  # s, of the ECP plant's usual export
 STEP = 0.5  # V, "0.5 volt for all cases"

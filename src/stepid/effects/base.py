@@ -7,7 +7,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from stepid._base import Array
+from stepid.core.base import Array
 
 GRAVITY = 9.81  # m/s²
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from stepid._base import Array
+from stepid.core.base import Array
 from stepid.effects.base import GRAVITY, Effect, Moment, Motion, Parameter, Regressor, Scales, Values
 
 _SHARES = (0.01, 0.04, 0.12)  # of the largest spring force

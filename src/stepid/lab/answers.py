@@ -5,10 +5,10 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Mapping
 
-from stepid._base import Finite, Label, Model, NonNegative, Positive
-from stepid._table import html_table, text_table
+from stepid.core.base import Finite, Label, Model, NonNegative, Positive
+from stepid.core.experiment import Campaign
+from stepid.core.tables import html_table, text_table
 from stepid.errors import InputError
-from stepid.experiment import Campaign
 
 _TITLE = "Answers"
 _HEADER = ("group", "hidden", "r0", "parameters")

@@ -10,14 +10,14 @@ from typing import Self
 
 from pydantic import model_validator
 
-from stepid._base import Model
+from stepid.core.atomic_write import staged
+from stepid.core.base import Model
+from stepid.core.experiment import Campaign
 from stepid.errors import InputError
-from stepid.experiment import Campaign
-from stepid.files import read_campaign, write_campaign
+from stepid.io.campaign_files import read_campaign, write_campaign
+from stepid.io.textfile import as_path, decode, read_bytes
 from stepid.lab.answers import Answer, Answers, digest
 from stepid.lab.seal import seal, unseal
-from stepid.staging import staged
-from stepid.textfile import as_path, decode, read_bytes
 
 SEALED, COMMITMENT = "answers.sealed", "commitment.txt"
 _PADDED = 8192  # bytes a group: more than any answer, so that the sealed file's length tells nothing

@@ -10,22 +10,22 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from stepid._base import Array
+from stepid.core.base import Array
+from stepid.core.experiment import Campaign
+from stepid.core.noise import rms
 from stepid.effects import CATALOGUE, Effect
-from stepid.engine.least_squares import Optimum, evaluate
-from stepid.engine.problem import build
-from stepid.engine.records import lay_out
 from stepid.errors import InputError
-from stepid.estimates import estimates
-from stepid.experiment import Campaign
+from stepid.fitting.covariance import estimates
+from stepid.fitting.levenberg_marquardt import Optimum, evaluate
+from stepid.fitting.problem import build
 from stepid.lab.answers import Answer, Answers, digest
 from stepid.lab.assignment import SEALED, Assignment
 from stepid.lab.choice import Choice, Draw, chosen_for, stream
 from stepid.lab.hide import Start, campaign_of, linear_misfit, model_of, respond, sized
 from stepid.lab.rig import Plant, Rig, draw_plant
-from stepid.model import EffectModel, PlantModel
-from stepid.noise import rms
-from stepid.simulate import pack
+from stepid.simulation.model import EffectModel, PlantModel
+from stepid.simulation.records import lay_out
+from stepid.simulation.simulate import pack
 
 _NAME = re.compile(r"\w(?:[\w .+-]{0,38}\w)?")  # of a group: also a folder's
 _UNITS = ("kg", "N/m", "N·s/m", "N/V")

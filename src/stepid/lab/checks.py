@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from stepid._base import Finite, Label, Model, NonNegative
-from stepid._table import html_table, text_table
+from stepid.core.base import Finite, Label, Model, NonNegative
+from stepid.core.estimate import format_value
+from stepid.core.tables import html_table, text_table
 from stepid.errors import InputError
-from stepid.estimate import format_value
 
 Naming = Literal["right", "among", "partly", "wrong"]
 _HEADER = ("parameter", "handed in", "truth", "unit", "off", "verdict")

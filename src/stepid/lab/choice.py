@@ -10,10 +10,10 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from stepid._base import Model
+from stepid.core.base import Model
 from stepid.effects import Effect, resolve
 from stepid.errors import InputError
-from stepid.model import EffectModel
+from stepid.simulation.model import EffectModel
 
 Hidden = Sequence[str | EffectModel]
 SEPARABLE = (

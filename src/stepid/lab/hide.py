@@ -9,17 +9,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepid._base import Array
+from stepid.core.base import Array
+from stepid.core.experiment import Campaign
 from stepid.effects import Effect
 from stepid.effects.base import Motion
-from stepid.engine.problem import fit_linear
-from stepid.engine.records import lay_out
 from stepid.errors import ConvergenceError, InputError
-from stepid.experiment import Campaign
+from stepid.fitting.problem import fit_linear
 from stepid.lab.rig import Plant, Rig, scale_of
 from stepid.lab.sizes import SIZES
-from stepid.model import EffectModel, PlantModel, RunState
-from stepid.simulate import simulate
+from stepid.simulation.model import EffectModel, PlantModel, RunState
+from stepid.simulation.records import lay_out
+from stepid.simulation.simulate import simulate
 
 _LEAD = 5.0  # s that a cart takes to find its rest position before the record
 _ROUNDS, _DRAWS = 14, 6

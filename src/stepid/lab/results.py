@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from stepid._base import Model
-from stepid._table import html_table, text_table
+from stepid.core.base import Model
+from stepid.core.tables import html_table, text_table
 from stepid.effects import CATALOGUE, Effect
 from stepid.errors import InputError
 from stepid.lab.answers import Answers, in_words

@@ -8,9 +8,9 @@ from typing import Annotated, NamedTuple, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from stepid._base import Array, Finite, Label, Model, NonNegative, Positive
-from stepid.experiment import Experiment
-from stepid.second_order import overshoot_of
+from stepid.core.base import Array, Finite, Label, Model, NonNegative, Positive
+from stepid.core.experiment import Experiment
+from stepid.identification.second_order import overshoot_of
 
 _FEWEST = 20  # samples before and after the step back
 

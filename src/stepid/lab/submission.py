@@ -7,11 +7,11 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from stepid._base import Label, Model
+from stepid.core.atomic_write import staged
+from stepid.core.base import Label, Model
+from stepid.core.estimate import Estimate
 from stepid.errors import InputError
-from stepid.estimate import Estimate
-from stepid.staging import staged
-from stepid.textfile import as_path, decode, read_bytes
+from stepid.io.textfile import as_path, decode, read_bytes
 
 
 class Submission(Model):

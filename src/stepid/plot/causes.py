@@ -7,9 +7,9 @@ import textwrap
 import numpy as np
 from matplotlib.axes import Axes
 
-from stepid._base import Array
-from stepid.diagnose.result import Diagnosis, Ranked, Where
-from stepid.diagnose.wording import effect_names
+from stepid.core.base import Array
+from stepid.diagnosis.result import Diagnosis, Ranked, Where
+from stepid.diagnosis.wording import effect_names
 from stepid.plot.gap import AFTER, BEFORE, NOISE
 from stepid.plot.scale import plain_logarithm
 from stepid.plot.style import SERIES, dress, styled

@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from stepid.diagnose.result import Diagnosis
-from stepid.diagnose.summary import answer
+from stepid.diagnosis.result import Diagnosis
+from stepid.diagnosis.text import answer
 from stepid.errors import InputError
 from stepid.plot.causes import candidates, force_against_position, force_against_velocity, phase_bars
 from stepid.plot.gap import gap_bars, gap_residual, gap_response

@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 
-from stepid.diagnose.result import Diagnosis, RunGap
-from stepid.diagnose.wording import length
+from stepid.diagnosis.result import Diagnosis, RunGap
+from stepid.diagnosis.wording import length
 from stepid.errors import InputError
 from stepid.plot.layout import one_legend, page_of_pairs
 from stepid.plot.scale import length_unit, plain_logarithm, reach_of

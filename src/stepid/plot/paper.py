@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from matplotlib.axes import Axes
 
-from stepid.paper import PaperResponse
+from stepid.datasets.replication import PaperResponse
 from stepid.plot.layout import column_axes
 from stepid.plot.scale import length_unit, reach_of
 from stepid.plot.style import MARK, MODEL, OTHER, dress, styled

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from stepid.plot.layout import column_axes, one_legend, page_of_pairs
 from stepid.plot.scale import length_unit, reach_of
 from stepid.plot.style import MARK, MEASURED, MODEL, dress, styled
-from stepid.verification import Verification, VerificationRun
+from stepid.transfer.verification import Verification, VerificationRun
 
 AxesPair = tuple[Axes, Axes]
 

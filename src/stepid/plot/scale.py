@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from matplotlib.axis import Axis
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from stepid._base import Array
+from stepid.core.base import Array
 
 
 def reach_of(curves: Iterable[Array]) -> float:

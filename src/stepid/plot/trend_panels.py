@@ -9,9 +9,9 @@ import numpy.typing as npt
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 
+from stepid.identification.trends import Trend, Trends
 from stepid.plot.layout import new_figure
 from stepid.plot.style import MARKERS, PAGE, SERIES, dress, styled
-from stepid.trends import Trend, Trends
 
 _QUANTITIES = (  # field, label, factor from SI
     ("peak_time", "peak time [s]", 1.0),

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from stepid.diagnose.result import Diagnosis
-from stepid.diagnose.wording import digits, effect_names, length
+from stepid.diagnosis.result import Diagnosis
+from stepid.diagnosis.wording import digits, effect_names, length
 from stepid.report.chapter import Picture
 from stepid.report.pull import linear_pull
-from stepid.verification import Verification
+from stepid.transfer.verification import Verification
 
 _MEASURED = ("measured", "measured")
 _NOISE = ("noise", "noise, ±2σ")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stepid._base import Label, Model
+from stepid.core.base import Label, Model
 
 
 class Table(Model):

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from stepid._base import Model
-from stepid.diagnose.result import Diagnosis
+from stepid.core.base import Model
+from stepid.core.experiment import Campaign
+from stepid.diagnosis.result import Diagnosis
 from stepid.errors import IdentificationError
-from stepid.experiment import Campaign
-from stepid.identification import identify_with_system
-from stepid.parameters import IdentifiedParameters, StackedSystem
-from stepid.verification import Verification
-from stepid.verify import verify
+from stepid.identification.identify import identify_with_system
+from stepid.identification.parameters import IdentifiedParameters, StackedSystem
+from stepid.transfer.verification import Verification
+from stepid.transfer.verify import verify
 
 
 class HandMethod(Model):

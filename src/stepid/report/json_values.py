@@ -6,11 +6,11 @@ from collections.abc import Iterable
 from typing import Any
 
 import stepid
-from stepid._base import Model
-from stepid.diagnose.result import Diagnosis
-from stepid.paper import PaperRebuild
-from stepid.parameters import IdentifiedParameters
-from stepid.verification import Verification
+from stepid.core.base import Model
+from stepid.datasets.replication import PaperRebuild
+from stepid.diagnosis.result import Diagnosis
+from stepid.identification.parameters import IdentifiedParameters
+from stepid.transfer.verification import Verification
 
 FORMAT = 1
 """Raised where a key changes its meaning or goes; keys that are added leave it as it is."""

@@ -6,8 +6,8 @@ import re
 from collections.abc import Mapping
 from urllib.parse import quote
 
-from stepid.diagnose.result import Diagnosis
-from stepid.diagnose.summary import answer
+from stepid.diagnosis.result import Diagnosis
+from stepid.diagnosis.text import answer
 from stepid.report.chapter import Chapter, Table
 from stepid.report.hand import Hand
 from stepid.report.provenance import Provenance

@@ -14,9 +14,9 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup, escape
 from plotly.offline import get_plotlyjs
 
-from stepid.diagnose.result import Diagnosis
-from stepid.diagnose.summary import answer, found_sizes
-from stepid.diagnose.wording import digits, effect_names, length
+from stepid.diagnosis.result import Diagnosis
+from stepid.diagnosis.text import answer, found_sizes
+from stepid.diagnosis.wording import digits, effect_names, length
 from stepid.report.axes import run_line
 from stepid.report.hand import Hand, pictured
 from stepid.report.pictures import pictures

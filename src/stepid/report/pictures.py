@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
-from stepid._base import Array
-from stepid.diagnose.result import Diagnosis, RunGap
-from stepid.diagnose.wording import effect_names
+from stepid.core.base import Array
+from stepid.diagnosis.result import Diagnosis, RunGap
+from stepid.diagnosis.wording import effect_names
 from stepid.plot.causes import leading
 from stepid.plot.scale import length_unit, reach_of
 from stepid.report.axes import BAR, bars, framed, noise_across, noise_upright, own_line, paired, run_line
 from stepid.report.pull import linear_pull
 from stepid.report.thin import kept_samples
-from stepid.verification import VerificationRun
+from stepid.transfer.verification import VerificationRun
 
 _SHOWN = 8  # candidates
 _MARKED = 9  # markers on a curve

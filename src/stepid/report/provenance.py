@@ -10,11 +10,11 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
-from stepid._base import Label, Model
-from stepid.diagnose.result import Diagnosis
-from stepid.files import MANIFEST
-from stepid.manifest import parse_manifest
-from stepid.textfile import as_path, decode, read_bytes
+from stepid.core.base import Label, Model
+from stepid.diagnosis.result import Diagnosis
+from stepid.io.campaign_files import MANIFEST
+from stepid.io.manifest import parse_manifest
+from stepid.io.textfile import as_path, decode, read_bytes
 
 _PACKAGES = ("stepid", "numpy", "scipy", "control")
 

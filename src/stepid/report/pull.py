@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from statistics import fmean, stdev
 
-from stepid._table import text_table
-from stepid.diagnose.result import Diagnosis
-from stepid.diagnose.wording import effect_names
-from stepid.estimate import Estimate, format_value
-from stepid.parameters import IdentifiedParameters
+from stepid.core.estimate import Estimate, format_value
+from stepid.core.tables import text_table
+from stepid.diagnosis.result import Diagnosis
+from stepid.diagnosis.wording import effect_names
+from stepid.identification.parameters import IdentifiedParameters
 
 
 def hand_method_table(diagnosis: Diagnosis, identified: IdentifiedParameters) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from stepid._base import Label, Model
+from stepid.core.base import Label, Model
 
 
 class Section(Model):

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from stepid import plot
-from stepid.diagnose.result import Diagnosis
+from stepid.diagnosis.result import Diagnosis
 from stepid.plot.layout import new_figure
 from stepid.plot.style import MARKERS, PAGE, SERIES, styled
-from stepid.verification import Verification
+from stepid.transfer.verification import Verification
 
 Stills = Mapping[str, Callable[[], Any]]  # to axes; matplotlib's own types stay in stepid.plot
 _MARKED = 8  # markers on a curve

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from stepid.diagnose.result import Diagnosis
-from stepid.diagnose.summary import (
+from stepid.diagnosis.result import Diagnosis
+from stepid.diagnosis.text import (
     GAP_HEADER,
     RANKING_HEADER,
     answer,
@@ -14,7 +14,7 @@ from stepid.diagnose.summary import (
     parameter_rows,
     ranking_rows,
 )
-from stepid.diagnose.wording import digits, effect_names, length
+from stepid.diagnosis.wording import digits, effect_names, length
 from stepid.errors import IdentificationError
 from stepid.report import captions
 from stepid.report.chapter import Chapter, Table

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from stepid.diagnose.result import Diagnosis
-from stepid.diagnose.wording import digits
-from stepid.estimate import format_value
-from stepid.experiment import Experiment
-from stepid.parameters import IdentifiedParameters, StackedSystem, shared_rows
+from stepid.core.estimate import format_value
+from stepid.core.experiment import Experiment
+from stepid.diagnosis.result import Diagnosis
+from stepid.diagnosis.wording import digits
+from stepid.identification.parameters import IdentifiedParameters, StackedSystem, shared_rows
 from stepid.report.chapter import Table
-from stepid.verification import Verification
+from stepid.transfer.verification import Verification
 
 
 def runs_table(diagnosis: Diagnosis) -> Table:

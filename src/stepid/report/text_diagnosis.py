@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from stepid.diagnose.result import Diagnosis
+from stepid.diagnosis.result import Diagnosis
 from stepid.errors import StepidError
-from stepid.parameters import IdentifiedParameters
+from stepid.identification.parameters import IdentifiedParameters
 from stepid.report.pull import hand_method_table
 from stepid.report.section import Section
 

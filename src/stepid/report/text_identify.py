@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from stepid.experiment import Campaign
-from stepid.parameters import IdentifiedParameters
+from stepid.core.experiment import Campaign
+from stepid.identification.parameters import IdentifiedParameters
+from stepid.identification.trends import Trends
 from stepid.report.section import Section
-from stepid.trends import Trends
-from stepid.verification import Verification
+from stepid.transfer.verification import Verification
 
 
 def identify_report(

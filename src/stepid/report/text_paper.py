@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from stepid._table import text_table
-from stepid.paper import PRINTED_STIFFNESS, PaperRebuild
+from stepid.core.tables import text_table
+from stepid.datasets.replication import PRINTED_STIFFNESS, PaperRebuild
 from stepid.report.section import Section
 from stepid.transfer import transfer_function
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from stepid._base import Array
+from stepid.core.base import Array
 
 MOST = 800  # samples of a curve; a picture has no more pixels
 

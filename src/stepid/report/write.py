@@ -9,13 +9,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from stepid.diagnose.result import Diagnosis
+from stepid.core.atomic_write import staged
+from stepid.diagnosis.result import Diagnosis
 from stepid.errors import StepidError
+from stepid.io.textfile import as_path
 from stepid.report.hand import Hand, by_hand, pictured
 from stepid.report.markdown import markdown
 from stepid.report.provenance import Provenance, of_data
-from stepid.staging import staged
-from stepid.textfile import as_path
 
 _EXTRAS = {"jinja2": "report", "markupsafe": "report", "plotly": "report", "matplotlib": "plot"}
 

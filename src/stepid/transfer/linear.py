@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepid._base import Array
+from stepid.core.base import Array
+from stepid.core.experiment import Experiment
 from stepid.effects import CATALOGUE, Effect
 from stepid.errors import IdentificationError
-from stepid.experiment import Experiment
-from stepid.model import PlantModel
-from stepid.parameters import IdentifiedParameters
+from stepid.identification.parameters import IdentifiedParameters
+from stepid.simulation.model import PlantModel
 from stepid.transfer.express import refuse, system_name, why_not_linear
 from stepid.transfer.plant import plant_of
 

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepid._base import Array
+from stepid.core.base import Array
+from stepid.core.experiment import Experiment
 from stepid.effects import CATALOGUE, Effect
-from stepid.experiment import Experiment
-from stepid.model import PlantModel
+from stepid.simulation.model import PlantModel
 from stepid.transfer.express import refuse, system_name, why_not_nonlinear
 from stepid.transfer.plant import plant_of
 

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepid._base import Array
+from stepid.core.base import Array
+from stepid.core.experiment import Campaign, Experiment
 from stepid.effects import Effect, resolve
-from stepid.engine.law import DAMPING, GAIN, MASS, STIFFNESS, TIME, VOLTS, Law
-from stepid.engine.records import lay_out
-from stepid.engine.tables import Point, Tables
 from stepid.errors import InputError
-from stepid.experiment import Campaign, Experiment
-from stepid.model import PlantModel, RunState
-from stepid.simulate import own_states, pack
+from stepid.simulation.law import DAMPING, GAIN, MASS, STIFFNESS, TIME, VOLTS, Law
+from stepid.simulation.model import PlantModel, RunState
+from stepid.simulation.records import lay_out
+from stepid.simulation.simulate import own_states, pack
+from stepid.simulation.tables import Point, Tables
 
 _ROWS = {"mass": MASS, "stiffness": STIFFNESS, "damping": DAMPING, "force_gain": GAIN}
 

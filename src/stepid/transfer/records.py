@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from stepid.arguments import as_experiment
+from stepid.core.arguments import as_experiment
+from stepid.core.experiment import Experiment
 from stepid.errors import InputError
-from stepid.experiment import Experiment
 
 if TYPE_CHECKING:
     import control

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from stepid._base import Array
-from stepid.arguments import as_experiment
-from stepid.engine.records import release_index, starts_in_motion
+from stepid.core.arguments import as_experiment
+from stepid.core.base import Array
+from stepid.core.experiment import Experiment
 from stepid.errors import ConvergenceError, InputError
-from stepid.experiment import Experiment
+from stepid.simulation.records import release_index, starts_in_motion
 
 if TYPE_CHECKING:
     import control

@@ -1,0 +1,1 @@
+"""What all rooms share: the frozen base model, experiments, estimates, the noise of a record, tables, units."""

@@ -1,0 +1,33 @@
+"""Arguments of public functions that are easily something else."""
+
+from __future__ import annotations
+
+from stepid.core.experiment import Campaign, Experiment
+from stepid.errors import InputError
+
+
+def as_campaign(given: object) -> Campaign:
+    """Return a campaign as it is; InputError says how to make one of a list, a data frame or a file."""
+    if isinstance(given, Campaign):
+        return given
+    raise InputError(
+        f"a Campaign is needed here, not {_called(given)}",
+        "Make one: stepid.Campaign(name=…, experiments=[…]) of experiments, Campaign.from_dataframe(frame, name=…) of a"
+        " data frame, stepid.read_campaign(path) of files.",
+    )
+
+
+def as_experiment(given: object) -> Experiment:
+    """Return an experiment as it is; InputError says how to come by one."""
+    if isinstance(given, Experiment):
+        return given
+    raise InputError(
+        f"an Experiment is needed here, not {_called(given)}",
+        "Give one run: campaign[name] of a campaign, stepid.Experiment.from_dataframe(frame, …) of a data frame, "
+        "stepid.read_table(path, …) or stepid.read_ecp(path, …) of a file.",
+    )
+
+
+def _called(given: object) -> str:
+    name = type(given).__name__
+    return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"

@@ -1,0 +1,63 @@
+"""A value with its standard uncertainty and unit, rounded by the uncertainty when printed."""
+
+from __future__ import annotations
+
+import math
+
+from stepid.core.base import Finite, Model, NonNegative
+
+
+def format_value(value: float, uncertainty: float | None) -> str:
+    """Write ``value ± uncertainty``, rounded so that the uncertainty keeps two significant digits.
+
+    Parameters
+    ----------
+    value, uncertainty : float
+        In the same unit. Without an uncertainty (None or 0) the value is given to five digits.
+
+    Returns
+    -------
+    str
+        For example ``"216.2 ± 1.4"``.
+    """
+    if uncertainty is None or not uncertainty > 0 or not math.isfinite(uncertainty):
+        return f"{value:.5g}"
+    digits = 1 - math.floor(math.log10(uncertainty))
+    if round(uncertainty, digits) >= 10 ** (2 - digits):  # 0.0996 rounds up to three digits
+        digits -= 1
+    if -1 <= digits <= 9:
+        places = max(digits, 0)
+        return f"{value:.{places}f} ± {uncertainty:.{places}f}"
+    scale = math.floor(math.log10(max(abs(value), uncertainty)))
+    places = max(digits + scale, 0)
+    return f"({value / 10**scale:.{places}f} ± {uncertainty / 10**scale:.{places}f})e{scale}"
+
+
+class Estimate(Model):
+    """An estimated quantity.
+
+    Parameters
+    ----------
+    value : float
+        In `unit`.
+    uncertainty : float or None
+        Standard uncertainty (one standard deviation), same unit; None where the data do not determine the value.
+    unit : str
+        SI unit, empty for a pure number.
+    """
+
+    value: Finite
+    uncertainty: NonNegative | None = None
+    unit: str = ""
+
+    @property
+    def interval(self) -> tuple[float, float] | None:
+        """The 95 % interval, value ± 1.96 standard uncertainties, or None where undetermined."""
+        if self.uncertainty is None:
+            return None
+        return self.value - 1.96 * self.uncertainty, self.value + 1.96 * self.uncertainty
+
+    def __str__(self) -> str:
+        if self.uncertainty is None:
+            return f"{self.value:.5g} {self.unit}".rstrip() + " (undetermined)"
+        return f"{format_value(self.value, self.uncertainty)} {self.unit}".rstrip()

@@ -1,0 +1,300 @@
+"""What was measured: one record, the known mass differences, and the campaign that holds them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, Self
+
+import numpy as np
+from pydantic import BeforeValidator, model_validator
+
+from stepid.core.base import Finite, Label, Model, NonNegative, Positive, Vector
+from stepid.core.frames import constant, make_frame, split_runs, tidy_frame
+from stepid.core.units import record
+from stepid.errors import InputError
+
+if TYPE_CHECKING:
+    from stepid.core.frames import DataFrame
+
+WEIGHT = 0.5  # kg, one lab weight
+WEIGHT_UNCERTAINTY = 0.005  # kg, how well one lab weight is known (manual: 500 ± 5 g)
+
+
+class Experiment(Model):
+    """One record of a mass-spring-damper plant.
+
+    Parameters
+    ----------
+    name : str
+        Unique within a campaign, for example ``"case 5"``.
+    time : array, shape (n,)
+        s, uniform.
+    position : array, shape (n,)
+        m, from any zero.
+    input : array, shape (n,)
+        V, each value held from its sample to the next; zeros for a free release.
+    added_mass : float
+        kg, known weights on top of the unknown base mass.
+    spring, damper, base : str
+        Runs with the same label share one stiffness, one damping constant, one base mass.
+    counts_per_meter : float or None
+        The encoder's scale and sign, kept for writing back and for the resolution.
+    input_before : float
+        V before the first sample; the plant rests there unless the record starts in motion.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If lengths differ, a value is not finite, time is not uniform or a label is empty.
+    """
+
+    name: Label
+    time: Vector
+    position: Vector
+    input: Vector
+    added_mass: NonNegative
+    spring: Label
+    damper: Label
+    counts_per_meter: Finite | None = None
+    input_before: Finite = 0.0
+    base: Label = "cart"
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        n = self.time.size
+        if n < 8:
+            raise ValueError(f"has {n} samples; a step response needs at least 8")
+        if self.position.size != n or self.input.size != n:
+            raise ValueError(
+                f"time, position and input differ in length ({n}, {self.position.size}, {self.input.size})"
+            )
+        if self.counts_per_meter == 0:
+            raise ValueError("counts_per_meter is zero; give counts per meter, negative where +V gives falling counts")
+        step = self.sample_time
+        if not step > 0:
+            raise ValueError("time does not increase")
+        with np.errstate(all="ignore"):  # times near the largest float overflow here, and are then not uniform
+            off = np.abs(self.time - self.time[0] - step * np.arange(n)) / step
+        worst = int(np.argmax(off))
+        if not off[worst] <= 0.01:
+            raise ValueError(
+                f"time is not uniform: sample {worst} is {off[worst]:.2g} of a sample time off; "
+                "rebuild it from the sample number and the sample time"
+            )
+        return self
+
+    @cached_property
+    def sample_time(self) -> float:
+        """Sample time, s."""
+        return (float(self.time[-1]) - float(self.time[0])) / (self.time.size - 1)
+
+    @property
+    def resolution(self) -> float | None:
+        """Position of one encoder count, m, or None where the scale is not known."""
+        return None if self.counts_per_meter is None else 1.0 / abs(self.counts_per_meter)
+
+    @property
+    def is_release(self) -> bool:
+        """True where there is no input at all, so that any motion comes from the initial state."""
+        return self.input_before == 0 and not np.any(self.input)
+
+    @classmethod
+    def from_dataframe(
+        cls,
+        frame: Any,
+        *,
+        name: str,
+        added_mass: float,
+        spring: str,
+        damper: str,
+        time: str = "time",
+        position: str = "position",
+        input: str = "input",
+        time_scale: float = 1.0,
+        position_scale: float = 1.0,
+        input_scale: float = 1.0,
+        counts_per_meter: float | None = None,
+        input_before: float = 0.0,
+        base: str = "cart",
+    ) -> Self:
+        """Make an experiment from a pandas DataFrame (or anything indexed by column name).
+
+        Parameters
+        ----------
+        frame : pandas.DataFrame
+            One row a sample.
+        name, added_mass, spring, damper, counts_per_meter, input_before, base
+            Fields of `Experiment`.
+        time, position, input : str
+            Names of the columns.
+        time_scale, position_scale, input_scale : float
+            s, m and V per unit of those columns, as in `read_table`.
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If a column is missing, its content is not numeric, its name (``"x_mm"``) belies its scale, or a field is
+            wrong.
+        """
+        columns = {"time": time, "position": position, "input": input}
+        scales = {"time": time_scale, "position": position_scale, "input": input_scale}
+        arrays: dict[str, Any] = record(frame, columns, scales, f"run {name!r}")
+        return cls(
+            **arrays,
+            name=name,
+            added_mass=added_mass,
+            spring=spring,
+            damper=damper,
+            counts_per_meter=counts_per_meter,
+            input_before=input_before,
+            base=base,
+        )
+
+    def to_dataframe(self) -> DataFrame:
+        """Return the record as a pandas DataFrame: columns `time` [s], `position` [m] and `input` [V].
+
+        Raises
+        ------
+        stepid.errors.MissingPackageError
+            If pandas is not installed.
+        """
+        return make_frame({field: np.array(getattr(self, field)) for field in ("time", "position", "input")})
+
+
+class MassOffset(Model):
+    """A known difference between the masses of two runs (Eq. 9).
+
+    Parameters
+    ----------
+    from_run, to_run : str
+        Names of the runs.
+    difference : float
+        kg, mass of `to_run` minus mass of `from_run`.
+    uncertainty : float
+        kg, standard uncertainty; 0 is an exact constraint.
+    """
+
+    from_run: Label
+    to_run: Label
+    difference: Finite
+    uncertainty: NonNegative = WEIGHT_UNCERTAINTY
+
+
+def _as_tuple(value: object) -> object:
+    return tuple(value) if isinstance(value, list) else value
+
+
+class Campaign(Model):
+    """Runs of one plant under known changes of mass, spring and damper.
+
+    Parameters
+    ----------
+    name : str
+    experiments : tuple of Experiment
+        Names are unique. A list is taken, too.
+    weight_uncertainty : float
+        kg, standard uncertainty of one 0.5 kg weight; grows with the square root of the mass added.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If there is no experiment or a name occurs twice.
+    """
+
+    name: Label
+    experiments: Annotated[tuple[Experiment, ...], BeforeValidator(_as_tuple)]
+    weight_uncertainty: Positive = WEIGHT_UNCERTAINTY
+
+    @model_validator(mode="after")
+    def _unique(self) -> Self:
+        if not self.experiments:
+            raise ValueError("holds no experiment; add at least one run")
+        twice = [name for name, count in Counter(e.name for e in self.experiments).items() if count > 1]
+        if twice:
+            raise ValueError(f"the name {twice[0]!r} is used by more than one run; give each run its own name")
+        return self
+
+    @property
+    def mass_offsets(self) -> tuple[MassOffset, ...]:
+        """Mass differences (Eq. 9), runs of one base sorted by added mass, each to the next.
+
+        Runs of equal added mass keep the campaign's order and are joined by an exact constraint.
+        """
+        offsets = []
+        for base in dict.fromkeys(e.base for e in self.experiments):
+            runs = sorted((e for e in self.experiments if e.base == base), key=lambda e: e.added_mass)
+            for one, two in pairwise(runs):
+                difference = two.added_mass - one.added_mass
+                spread = self.weight_uncertainty * float(np.sqrt(abs(difference) / WEIGHT))
+                offsets.append(
+                    MassOffset(from_run=one.name, to_run=two.name, difference=difference, uncertainty=spread)
+                )
+        return tuple(offsets)
+
+    @classmethod
+    def from_dataframe(
+        cls,
+        frame: Any,
+        *,
+        name: str,
+        weight_uncertainty: float = WEIGHT_UNCERTAINTY,
+        time_scale: float = 1.0,
+        position_scale: float = 1.0,
+        input_scale: float = 1.0,
+    ) -> Self:
+        """Make a campaign from a tidy pandas DataFrame, as `to_dataframe` gives it.
+
+        Parameters
+        ----------
+        frame : pandas.DataFrame
+            One row a sample; columns `run`, `time`, `position`, `input`, `added_mass`, `spring`, `damper`
+            and, where they differ from the defaults of `Experiment`, `base`, `counts_per_meter` and `input_before`.
+        name : str
+        weight_uncertainty : float
+            kg.
+        time_scale, position_scale, input_scale : float
+            s, m and V per unit of those columns, as in `read_table`.
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If a column is missing or not numeric, or what belongs to a whole run changes within it.
+        """
+        fields = ["added_mass", "spring", "damper"]
+        needed = ["run", "time", "position", "input", *fields]
+        if missing := [field for field in needed if field not in frame]:
+            raise InputError(
+                f"the data frame has no column {missing[0]!r}; there are: {', '.join(map(str, frame))}",
+                f"Rename or add columns, in SI units or with their scales: {', '.join(needed)}.",
+            )
+        fields += [field for field in ("base", "counts_per_meter", "input_before") if field in frame]
+        scales = {"time": time_scale, "position": position_scale, "input": input_scale}
+        whole = record(frame, {role: role for role in scales}, scales, f"campaign {name!r}")
+        runs = []
+        for run, rows in split_runs(frame, "run").items():
+            own = {field: constant(frame, field, rows, run=run) for field in fields}
+            runs.append(Experiment(name=run, **{role: values[rows] for role, values in whole.items()}, **own))
+        return cls(name=name, experiments=tuple(runs), weight_uncertainty=weight_uncertainty)
+
+    def to_dataframe(self) -> DataFrame:
+        """Return all records as one tidy pandas DataFrame, one row a sample.
+
+        Columns: `run`, `time` [s], `position` [m], `input` [V], `added_mass` [kg], `counts_per_meter` (NaN where not
+        known), `input_before` [V], `spring`, `damper`, `base`.
+
+        Raises
+        ------
+        stepid.errors.MissingPackageError
+            If pandas is not installed.
+        """
+        return tidy_frame(self.experiments)
+
+    def __getitem__(self, name: str) -> Experiment:
+        """Return the run called `name`; InputError names the runs there are."""
+        for experiment in self.experiments:
+            if experiment.name == name:
+                return experiment
+        names = ", ".join(repr(e.name) for e in self.experiments)
+        raise InputError(f"campaign {self.name!r} has no run {name!r}", f"Its runs are {names}.")

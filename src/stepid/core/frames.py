@@ -1,0 +1,138 @@
+"""The bridge to pandas: the only module that imports it, and only when called."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stepid.errors import InputError, MissingPackageError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame as DataFrame
+
+    from stepid.core.base import Array
+
+Row = tuple[str, float, float | None, str]
+"""One parameter: name, value, standard uncertainty (None where undetermined), unit."""
+
+
+def make_frame(columns: Mapping[str, Any]) -> DataFrame:
+    """Make a DataFrame of columns of one length.
+
+    Parameters
+    ----------
+    columns : mapping
+        Column name to values.
+
+    Returns
+    -------
+    pandas.DataFrame
+
+    Raises
+    ------
+    stepid.errors.MissingPackageError
+        If pandas is not installed.
+    """
+    try:
+        import pandas as pd
+    except ImportError:
+        raise MissingPackageError(
+            "data frames need the package 'pandas', which is not installed",
+            "Install it with: pip install 'stepid[pandas]'.",
+        ) from None
+    return pd.DataFrame(dict(columns))
+
+
+def tidy_frame(runs: Sequence[Any]) -> DataFrame:
+    """Make one frame of all records, one row a sample; see `stepid.Campaign.to_dataframe`."""
+    sizes = [e.time.size for e in runs]
+    columns: dict[str, Any] = {"run": np.repeat(np.array([e.name for e in runs], dtype=object), sizes)}
+    for field in ("time", "position", "input"):
+        columns[field] = np.concatenate([getattr(e, field) for e in runs])
+    for field in ("added_mass", "counts_per_meter", "input_before"):
+        values = [getattr(e, field) for e in runs]
+        columns[field] = np.repeat([np.nan if value is None else float(value) for value in values], sizes)
+    for field in ("spring", "damper", "base"):
+        columns[field] = np.repeat(np.array([getattr(e, field) for e in runs], dtype=object), sizes)
+    return make_frame(columns)
+
+
+def parameter_frame(rows: Iterable[Row]) -> DataFrame:
+    """Make a table of parameters: index `parameter`, columns `value`, `uncertainty` (NaN: undetermined), `unit`."""
+    given = list(rows)
+    frame = make_frame(
+        {
+            "parameter": [name for name, _, _, _ in given],
+            "value": [float(value) for _, value, _, _ in given],
+            "uncertainty": [np.nan if spread is None else float(spread) for _, _, spread, _ in given],
+            "unit": [unit for _, _, _, unit in given],
+        }
+    )
+    return frame.set_index("parameter")
+
+
+def numbers(frame: Any, column: str, *, field: str) -> Array:
+    """Read a numeric column; InputError names it and the columns there are, or what it holds instead of numbers."""
+    values = column_of(frame, column, field=field)
+    dtype = getattr(values, "dtype", None)
+    if isinstance(dtype, np.dtype) or getattr(dtype, "kind", "O") not in "fiu":
+        return np.asarray(values)  # the model says what is wrong with what are no numbers
+    missing = np.flatnonzero(np.asarray(values.isna()))  # pandas' nullable numbers
+    if missing.size:
+        raise InputError(
+            f"column {column!r} of the data frame has {missing.size} missing value(s), the first in row {missing[0]}",
+            "Leave those rows out only at the ends of the record; time must stay uniform.",
+        )
+    out: Array = values.to_numpy(dtype=np.float64)
+    return out
+
+
+def column_of(frame: Any, column: str, *, field: str) -> Any:
+    """Return a column; InputError names it and the columns there are."""
+    try:
+        return frame[column]
+    except (KeyError, IndexError, ValueError):
+        raise InputError(
+            f"the data frame has no column {column!r} for {field}",
+            f"Name the column with {field}=…; there are: {', '.join(map(str, frame))}.",
+        ) from None
+
+
+def split_runs(frame: Any, column: str) -> dict[str, Any]:
+    """Row numbers of every run, in the order in which the runs first occur.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If the column is missing or a row names no run.
+    """
+    names = np.asarray(column_of(frame, column, field="run"), dtype=object)
+    rows: dict[str, list[int]] = {}
+    for row, name in enumerate(names):
+        if not (isinstance(name, str) and name):
+            raise InputError(
+                f"row {row} of the data frame names no run in column {column!r}, but {name!r}",
+                "Give every row the name of its run, as text.",
+            )
+        rows.setdefault(name, []).append(row)
+    return {name: np.array(own) for name, own in rows.items()}
+
+
+def constant(frame: Any, column: str, rows: Any, *, run: str) -> Any:
+    """Read a value that all rows of a run share, None where it is missing; InputError says where it changes."""
+    values = np.asarray(column_of(frame, column, field=column), dtype=object)[rows]
+    plain = [None if _missing(value) else value for value in values]
+    odd = next((i for i, value in enumerate(plain) if value != plain[0]), None)
+    if odd is not None:
+        raise InputError(
+            f"run {run!r}: column {column!r} changes within the run, from {plain[0]!r} to {plain[odd]!r} "
+            f"in row {rows[odd]}",
+            "Give all rows of a run the same value, or another run name.",
+        )
+    return plain[0]
+
+
+def _missing(value: Any) -> bool:
+    return value is None or (isinstance(value, float) and np.isnan(value)) or type(value).__name__ == "NAType"

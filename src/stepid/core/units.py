@@ -1,0 +1,123 @@
+"""What data plainly are not: SI units by a name, meters by travel or speed, a release beside an input; scales."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.core.frames import numbers
+from stepid.errors import InputError
+
+FARTHEST = 100.0  # m; no teaching plant travels so far, but counts taken for meters do
+NEAREST = 1e-8  # m; nor does one travel less than this
+FASTEST = 100.0  # m/s; nor does one move so fast, but the millimeters of a cart taken for meters do
+_APART = 8  # samples over which speed is measured, so that noise has none; single lost readings do not count either
+UNIT = "Positions are in meters, time in seconds: divide counts by counts_per_meter, or give position_scale."
+NO_COLUMN = "StepInput(level=…), in a manifest step = { level = … } (V; 0.0 for a free release)"
+_UNITS = {  # SI units per unit, by what a column may be called
+    "position": {"mm": "0.001", "cm": "0.01", "um": "1e-06", "µm": "1e-06"},
+    "time": {"ms": "0.001", "millis": "0.001", "us": "1e-06", "µs": "1e-06", "micros": "1e-06"},
+    "input": {"mV": "0.001"},
+}
+_SI = {
+    "position": "meters per unit; negative where +V gives falling readings",
+    "time": "seconds per unit",
+    "input": "volts per unit",
+}
+_INPUT = re.compile(
+    r"(?i:u|input|volts?|voltage|effort|control effort|command|drive|dac)(?![^\W_])|.*[_ (\[](?:m?V|volts?)[)\]]?$"
+)
+
+
+def small_unit(role: str, column: object) -> tuple[str, str] | None:
+    """Return the unit that a column's name gives it and its factor to SI units, None where that is no smaller unit."""
+    units = _UNITS[role]
+    named = re.search(rf"(?:^|[_ (\[])({'|'.join(units)})[)\]]?$", column) if isinstance(column, str) else None
+    return (named[1], units[named[1]]) if named else None
+
+
+def check_scale(role: str, column: object, scale: float, where: str) -> None:
+    """Refuse a scale of zero, time that runs back, and one that is not below 1 for a column called "…_mm"."""
+    if scale == 0 or (scale < 0 and role == "time"):
+        size = "zero" if scale == 0 else f"{scale:g}"
+        raise InputError(f"{where}: {role}_scale is {size}", f"Give {_SI[role]}.")
+    named = small_unit(role, column)
+    if named and abs(scale) >= 1.0:
+        raise InputError(
+            f"{where}: the column {column!r} is in {named[0]} by its name, but {role}_scale is {scale:g}",
+            f"Give {role}_scale = {named[1]} ({_SI[role]}).",
+        )
+
+
+def check_number(label: str, value: object, where: str) -> None:
+    """Refuse what is neither None nor a finite number."""
+    if value is None:
+        return
+    try:
+        good = not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
+    except OverflowError:  # an integer beyond all floats
+        good = False
+    if not good:
+        raise InputError(f"{where}: {label} is {value!r}", "Give a finite number.")
+
+
+def check_scales(columns: Mapping[str, object], scales: Mapping[str, float], where: str) -> None:
+    """Refuse scales, by role, that are no finite numbers, or that their columns cannot have."""
+    for role, scale in scales.items():
+        check_number(f"{role}_scale", scale, where)
+    for role, scale in scales.items():
+        check_scale(role, columns[role], scale, where)
+
+
+def in_si(role: str, values: Array, scale: float, where: str) -> Array:
+    """Multiply a column by its scale; refuse positions, shape (n,), that span what no plant travels then."""
+    if values.dtype.kind not in "fiu":  # the model says what is wrong with what are no numbers
+        return values
+    with np.errstate(all="ignore"):  # an overflow is reported by the model: not finite
+        scaled: Array = values.astype(np.float64) * float(scale) + 0.0
+    if role == "position" and abs(scale) != 1.0 and scaled.size and np.isfinite(scaled).all():
+        check_travel(
+            scaled,
+            f"{where}: with position_scale = {scale:g} the positions",
+            "Give it in meters per unit of the column: 0.001 for mm, 1 / counts_per_meter for counts.",
+        )
+    return scaled
+
+
+def record(frame: Any, columns: Mapping[str, str], scales: Mapping[str, float], where: str) -> dict[str, Array]:
+    """Read time [s], position [m] and input [V] from the columns of these roles, with the scales of `read_table`."""
+    check_scales(columns, scales, where)
+    arrays = {role: numbers(frame, column, field=role) for role, column in columns.items()}
+    return {role: in_si(role, values, scales[role], where) for role, values in arrays.items()}
+
+
+def check_travel(meters: Array, who: str, remedy: str) -> None:
+    """Refuse positions, shape (n,), that span what no plant travels; `who` says whose they are, for the error."""
+    with np.errstate(over="ignore"):
+        travel = float(np.ptp(meters))
+    if travel > FARTHEST or 0 < travel < NEAREST:
+        raise InputError(f"{who} span {travel:.3g} m, which is no plant's travel", remedy)
+
+
+def check_speed(meters: Array, sample_time: float, who: str) -> None:
+    """Refuse positions, shape (n,), that move as fast as no plant; `who` says whose they are, for the error."""
+    with np.errstate(over="ignore"):
+        moved = np.abs(meters[_APART:] - meters[:-_APART])
+    if moved.size and (speed := float(np.quantile(moved, 0.99)) / (_APART * sample_time)) > FASTEST:
+        raise InputError(f"{who} move at {speed:.3g} m/s, which is no plant's speed", UNIT)
+
+
+def check_release(names: Sequence[str], values: Array, used: Sequence[object], where: str) -> None:
+    """Refuse to take for a free release what has an input by the name of a column that is not `used`."""
+    for i, name in enumerate(names):
+        if name not in used and i not in used and _INPUT.match(name) and np.any(values[:, i]):
+            raise InputError(
+                f"{where}: no input is named, so this would be a free release, but the column {name!r} is not zero",
+                f"Give input = {name!r}, or {NO_COLUMN}.",
+            )

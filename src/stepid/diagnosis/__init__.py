@@ -1,0 +1,1 @@
+"""Find where simulation and measurement disagree, name what is missing, add it, show the gap shrink."""

@@ -1,0 +1,62 @@
+"""What else a diagnosis noticed: runs and stretches left out, repeats that differ, clipped records, open parameters."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.core.experiment import Campaign
+from stepid.effects.base import Effect
+from stepid.fitting.covariance import estimates
+from stepid.fitting.fit import NOT_CONVERGED
+from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.multistart import Ground
+from stepid.fitting.noise_floor import repeat_notes
+from stepid.fitting.problem import fixes_mass
+from stepid.fitting.screening import screen
+
+_SLOW = 1.0  # s between readings, of which a cart on a spring makes no use
+_CLIPPED = 12  # samples at one extreme reading, in motion before and after
+
+
+def notes_on(campaign: Campaign, ground: Ground, final: Optimum, effects: tuple[Effect, ...]) -> tuple[str, ...]:
+    """Collect remarks in words."""
+    records = ground.records
+    out = [*screen(campaign).notes, *repeat_notes(records)]
+    slowest = float(records.sample_time.max())
+    if slowest >= _SLOW:
+        out.append(f"The readings come every {slowest:.3g} s: if the times are milliseconds, give time_scale = 0.001.")
+    for i, run in enumerate(records.runs):
+        if records.begin[i]:
+            out.append(
+                f"Run {run.name!r}: the first {records.begin[i]} samples, held by hand before the release, "
+                "are left out."
+            )
+        if _is_clipped(run.position):
+            out.append(
+                f"Run {run.name!r} stays at its extreme reading for {_CLIPPED} samples or more: did it hit a stop?"
+            )
+    if fixes_mass(records) is not None:
+        out.append(
+            "No two runs differ in added mass: the total mass is set to 1 kg and every parameter is per unit mass."
+        )
+    values, _ = estimates(final, effects, ground.floor)
+    for name, value in values.items():
+        if value.uncertainty is None and not (name == "base_mass" and fixes_mass(records) is not None):
+            out.append(f"The data do not determine {name}.")
+        elif "." in name and value.uncertainty is not None and value.uncertainty > 0.5 * abs(value.value):
+            out.append(f"{name} is undetermined: {value}.")
+    if not final.converged:
+        out.append(NOT_CONVERGED)
+    return tuple(out)
+
+
+def _is_clipped(y: Array) -> bool:
+    for extreme in (y.max(), y.min()):
+        at = np.flatnonzero(y == extreme)
+        if at.size >= _CLIPPED and at[0] > 0 and at[-1] < y.size - 1:
+            run = np.diff(np.flatnonzero(np.concatenate([[True], np.diff(at) > 1, [True]])))
+            long = int(run.max())
+            if long >= _CLIPPED and abs(y[-1] - extreme) > 0.2 * np.ptp(y):
+                return True
+    return False

@@ -1,0 +1,246 @@
+"""What a diagnosis says: the result models of the second half of the workflow."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from stepid.core.base import Finite, Label, Model, NonNegative, Vector
+from stepid.core.estimate import Estimate
+from stepid.core.experiment import Campaign
+from stepid.core.frames import make_frame, parameter_frame
+from stepid.diagnosis.text import as_html, as_text, one_line
+from stepid.diagnosis.wording import length
+from stepid.simulation.model import PlantModel
+
+if TYPE_CHECKING:
+    from stepid.core.frames import DataFrame
+
+Verdict = Literal["adequate", "named", "ambiguous", "unexplained"]
+
+
+class Gap(Model):
+    """RMS of measured minus simulated, m, over all samples of the runs concerned.
+
+    Parameters
+    ----------
+    before : float
+        Joint fit of the linear plant.
+    after : float
+        With the effects of the diagnosis added (equal to `before` where none was).
+    noise : float
+        Noise floor: what a perfect model would leave.
+    held_out_before, held_out_after : float or None
+        On runs that the fit did not see; None where no run qualifies.
+    """
+
+    before: NonNegative
+    after: NonNegative
+    noise: NonNegative
+    held_out_before: NonNegative | None = None
+    held_out_after: NonNegative | None = None
+
+    @property
+    def held_out(self) -> tuple[float, float] | None:
+        """RMS before and after on runs that the fit did not see, m; None where no run qualifies."""
+        if self.held_out_before is None or self.held_out_after is None:
+            return None
+        return self.held_out_before, self.held_out_after
+
+
+class RunGap(Model):
+    """One run: measured and simulated records and their gap.
+
+    `phases` maps "before", "driven", "rise", "overshoot", "ring-down" and "rest" to the RMS [m] of the linear model's
+    residual in that phase of the run's responses; "driven" is where the input changes all the time.
+    """
+
+    name: Label
+    time: Vector
+    measured: Vector
+    linear: Vector
+    model: Vector
+    before: NonNegative
+    after: NonNegative
+    held_out_before: NonNegative | None = None
+    held_out_after: NonNegative | None = None
+    phases: Mapping[str, NonNegative] = {}
+
+    def to_dataframe(self) -> DataFrame:
+        """Return the records as a pandas DataFrame: columns `time` [s], `measured`, `linear` and `model` [m]."""
+        return make_frame({f: np.array(getattr(self, f)) for f in ("time", "measured", "linear", "model")})
+
+    def __repr__(self) -> str:
+        return f"RunGap({self.name!r}, RMS {length(self.before)} → {length(self.after)})"
+
+
+class Where(Model):
+    """Where the linear model and the measurement disagree.
+
+    Parameters
+    ----------
+    phases : mapping
+        Phase of the response to RMS [m] over all runs.
+    velocity_levels, velocity_force : arrays, shape (b,)
+        Force [N] that would produce the residual, averaged in bins of velocity [m/s]: a step at zero is Coulomb
+        friction. Where its shape is clear, what the linear parameters took in its place has been given back.
+    position_levels, position_force : arrays, shape (b,)
+        The same against position from rest [m]: a cubic is a cubic.
+    runs : mapping
+        Run to RMS [m].
+    trends : mapping
+        Correlation (−1 … 1) of the runs' RMS with "mass", "size" and "direction" of the step, where they vary.
+    sentences : tuple of str
+        The same in words.
+    """
+
+    phases: Mapping[str, NonNegative]
+    velocity_levels: Vector
+    velocity_force: Vector
+    position_levels: Vector
+    position_force: Vector
+    runs: Mapping[str, NonNegative]
+    trends: Mapping[str, Finite]
+    sentences: tuple[str, ...]
+
+    def summary(self) -> str:
+        """Return the sentences, one a line."""
+        return "\n".join(self.sentences)
+
+    def __repr__(self) -> str:
+        return f"Where({'; '.join(self.sentences)})"
+
+    __str__ = summary
+
+
+class Ranked(Model):
+    """One candidate set of effects in the ranking.
+
+    `evidence` is the difference of χ² plus the price of the parameters (BIC) from the best candidate, so 0 is best;
+    `rms` [m] is what it leaves.
+    """
+
+    effects: tuple[str, ...]
+    rms: NonNegative
+    evidence: Finite
+    parameters: Mapping[str, Finite] = {}
+
+
+class Diagnosis(Model):
+    """Whether a linear model is adequate, and if not, what is missing.
+
+    Parameters
+    ----------
+    campaign : str
+        Name of the campaign.
+    verdict : str
+        ``"adequate"``, ``"named"``, ``"ambiguous"`` or ``"unexplained"``.
+    effects : tuple of str
+        Canonical names of the effects added, () when adequate.
+    alternatives : tuple of tuple of str
+        Sets of effects that the data cannot tell from `effects`.
+    gap : Gap
+    parameters : mapping
+        Name to Estimate of the final model.
+    linear_parameters : mapping
+        The same of the linear joint fit.
+    where : Where
+    next_experiment : str or None
+        What to measure next when the data cannot tell.
+    advice : mapping
+        What to do about each named effect in the lab, by its name.
+    reasons : tuple of str
+        Why the verdict is what it is, in words.
+    notes : tuple of str
+        What else was noticed: stretches left out, undetermined parameters, suspected mistakes in the manifest.
+    ranking : tuple of Ranked
+        Candidates, best first; the linear model is the entry without effects.
+    runs : tuple of RunGap
+    model, linear_model : PlantModel
+    data : Campaign or None
+        What was diagnosed, kept so that a report can show the hand method beside it.
+    """
+
+    campaign: Label
+    verdict: Verdict
+    effects: tuple[str, ...]
+    alternatives: tuple[tuple[str, ...], ...] = ()
+    gap: Gap
+    parameters: Mapping[str, Estimate]
+    linear_parameters: Mapping[str, Estimate]
+    where: Where
+    next_experiment: str | None = None
+    advice: Mapping[str, str] = {}
+    reasons: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    ranking: tuple[Ranked, ...] = ()
+    runs: tuple[RunGap, ...] = ()
+    model: PlantModel
+    linear_model: PlantModel
+    data: Campaign | None = None
+
+    def to_dataframe(self) -> DataFrame:
+        """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""
+        return parameter_frame((n, e.value, e.uncertainty, e.unit) for n, e in self.parameters.items())
+
+    def summary(self) -> str:
+        """Return the answers to the five questions: noise floor, where, which, is it, what next; with tables."""
+        return as_text(self)
+
+    def to_html(self, path: str | os.PathLike[str]) -> Path:
+        """Write the whole story as one page with pictures to point into, which needs no network.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        pathlib.Path
+            Where it was written.
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If the file cannot be written.
+        stepid.errors.StepidError
+            If a package that it needs is not installed.
+        """
+        from stepid.report.write import write_html
+
+        return write_html(self, path)
+
+    def to_markdown(self, path: str | os.PathLike[str]) -> Path:
+        """Write the whole story as Markdown for a lab notebook, with its pictures as PNG files beside it.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        pathlib.Path
+            Where the text was written.
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If a file cannot be written.
+        stepid.errors.StepidError
+            If a package that it needs is not installed.
+        """
+        from stepid.report.write import write_markdown
+
+        return write_markdown(self, path)
+
+    def __repr__(self) -> str:
+        return one_line(self)
+
+    __str__ = summary
+
+    def _repr_html_(self) -> str:
+        return as_html(self)

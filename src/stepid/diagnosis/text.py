@@ -1,0 +1,177 @@
+"""A diagnosis in text and tables: the five questions in order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from html import escape
+from typing import TYPE_CHECKING
+
+from stepid.core.estimate import Estimate, format_value
+from stepid.core.tables import Rows, html_table, text_table
+from stepid.diagnosis.wording import digits, effect_names, length
+
+if TYPE_CHECKING:
+    from stepid.diagnosis.result import Diagnosis, Gap, RunGap
+
+_SHOWN = 8  # candidates in the ranking
+QUESTIONS = (
+    "1. What is the noise floor?",
+    "2. Where does the linear model disagree?",
+    "3. Which candidates explain it?",
+    "4. Is one of them it?",
+    "5. What next?",
+)
+
+
+def one_line(d: Diagnosis) -> str:
+    """What `repr` shows."""
+    what = f": {', '.join(d.effects)}" if d.effects else ""
+    gap = f"RMS {length(d.gap.before)}"
+    if d.effects:
+        gap += f" → {length(d.gap.after)}"
+    return f"Diagnosis({d.campaign!r}, {d.verdict}{what}, {gap}, noise {length(d.gap.noise)})"
+
+
+def answer(d: Diagnosis) -> str:
+    """The verdict as a sentence."""
+    if d.verdict == "adequate":
+        return "A linear model is adequate."
+    if d.verdict == "named":
+        verb = "is" if len(d.effects) == 1 else "are"
+        return f"A linear model is not adequate: {effect_names(d.effects)} {verb} missing."
+    if d.verdict == "ambiguous":
+        sets = " or ".join(effect_names(names) for names in (d.effects, *d.alternatives))
+        return f"A linear model is not adequate; what is missing is {sets}, these data cannot tell which."
+    return "A linear model is not adequate, and nothing in the catalogue explains why."
+
+
+def found_sizes(d: Diagnosis) -> list[tuple[str, str, str]]:
+    """What the named effects measure: effect and parameter in words, value ± standard uncertainty with its unit."""
+    if d.verdict != "named":
+        return []
+    own = [(name.partition("."), found) for name, found in d.parameters.items() if "." in name]
+    return [
+        (effect_names((effect,)), parameter.replace("_", " "), str(found))
+        for (effect, _, parameter), found in own
+        if effect in d.effects
+    ]
+
+
+def gap_rows(d: Diagnosis) -> list[tuple[str, ...]]:
+    """The gap before and after: all runs, then run by run, fitted and held out."""
+
+    def cell(value: float | None) -> str:
+        return "–" if value is None else digits(1e6 * value)
+
+    gaps: list[tuple[str, Gap | RunGap]] = [("all runs", d.gap), *((run.name, run) for run in d.runs)]
+    return [
+        (
+            name,
+            cell(gap.before),
+            cell(gap.after),
+            digits(gap.after / d.gap.noise) if d.gap.noise else "–",
+            cell(gap.held_out_before),
+            cell(gap.held_out_after),
+        )
+        for name, gap in gaps
+    ]
+
+
+GAP_HEADER = ("RMS [µm]", "linear", "final model", "final/noise", "held out: linear", "final model")
+
+
+def parameter_rows(d: Diagnosis) -> list[tuple[str, ...]]:
+    """Every parameter, of the linear fit and of the final model, value ± standard uncertainty."""
+
+    def cell(estimate: Estimate | None) -> str:
+        if estimate is None:
+            return "–"
+        if estimate.uncertainty is None:
+            return f"{estimate.value:.5g} (undetermined)"
+        return format_value(estimate.value, estimate.uncertainty)
+
+    return [
+        (name, cell(d.linear_parameters.get(name)), *([cell(found)] if d.effects else []), found.unit or "–")
+        for name, found in d.parameters.items()
+    ]
+
+
+def parameter_header(d: Diagnosis) -> tuple[str, ...]:
+    """Header of the parameter table; the linear model stands alone where nothing was added."""
+    return ("parameter", "linear", "final model", "unit") if d.effects else ("parameter", "linear", "unit")
+
+
+def ranking_rows(d: Diagnosis) -> list[tuple[str, ...]]:
+    """The best candidates and the linear model."""
+    shown = [one for i, one in enumerate(d.ranking) if i < _SHOWN or not one.effects]
+    return [
+        (
+            effect_names(one.effects) if one.effects else "nothing (linear)",
+            digits(1e6 * one.rms),
+            _lost(one.evidence),
+        )
+        for one in shown
+    ]
+
+
+def _lost(evidence: float) -> str:
+    if abs(evidence) < 1e4:
+        return f"{evidence:.0f}" if abs(evidence) >= 0.5 else "0"
+    return f"{evidence:.1e}"
+
+
+RANKING_HEADER = ("candidate", "RMS [µm]", "evidence lost")
+PHASE_HEADER = ("phase", "RMS [µm]")
+
+
+def phase_rows(d: Diagnosis) -> list[tuple[str, ...]]:
+    """RMS of the linear model's residual by phase."""
+    return [(phase, digits(1e6 * rms)) for phase, rms in d.where.phases.items()]
+
+
+def next_steps(d: Diagnosis) -> tuple[str, ...]:
+    """What to measure next, and what to do about the effects that were named."""
+    steps = () if d.next_experiment is None else (d.next_experiment,)
+    if d.verdict == "adequate" and not steps:
+        return ("Nothing is missing at this noise. Less noise or larger steps would show smaller effects.",)
+    if d.verdict != "named":
+        return steps
+    advice = tuple(f"{effect_names((name,))}: {said}." for name, said in d.advice.items())
+    return (*steps, *advice) or ("Keep the effect in the model.",)
+
+
+_Table = Callable[[Sequence[str], Rows], str]
+
+
+def _answers(d: Diagnosis, table: _Table) -> tuple[tuple[Sequence[str], Sequence[str]], ...]:
+    """To each question: sentences, then tables ready to show."""
+    times = f", {digits(d.gap.before / d.gap.noise)} times as much" if d.gap.noise else ""
+    floor = f"{length(d.gap.noise)} RMS. The linear joint fit leaves {length(d.gap.before)}{times}."
+    return (
+        ((floor,), ()),
+        (d.where.sentences, (table(PHASE_HEADER, phase_rows(d)),)),
+        ((), (table(RANKING_HEADER, ranking_rows(d)),) if d.ranking else ()),
+        (d.reasons, (table(GAP_HEADER, gap_rows(d)), table(parameter_header(d), parameter_rows(d)))),
+        ((*next_steps(d), *(f"Note: {note}" for note in d.notes)), ()),
+    )
+
+
+def as_text(d: Diagnosis) -> str:
+    """What `summary` returns."""
+    parts = [f"Diagnosis of campaign {d.campaign!r}: {d.verdict}\n{answer(d)}"]
+    for question, (said, tables) in zip(QUESTIONS, _answers(d, text_table), strict=True):
+        lines = [f"   - {sentence}" for sentence in said] or ([] if tables else ["   - nothing to say"])
+        parts.append("\n".join([question, *lines]))
+        parts += ["\n".join(f"   {line}".rstrip() for line in table.splitlines()) for table in tables]
+    return "\n\n".join(parts)
+
+
+def as_html(d: Diagnosis) -> str:
+    """The same for notebooks."""
+    parts = [f"<p><b>Diagnosis of campaign {escape(repr(d.campaign))}: {d.verdict}</b><br>{escape(answer(d))}</p>"]
+    for question, (said, tables) in zip(QUESTIONS, _answers(d, html_table), strict=True):
+        parts.append(f"<p><b>{escape(question)}</b></p>")
+        if said:
+            parts.append("<ul>" + "".join(f"<li>{escape(sentence)}</li>" for sentence in said) + "</ul>")
+        parts += tables
+    return "".join(parts)

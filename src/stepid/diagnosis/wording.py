@@ -1,0 +1,115 @@
+"""What was found, in plain words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from stepid.diagnosis.residual_force import CLEAR, Shape
+
+_CLEAR_TREND = 0.7  # correlation
+_DIFFER = 1.5  # ratio of two RMS values that differ
+_AT_FLOOR = 1.1  # times the noise floor
+
+
+def length(meters: float) -> str:
+    """Write a length with three digits in µm or mm: ``"637 µm"``, ``"1.20 mm"``."""
+    micro = 1e6 * meters
+    if abs(micro) >= 999.5:
+        return f"{digits(1e3 * meters)} mm"
+    return f"{digits(micro)} µm"
+
+
+def digits(value: float) -> str:
+    """Write three significant digits without an exponent; two decimals at most."""
+    size = abs(value)
+    places = 0 if size >= 99.95 else 1 if size >= 9.995 else 2
+    return f"{value:.{places}f}"
+
+
+def effect_names(names: Iterable[str]) -> str:
+    """Write canonical names as people speak: ``"Coulomb friction and input delay"``."""
+    return " and ".join(
+        name.replace("_", " ").replace("coulomb", "Coulomb").replace("stribeck", "Stribeck") for name in names
+    )
+
+
+def sentences(
+    rms: float,
+    floor: float,
+    phases: Mapping[str, float],
+    runs: Mapping[str, float],
+    trends: Mapping[str, float],
+    shape: Shape | None,
+) -> tuple[str, ...]:
+    """Say where a linear fit disagrees.
+
+    Parameters
+    ----------
+    rms, floor : float
+        m, over all samples.
+    phases, runs : mapping
+        To RMS, m.
+    trends : mapping
+        Correlations from `stepid.diagnosis.locate.run_trends`.
+    shape : Shape or None
+        What the residual force follows.
+    """
+    if rms <= _AT_FLOOR * floor:
+        return (f"nowhere: the linear model leaves {length(rms)} RMS, the noise alone {length(floor)}",)
+    said = [_about_phases(phases, floor)]
+    if len(runs) > 1:
+        said.append(_about_runs(runs))
+    if max(runs.values()) >= _DIFFER * min(runs.values()):
+        said += [_about_trend(name, value) for name, value in trends.items() if abs(value) >= _CLEAR_TREND]
+    said.append(_about_force(shape))
+    return tuple(said)
+
+
+def _about_phases(phases: Mapping[str, float], floor: float) -> str:
+    order = sorted(phases, key=lambda name: -phases[name])
+    first = f"largest {_during(order[0])} ({length(phases[order[0]])} RMS)"
+    clean = [name for name in order if phases[name] <= _DIFFER * floor]
+    if clean:
+        return f"{first}; at the noise {' and '.join(_during(name) for name in clean)}"
+    if len(order) > 1:
+        return f"{first}, smallest {_during(order[-1])} ({length(phases[order[-1]])})"
+    return first
+
+
+def _during(phase: str) -> str:
+    return {"before": "before the first step", "rest": "at rest", "driven": "while driven"}.get(
+        phase, f"in the {phase}"
+    )
+
+
+def _about_runs(runs: Mapping[str, float]) -> str:
+    worst, best = max(runs, key=lambda n: runs[n]), min(runs, key=lambda n: runs[n])
+    if runs[worst] < _DIFFER * runs[best]:
+        return "much the same in every run"
+    return f"most in run {worst!r} ({length(runs[worst])}), least in run {best!r} ({length(runs[best])})"
+
+
+def _about_trend(name: str, value: float) -> str:
+    if name == "direction":
+        return f"larger in runs that go {'up' if value > 0 else 'down'} (correlation {abs(value):.2f})"
+    what = {"mass": "mass", "size": "the size of the step"}.get(name, name)
+    return f"{'grows' if value > 0 else 'falls'} with {what} (correlation {value:+.2f})"
+
+
+def _about_force(shape: Shape | None) -> str:
+    if shape is None:
+        return "too little motion to see a force in the residual"
+    if shape.share < CLEAR:
+        return "the residual force follows neither velocity nor position alone: look at the drive, the reading or time"
+    share = f"{100 * shape.share:.0f} % of what a linear plant cannot take up"
+    if shape.name == "sign of velocity":
+        size = abs(shape.coefficient)
+        like = f", like friction of {size:.2g} N either way" if shape.coefficient < 0 else ""
+        return f"the residual force jumps by {2 * size:.2g} N where the velocity changes sign{like} ({share})"
+    if shape.name == "velocity squared":
+        way = "against" if shape.coefficient < 0 else "with"
+        return f"the residual force grows with the square of the velocity, {way} the motion ({share})"
+    if shape.name == "position squared":
+        return f"the residual force is lopsided about rest, a square of the position ({share})"
+    way = "stiffer" if shape.coefficient < 0 else "softer"
+    return f"the residual force bends as a cube of the position: {way} away from rest ({share})"

@@ -1,0 +1,71 @@
+"""How the models do on runs that their fit did not see."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.fitting.levenberg_marquardt import Optimum, minimize
+from stepid.fitting.problem import build, fixes_mass
+from stepid.simulation.records import Records
+
+_RUNS = 3  # left out in turn
+
+
+def qualifying(records: Records) -> list[int]:
+    """Runs whose labels all occur in other runs, and without which the masses still differ, by index."""
+    out = []
+    for i in range(len(records.runs)):
+        others = np.arange(len(records.runs)) != i
+        known = all(np.any(labels[others] == labels[i]) for labels in (records.base, records.spring, records.damper))
+        if not known:
+            continue
+        rest = records.subset([int(j) for j in np.flatnonzero(others)])
+        same = (fixes_mass(rest) is None) == (fixes_mass(records) is None)
+        driven = bool(np.any(rest.volts)) or not np.any(records.volts)
+        if same and driven:
+            out.append(i)
+    return out
+
+
+def held_out_residuals(optimum: Optimum, *, tolerance: float) -> dict[int, Array]:
+    """Residuals [m] of up to three runs, each under a fit to the others; only the run's own parameters are refitted.
+
+    Parameters
+    ----------
+    optimum : Optimum
+        The fit to all runs: its effects, and where the other fits start.
+    tolerance : float
+        m², for the refits.
+
+    Returns
+    -------
+    dict
+        Run index to residual, shape (n,); empty where no run qualifies.
+    """
+    records = optimum.problem.simulator.records
+    able = qualifying(records)
+    chosen = sorted({able[round(k)] for k in np.linspace(0, len(able) - 1, _RUNS)}) if able else []
+    out: dict[int, Array] = {}
+    effects = optimum.problem.simulator.law.effects
+    pieces = records.pieces()
+    for i in chosen:
+        others = [j for j in range(len(records.runs)) if j != i]
+        problem = build(records.subset(others), effects)
+        problem = replace(problem, active=optimum.problem.active[:, others], free=problem.free & optimum.problem.free)
+        states = np.concatenate([optimum.solved.states[:, pieces[j]] for j in others], axis=1)
+        fitted = minimize(
+            problem, optimum.shared, optimum.local[:, others], start=states, tolerance=tolerance, iterations=15
+        )
+        if fitted is None:
+            continue
+        alone = build(records.subset([i]), effects)
+        alone = replace(alone, free=np.zeros_like(alone.free), active=optimum.problem.active[:, [i]])
+        local = np.where(alone.active, optimum.local[:, [i]], 0.0)
+        near = optimum.solved.states[:, pieces[i]]
+        seen = minimize(alone, fitted.shared, local, start=near, tolerance=tolerance, iterations=15)
+        if seen is not None:
+            out[i] = seen.residual
+    return out

@@ -1,0 +1,144 @@
+"""Fewer samples to race on: every few samples one, with what its neighbors say about the gap averaged in."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.fitting.levenberg_marquardt import Optimum, minimize
+from stepid.fitting.problem import build
+from stepid.simulation.records import Index, Records
+
+_PER_PERIOD = 16.0  # samples to keep of the fastest run's period
+_BLUR = 0.1  # of the period: as wide an average loses a fifth of the floor where the gap is as small as the floor
+_MOST_CHANGES = 0.1  # share of samples with a new input above which all are needed
+
+
+def sketch(records: Records, linear: Optimum, period: float, floor: float) -> Records:
+    """Keep every m-th sample, and those where the input changes.
+
+    What is averaged over each kept sample's neighborhood is the gap to the linear fit: it is small and slow, so that
+    noise is averaged out and hardly any of the gap. Weights are such that a gap costs what it costs in all samples.
+
+    Parameters
+    ----------
+    records : Records
+    linear : Optimum
+        Of the linear plant, on the same records.
+    period : float
+        s, the shortest that the linear plant swings with.
+    floor : float
+        m, noise floor: the larger the gap, the less is averaged, for blur must stay below the noise.
+
+    Returns
+    -------
+    Records
+        With `source` and `at`; the same records where nothing can be left out.
+    """
+    kept: list[Index] = []
+    for r, piece in enumerate(records.pieces()):
+        step = _stride(period / float(records.sample_time[r]))
+        volts = records.volts[piece]
+        changes = np.flatnonzero(np.diff(np.concatenate([[records.before[r]], volts])))
+        size = volts.size
+        whole = step == 1 or changes.size > _MOST_CHANGES * size
+        kept.append(piece.start + (np.arange(size) if whole else _grid(size, step, changes)))
+    at = np.concatenate(kept)
+    if at.size == records.size:
+        return records
+    bounds = np.concatenate([[0], np.cumsum([k.size for k in kept])]).astype(np.intp)
+    run = records.run[at]
+    length = np.append(np.diff(records.time[at]), 0.0)
+    length[bounds[1:] - 1] = records.sample_time
+    width = _BLUR * period / np.sqrt(max(linear.rms / floor, 1.0)) / records.sample_time[run]
+    gap, weight = _averages(records, linear, at, bounds, width)
+    return replace(
+        records,
+        bounds=bounds,
+        run=run,
+        time=records.time[at],
+        position=(records.position - linear.residual)[at] + gap,
+        volts=records.volts[at],
+        weight=weight,
+        length=length,
+        source=records,
+        at=at,
+    )
+
+
+def _stride(samples: float) -> int:
+    """Odd number of samples to take as one."""
+    return max(1, 2 * round((samples / _PER_PERIOD - 1) / 2) + 1)
+
+
+def _grid(size: int, step: int, changes: Index) -> Index:
+    """Every `step`-th sample from each change of the input on, the ends included."""
+    marks = np.unique(np.concatenate([[0], changes, [size - 1]]))
+    between = [np.append(np.arange(a, b, step), b) for a, b in pairwise(marks)]
+    return np.unique(np.concatenate([marks, *between]))
+
+
+def _averages(records: Records, linear: Optimum, at: Index, bounds: Index, width: Array) -> tuple[Array, Array]:
+    """Weighted mean of the gap over up to `width` samples around each kept one; square-root weights."""
+    before = np.diff(at, prepend=at[0])
+    after = np.diff(at, append=at[-1])
+    before[bounds[:-1]] = 0
+    after[bounds[1:] - 1] = 0
+    half = np.minimum(np.minimum(before, after), width.astype(np.intp)) // 2
+    square = records.weight**2
+    sums = np.concatenate([[0.0], np.cumsum(square)])
+    gaps = np.concatenate([[0.0], np.cumsum(square * linear.residual)])
+    low, high = at - half, at + half + 1
+    total = sums[high] - sums[low]
+    return (gaps[high] - gaps[low]) / total, np.sqrt(total)
+
+
+def shortest_period(linear: Optimum) -> float:
+    """2π over the largest magnitude of a linear plant's poles [s]: the shortest period, or less if overdamped."""
+    records = linear.problem.simulator.records
+    a, b, _ = linear.problem.simulator.n_labels
+    mass = linear.shared[:a][records.base] + records.added_mass
+    natural = np.sqrt(linear.shared[a : a + b][records.spring] / mass)
+    ratio = np.maximum(linear.shared[a + b :][records.damper] / (2 * mass * natural), 1.0)
+    return float(np.min(2 * np.pi / (natural * (ratio + np.sqrt(ratio**2 - 1)))))
+
+
+def outline(records: Records, linear: Optimum) -> Optimum:
+    """Fit the linear plant to a sketch, from its fit to all samples."""
+    if records.at is None:
+        return linear
+    problem = replace(build(records, ()), free=linear.problem.free, active=linear.problem.active)
+    states = linear.solved.states[:, records.at]
+    found = minimize(problem, linear.shared, linear.local, start=states, tolerance=1e-6 * linear.cost, iterations=6)
+    if found is None:  # the same plant at fewer moments: it can be simulated if it could be before
+        raise FloatingPointError
+    return found
+
+
+def between(optimum: Optimum, records: Records) -> Array:
+    """States of a fit to a sketch at all samples, interpolated: a start for Newton, shape (d, S)."""
+    part, states = optimum.problem.simulator.records, optimum.solved.states
+    if part.at is None:
+        return states
+    out = np.empty((states.shape[0], records.size))
+    for few, all_ in zip(part.pieces(), records.pieces(), strict=True):
+        for row, known in enumerate(states[:, few]):
+            out[row, all_] = np.interp(records.time[all_], part.time[few], known)
+    return out
+
+
+def full_residual(optimum: Optimum, linear: Optimum, sketched: Optimum) -> Array:
+    """Residual [m] of a fit to a sketch at all samples: the linear fit's, less what the fit changed; shape (S,)."""
+    part, records = optimum.problem.simulator.records, linear.problem.simulator.records
+    change = optimum.solved.reading - sketched.solved.reading
+    if part.at is not None:
+        change = np.concatenate(
+            [
+                np.interp(records.time[all_], part.time[few], change[few])
+                for few, all_ in zip(part.pieces(), records.pieces(), strict=True)
+            ]
+        )
+    return records.centered(linear.residual - change)

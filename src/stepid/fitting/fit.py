@@ -1,0 +1,245 @@
+"""Joint fit of a plant with given effects to all records of a campaign at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stepid.core.arguments import as_campaign
+from stepid.core.base import Matrix, Model, NonNegative
+from stepid.core.estimate import Estimate
+from stepid.core.experiment import Campaign
+from stepid.core.frames import parameter_frame
+from stepid.core.noise import rms
+from stepid.effects import CATALOGUE, Effect, resolve
+from stepid.errors import ConvergenceError, UndeterminedError
+from stepid.fitting.covariance import estimates
+from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.multistart import Contender, Ground, Start, race_starts
+from stepid.fitting.multistart_cogging import well_starts
+from stepid.fitting.noise_floor import enough, noise_floor, repeat_notes, weights
+from stepid.fitting.outlier_run import find_suspect
+from stepid.fitting.problem import fit_linear
+from stepid.fitting.score_test import columns, score
+from stepid.fitting.screening import screen
+from stepid.simulation.model import EffectModel, PlantModel, RunState
+from stepid.simulation.records import Records, lay_out
+from stepid.simulation.simulate import own_states
+from stepid.simulation.threads import single_threaded
+
+if TYPE_CHECKING:
+    from stepid.core.frames import DataFrame
+
+_NOISY = 0.05  # of the cost of noise, within which a start need not be bettered
+_MISFIT = 1.1  # times the floor, beyond which a run may be to blame
+NOT_CONVERGED = "The fit did not converge; what is shown is the best so far."
+
+
+class Fit(Model):
+    """A joint fit.
+
+    Parameters
+    ----------
+    parameters : mapping
+        Name to Estimate: ``"base_mass"``, ``"stiffness[medium]"``, ``"force_gain"``, ``"coulomb_friction.level"``, …
+    model : PlantModel
+        Ready for `stepid.simulate`.
+    rms : float
+        m, of measured minus simulated over all samples.
+    noise : float
+        m, noise floor.
+    run_rms : mapping
+        Run name to RMS [m].
+    correlation : array, shape (n, n)
+        Of the free shared parameters, in the order of `parameters`.
+    converged : bool
+    notes : tuple of str
+        What was left out, which run disagrees with the others, that the fit did not converge.
+    """
+
+    parameters: Mapping[str, Estimate]
+    model: PlantModel
+    rms: NonNegative
+    noise: NonNegative
+    run_rms: Mapping[str, NonNegative]
+    correlation: Matrix
+    converged: bool
+    notes: tuple[str, ...] = ()
+
+    def to_dataframe(self) -> DataFrame:
+        """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""
+        return parameter_frame((n, e.value, e.uncertainty, e.unit) for n, e in self.parameters.items())
+
+
+def ground_of(campaign: Campaign) -> tuple[Records, Ground]:
+    """Lay out what can be used of a campaign, weigh it and fit the linear plant.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If no run can be used.
+    stepid.errors.UndeterminedError
+        If the records are too short.
+    stepid.errors.ConvergenceError
+        If no linear plant can be fitted at all.
+    """
+    records = lay_out(screen(as_campaign(campaign)).campaign)
+    if not enough(records):
+        raise UndeterminedError(
+            f"campaign {campaign.name!r}: too few samples to tell the noise from the motion ({records.size} in all)",
+            "Record longer or sample faster, or give counts_per_meter, from which the smallest noise follows.",
+        )
+    floor = noise_floor(records)
+    records = records.reweighted(weights(records, floor))
+    linear = fit_linear(records, tolerance=0.02 * floor**2)
+    if linear is None:
+        raise ConvergenceError(
+            f"campaign {campaign.name!r}: no stable mass-spring-damper can be fitted to its records",
+            "Look at the records: sign of counts_per_meter, the input column, the added masses and labels.",
+        )
+    return records, Ground(records, linear, floor)
+
+
+@single_threaded
+def fit(campaign: Campaign, *, effects: Iterable[str | Effect] = (), catalogue: tuple[Effect, ...] = CATALOGUE) -> Fit:
+    """Fit a linear plant with given effects to all runs together.
+
+    Shared by the runs: one base mass a base label, one stiffness a spring label, one damping a damper label, one force
+    gain, the effects' parameters. Fitted for each run: its rest position, its displacement at the start where dry
+    friction or play allows one, its initial state where the record starts in motion, its disturbance phase.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    effects : iterable of str or Effect
+        Canonical names or effects; none is the linear plant.
+    catalogue : tuple of Effect
+        Where names are looked up.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If an effect is not known, or no run can be used.
+    stepid.errors.UndeterminedError
+        If the records are too short.
+    stepid.errors.ConvergenceError
+        If no start leads to a stable plant.
+    """
+    wanted = resolve(effects, catalogue=catalogue)
+    _, ground = ground_of(campaign)
+    optimum = fit_effects(ground, wanted)
+    if optimum is None:
+        raise ConvergenceError(
+            f"campaign {campaign.name!r}: no start of {', '.join(e.name for e in wanted)} leads to a stable plant; the "
+            f"linear fit leaves {ground.linear.rms * 1e6:.3g} µm",
+            "Try fewer effects, or look at the records for what the model cannot say.",
+        )
+    return report(optimum, wanted, ground.floor, notes=_remarks(campaign, ground, optimum))
+
+
+def fit_effects(ground: Ground, effects: tuple[Effect, ...]) -> Optimum | None:
+    """Fit effects one after another, each from its best starts on top of those before, then all together."""
+    if not effects:
+        return ground.linear
+    starts = well_starts(ground, effects[0])
+    starts += race_starts(ground, effects[0], score(ground, ground.outline, columns(ground, effects[:1])))
+    contender = _raced(ground, effects[:1], starts, ground.outline)
+    for count in range(2, len(effects) + 1):
+        if contender.best is None:
+            return None
+        sim = contender.best.problem.simulator
+        scored = score(ground, contender.best, columns(ground, (effects[count - 1],)))
+        guesses = [s.values for s in scored[:3]]
+        guesses += [tuple(v) for v in effects[count - 1].starts(ground.scales)]
+        linear, values = contender.best.shared[: sim.n_linear], contender.best.shared[sim.n_linear :]
+        starts = [Start(linear, (tuple(values), v)) for v in guesses]
+        contender = _raced(ground, effects[:count], starts, contender.best)
+    contender.polish(laps=40)
+    return contender.polished
+
+
+def _raced(ground: Ground, effects: tuple[Effect, ...], starts: list[Start], like: Optimum) -> Contender:
+    """Race the starts; where the winner leaves more than noise, run each of them to its end."""
+    best = Contender(ground, effects)
+    best.begin(starts, like=like)
+    best.run(laps=40)
+    if best.excess < _NOISY * ground.noise_cost:
+        return best
+    for start in starts:
+        other = Contender(ground, effects)
+        other.begin([start], like=like)
+        other.run(laps=40)
+        if other.cost < best.cost:
+            best = other
+        if best.excess < _NOISY * ground.noise_cost:
+            break
+    return best
+
+
+def _remarks(campaign: Campaign, ground: Ground, optimum: Optimum) -> tuple[str, ...]:
+    out = [*screen(campaign).notes, *repeat_notes(ground.records)]
+    suspect = find_suspect(ground, [optimum]) if optimum.rms > _MISFIT * ground.floor else None
+    if suspect is not None and suspect.mistake is not None:
+        out.append(suspect.words)
+    if not optimum.converged:
+        out.append(NOT_CONVERGED)
+    return tuple(out)
+
+
+def report(optimum: Optimum, effects: tuple[Effect, ...], floor: float, *, notes: tuple[str, ...] = ()) -> Fit:
+    """Make a fit's result."""
+    records = optimum.problem.simulator.records
+    values, correlation = estimates(optimum, effects, floor)
+    residual = optimum.residual
+    return Fit(
+        parameters=values,
+        model=unpack(optimum, effects),
+        rms=optimum.rms,
+        noise=floor,
+        run_rms={run.name: rms(residual[piece]) for run, piece in zip(records.runs, records.pieces(), strict=True)},
+        correlation=correlation,
+        converged=optimum.converged,
+        notes=notes,
+    )
+
+
+def unpack(optimum: Optimum, effects: tuple[Effect, ...]) -> PlantModel:
+    """Read a model off a fit."""
+    sim = optimum.problem.simulator
+    r = sim.records
+    a, b, c = sim.n_labels
+    shared = [float(v) for v in optimum.shared]
+    models, at = [], sim.n_linear
+    for effect in effects:
+        names = [q.name for q in effect.parameters]
+        values = dict(zip(names, shared[at : at + len(names)], strict=True))
+        models.append(EffectModel(name=effect.name, values=values))
+        at += len(names)
+    rest = r.position - optimum.solved.reading
+    square = r.weight**2
+    keys = [f"{e.name}.{q.name}" for e in effects for q in e.run_parameters]
+    own_keys = own_states(effects)
+    runs = {}
+    for i, (run, piece) in enumerate(zip(r.runs, r.pieces(), strict=True)):
+        own = optimum.local[:, i]
+        runs[run.name] = RunState(
+            rest=float(np.average(rest[piece], weights=square[piece])),
+            displacement=float(own[0]),
+            velocity=float(own[1]),
+            phases=dict(zip(keys, map(float, own[2 : sim.own_states.start]), strict=True)),
+            states=dict(zip(own_keys, map(float, own[sim.own_states]), strict=True)) if r.moving[i] else {},
+        )
+    return PlantModel(
+        base_mass=dict(zip(r.bases, shared[:a], strict=True)),
+        stiffness=dict(zip(r.springs, shared[a : a + b], strict=True)),
+        damping=dict(zip(r.dampers, shared[a + b : a + b + c], strict=True)),
+        force_gain=shared[a + b + c],
+        effects=tuple(models),
+        runs=runs,
+    )

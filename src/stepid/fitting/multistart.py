@@ -1,0 +1,271 @@
+"""Find the best fit of a plant with given effects: many starts raced, the best polished."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.effects.base import Effect, Motion, Scales
+from stepid.fitting.decimation import between, outline, shortest_period, sketch
+from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
+from stepid.fitting.multistart_sticking import resettle
+from stepid.fitting.problem import build, fixes_mass, phase_rows, scales, start_local, start_phases
+from stepid.fitting.spectrum import strongest_period
+from stepid.fitting.weak_form import WeakForm, measured_motion
+from stepid.simulation.records import Records
+
+_FEW = 2  # starts that Newton is quicker for
+_POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
+
+
+class Scored(NamedTuple):
+    """A start of one effect on top of a fit: the part of the cost it could remove [m²], the fit's parameters then."""
+
+    effect: Effect
+    values: tuple[float, ...]
+    gain: float
+    shared: Array
+
+
+class Start(NamedTuple):
+    """Shared parameters to start from; where runs start in motion, also how far from rest [m], if that is known."""
+
+    linear: Array
+    values: tuple[tuple[float, ...], ...]
+    displacement: Array | None = None
+
+
+class Ground:
+    """What every search on one campaign shares: records, linear fit, scales, the weak form, the measured motion.
+
+    Candidates race on `sketch`, a part of the samples; `outline` is the linear plant there.
+    """
+
+    def __init__(self, records: Records, linear: Optimum, floor: float) -> None:
+        self.records, self.linear, self.floor = records, linear, floor
+        self.scales: Scales = scales(records, linear, floor)
+        self.columns: dict[Effect, list[Any]] = {}  # of `stepid.fitting.score_test`, kept for the next race
+        self.responses: dict[tuple[Effect, tuple[float, ...]], Array | None] = {}  # to single starts, kept likewise
+        self.period = period = strongest_period(records)
+        self.measured: Motion = measured_motion(records, linear.shared, floor, period)
+        self.motion = self.measured
+        if linear.rms < 4 * floor:  # the fit is better known than the noisy velocity
+            x, v = linear.solved.states[:2]
+            self.motion = self.motion._replace(x=x, v=v, sign=np.where(v < 0, -1.0, 1.0))
+        self.sketch = sketch(records, linear, shortest_period(linear), floor)
+        self.outline = outline(self.sketch, linear)
+        self.tangent = np.linalg.qr(self.outline.problem.jacobian(self.outline.solved))[0]
+        self.weak = WeakForm(records, 0.6 * period, fixed_mass=fixes_mass(records))
+
+    @property
+    def noise_cost(self) -> float:
+        """Cost of a perfect model in the race, m²."""
+        square = self.records.weight**2
+        return float((square if self.sketch.at is None else square[self.sketch.at]).sum()) * self.floor**2
+
+    @property
+    def floored(self) -> float:
+        """Cost in the race below which nothing but noise is left, m²: the noise's own scatter above its cost."""
+        return (1.05 + 3.0 / math.sqrt(2.0 * self.sketch.size)) ** 2 * self.noise_cost
+
+    @property
+    def unit(self) -> float:
+        """Cost in the race of one unit of χ² in all samples, m²."""
+        return float((self.sketch.weight**2).sum() / (self.records.weight**2).sum()) * self.floor**2
+
+    @property
+    def tolerance(self) -> float:
+        """Predicted decrease of the cost that no longer matters, m²."""
+        return 0.05 * self.floor**2
+
+    def weak_starts(self, effect: Effect, count: int) -> list[Start]:
+        """Best starts of one effect by linear least squares on the weak form."""
+        found = []
+        for regressor in effect.regressors(self.scales, self.motion):
+            solution = self.weak.solve(regressor.forces)
+            if solution is None:
+                continue
+            values = regressor.values(solution.coefficients)
+            if values is not None:
+                found.append((solution.left, Start(solution.shared, (values,))))
+        found.sort(key=lambda item: item[0])
+        return [start for _, start in found[:count]]
+
+
+class Contender:
+    """One set of effects in the race: its starts, and the best fit so far."""
+
+    def __init__(self, ground: Ground, effects: tuple[Effect, ...]) -> None:
+        self.ground, self.effects = ground, effects
+        self.coarse = build(ground.sketch, effects, fineness=0.25)
+        self.fine = build(ground.records, effects)
+        self.best: Optimum | None = None
+        self.polished: Optimum | None = None  # on all samples
+        self.judged: tuple[Optimum, Any] | None = None  # a polished fit, and what was made of it
+        self.promised: dict[Effect, tuple[Optimum, list[Any]]] = {}  # what more general effects promised over a fit
+        self._resettled: Optimum | None = None  # where other patterns of sticking led last
+        self._tolerance = 0.0  # with which the best fit so far ended, m²
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Canonical names."""
+        return tuple(e.name for e in self.effects)
+
+    @property
+    def excess(self) -> float:
+        """Cost above that of the noise floor, m²; 0 at the floor."""
+        return max(self.cost - self.ground.noise_cost, 0.0)
+
+    @property
+    def cost(self) -> float:
+        """Sum of squared residuals of the best fit so far, m²."""
+        return np.inf if self.best is None else self.best.cost
+
+    def begin(self, starts: list[Start], *, like: Optimum, keep: int = 3, laps: int = 3) -> None:
+        """Try starts: march them side by side, run a few steps from the best."""
+        problem = self.coarse
+        sim = problem.simulator
+        shared = np.array([np.concatenate([s.linear, *s.values]) for s in starts])
+        shared = np.clip(shared, problem.lower, problem.upper)
+        local = np.repeat(start_local(problem, like)[None], len(starts), axis=0)
+        for own, start in zip(local, starts, strict=True):
+            if start.displacement is not None:
+                own[0] = np.where(self.ground.sketch.moving, start.displacement, own[0])
+        if phase_rows(problem):
+            near_each = [self._near(like, *at) for at in zip(shared, local, strict=True)]
+            local = start_phases(problem, shared, local, near_each)
+        order, states = list(range(len(starts))), None
+        many = 1 if any(e.run_parameters for e in self.effects) else 3  # with their phases they can be told apart
+        if sim.law.reverses or sim.law.n_sides or (len(starts) > many and not sim.law.linear):
+            states = self._simulated(shared, local, like)
+            costs = [self._reach(z[0]) for z in states]
+            if min(costs) > like.cost - _POOR * (like.cost - self.ground.noise_cost):
+                keep = 1  # none shows much
+            order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
+        for i in order:
+            near = self._near(like, shared[i], local[i]) if states is None else states[i]
+            begin = local[i]
+            if problem.active[sim.own_states].any():  # from wrong own states the shared parameters go astray
+                alone = replace(problem, free=np.zeros_like(problem.free))
+                begun = minimize(alone, shared[i], begin, start=near, iterations=3)
+                begin, near = (begun.local, begun.solved.states) if begun else (begin, near)
+            ended = [self._try(variant, shared[i], begin, near, like, laps) for variant in self._variants()]
+            if any(ended):
+                break
+
+    def _simulated(self, shared: Array, local: Array, like: Optimum) -> Array:
+        """States of several starts: by Newton where they are few and it settles, else marched side by side."""
+        sim = self.coarse.simulator
+        if len(shared) <= _FEW:
+            solved = [sim.solve(*at, start=self._near(like, *at)) for at in zip(shared, local, strict=True)]
+            settled = [s.states for s in solved if s is not None]
+            if len(settled) == len(solved):
+                return np.array(settled)
+        return sim.march(shared, local)
+
+    def _variants(self) -> list[Problem]:
+        """The problem; before it, with runs that begin at rest, where they need not."""
+        if not self.coarse.simulator.law.never_rests:
+            return [self.coarse]
+        active = self.coarse.active.copy()
+        active[:2] = self.ground.sketch.moving
+        return [replace(self.coarse, active=active), self.coarse]
+
+    def _try(self, problem: Problem, shared: Array, local: Array, near: Array, like: Optimum, laps: int) -> bool:
+        """Run a few steps from a start; True at the floor, or where a start before it ended, better than `like`."""
+        ground = self.ground
+        tolerance = max(ground.tolerance, 0.003 * (min(self.cost, like.cost) - ground.noise_cost))
+        found = minimize(problem, shared, local, start=near, tolerance=tolerance, iterations=laps)
+        if found is None:
+            return False
+        gained = like.cost - found.cost > 0.01 * (like.cost - ground.noise_cost) + ground.unit
+        again = gained and self.best is not None and abs(found.cost - self.cost) < 0.01 * self.excess + ground.unit
+        if found.cost < self.cost:
+            self.best, self._tolerance = found, tolerance
+        return found.converged and (again or found.cost < 1.02 * ground.noise_cost)
+
+    def _near(self, like: Optimum, shared: Array, local: Array) -> Array:
+        return self.coarse.simulator.along(shared, local, like.solved.states)
+
+    def _reach(self, reading: Array) -> float:
+        """Cost that a trajectory would leave after the linear plant has adapted to it."""
+        if not np.isfinite(reading).all() or np.abs(reading).max() > 1e2:
+            return np.inf
+        records = self.ground.sketch
+        r = records.weighted(records.position - reading)
+        r = r - self.ground.tangent @ (self.ground.tangent.T @ r)
+        return float(r @ r)
+
+    def run(self, *, laps: int, tolerance: float = 0.0) -> None:
+        """Go on from the best fit so far, until a step promises less than `tolerance` [m²]."""
+        tolerance = max(self.ground.tolerance, tolerance)
+        if self.best is None or (self.best.converged and self._tolerance <= tolerance):
+            return
+        found = minimize(
+            self.coarse,
+            self.best.shared,
+            self.best.local,
+            start=self.best.solved.states,
+            tolerance=tolerance,
+            iterations=laps,
+        )
+        if found is not None and found.cost <= self.best.cost:
+            self.best, self.polished, self._tolerance = found, None, tolerance
+
+    def resettle(self) -> bool:
+        """Try other patterns of sticking from the best fit so far; True where one is better."""
+        if self.best is None or self._resettled is self.best:
+            return False
+        moved = resettle(self.best, tolerance=self.ground.tolerance)
+        better, self._resettled = moved is not self.best, moved
+        if better:
+            self.best, self.polished, self._tolerance = moved, None, self.ground.tolerance
+        return better
+
+    def polish(self, *, laps: int, tolerance: float = 0.0) -> None:
+        """Fit all samples, from the best fit of the race or from where the last polish ended."""
+        last = self.polished
+        if self.best is None or (last is not None and last.converged):
+            return
+        begin = last or self.best
+        found = minimize(
+            self.fine,
+            begin.shared,
+            begin.local,
+            start=last.solved.states if last else between(self.best, self.ground.records),
+            tolerance=max(self.ground.tolerance, tolerance),
+            iterations=laps,
+        )
+        if found is not None:
+            self.polished = found
+
+
+def _less_damped(ground: Ground, effect: Effect) -> list[Array]:
+    """The linear optimum; for dry friction, also with less damping, which stood in for the friction."""
+    out = [ground.outline.shared]
+    if effect.dry:
+        a, b, c = ground.outline.problem.simulator.n_labels
+        for share in (0.65, 0.35):
+            lighter = ground.outline.shared.copy()
+            lighter[a + b : a + b + c] *= share
+            out.append(lighter)
+    return out
+
+
+def race_starts(ground: Ground, effect: Effect, scored: Sequence[Scored]) -> list[Start]:
+    """Starts of one effect: its best scores, the weak form's best, its own guesses where it is hard to score."""
+    own = [s for s in scored if s.effect is effect][:2]
+    starts = [Start(s.shared, (s.values,)) for s in own]
+    starts += [Start(ground.outline.shared, (s.values,)) for s in own[:1]]
+    starts += ground.weak_starts(effect, 3)
+    guesses = [tuple(v) for v in effect.starts(ground.scales)]
+    if not effect.linear or len(starts) < 2:
+        starts += [Start(shared, (v,)) for shared in _less_damped(ground, effect) for v in guesses]
+    if own:
+        starts.append(Start(ground.outline.shared, (effect.faint(own[0].values, 0.05),)))
+    return starts

@@ -1,0 +1,81 @@
+"""How each run began: where friction held it, with which phase. A scan past the separate minima, run by run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
+from stepid.fitting.problem import PHASES, best_by_run, phase_rows
+
+_COUNT = 17  # displacements tried a run
+_REACH = 1.5  # times the largest displacement found so far
+_ROUNDS = 5
+_KICKS = (0.98, 1.02)  # factors of a dry effect's parameters that lead out of a minimum where no other start does
+_GAIN = 1e-3  # relative decrease of the cost that is worth another round
+
+
+def scan_starts(optimum: Optimum) -> Array:
+    """Best starting displacement of each run at rest, or best phase, all else as it is: local parameters, shape (Q, R).
+
+    Given the shared parameters the runs are independent, so that one batch tries the whole grid on every run. Each
+    pattern of sticking has its own minimum; a descent from one start seldom finds the best.
+    """
+    problem, local = optimum.problem, optimum.local
+    own = _held(problem)
+    reach = _REACH * float(np.abs(local[0, own]).max(initial=0.0))
+    moved = np.repeat(local[None], _COUNT, axis=0)
+    moved[:, 0, own] = np.linspace(-reach, reach, _COUNT)[:, None]
+    tried = [local[None], moved]
+    for row in phase_rows(problem):
+        turned = np.repeat(local[None], PHASES, axis=0)
+        turned[:, row] += 2 * np.pi * np.arange(PHASES)[:, None] / PHASES
+        tried.append(turned)
+    best: Array = best_by_run(problem, optimum.shared[None], np.concatenate(tried)[None])[0]
+    return best
+
+
+def _held(problem: Problem) -> Array:
+    """Runs at rest that need not have begun at zero."""
+    held: Array = problem.active[0] & ~problem.simulator.records.moving
+    return held
+
+
+def resettle(optimum: Optimum, *, tolerance: float, iterations: int = 20) -> Optimum:
+    """Fit again from the best starts of the runs, and from slightly other dry effects, until nothing is gained.
+
+    Parameters
+    ----------
+    optimum : Optimum
+        Of a model with dry friction or play; others come back as they are.
+    tolerance : float
+        m², of the fits.
+    iterations : int
+        At most so many steps a fit.
+    """
+    problem = optimum.problem
+    if not (_held(problem).any() or (phase_rows(problem) and problem.simulator.law.reverses)):
+        return optimum
+    kicks = iter(_KICKS)
+    for _ in range(_ROUNDS):
+        shared, local = optimum.shared, scan_starts(optimum)
+        if np.array_equal(local, optimum.local):
+            kick = next(kicks, None)
+            if kick is None:
+                break
+            shared = shared.copy()
+            shared[_dry_values(problem)] *= kick
+        found = minimize(problem, shared, local, tolerance=tolerance, iterations=iterations)
+        if found is not None and found.cost < (1 - _GAIN) * optimum.cost:
+            optimum = found
+    return optimum
+
+
+def _dry_values(problem: Problem) -> list[int]:
+    """Places of the dry effects' parameters among the shared ones."""
+    at, places = problem.simulator.n_linear, list[int]()
+    for effect in problem.simulator.law.effects:
+        after = at + len(effect.parameters)
+        places += range(at, after) if effect.dry else []
+        at = after
+    return places

@@ -1,0 +1,195 @@
+"""The noise floor of a campaign, and how far a residual is from white noise."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from stepid.core.base import Array
+from stepid.core.experiment import Experiment
+from stepid.core.noise import rms
+from stepid.simulation.records import Records
+
+_ORDER = 8  # of the differences: a swing sampled 12 times a period leaves 1e-5 of itself
+_CLIP = 3.5  # kinks and jumps beyond so many standard deviations do not count
+_FEWEST = 20  # differences that make a spread
+_ALIKE = 0.1  # spread of repeated runs over their motion, beyond which they are no repeats
+_SCATTER = 1.5  # times the sensor's noise, by which repeated runs differ notably
+
+
+def _moves(run: Experiment, y: Array) -> npt.NDArray[np.bool_]:
+    """Tell for each window of `_ORDER` + 1 samples whether the reading moves by more than its resolution."""
+    windows = np.lib.stride_tricks.sliding_window_view(y, _ORDER + 1)
+    moves: npt.NDArray[np.bool_] = np.ptp(windows, axis=1) > 2.5 * (run.resolution or 0.0)
+    return moves
+
+
+def _moving_differences(run: Experiment, begin: int) -> Array:
+    """High-order differences where the reading moves and the input does not jump, in units of white noise."""
+    y = run.position[begin:]
+    if y.size < _ORDER + 8:
+        return np.empty(0)
+    use = _moves(run, y)
+    jumps = np.flatnonzero(np.diff(np.concatenate([[run.input_before], run.input])))
+    for jump in jumps - begin if jumps.size < 0.05 * y.size else []:
+        use[max(0, jump - _ORDER - 1) : max(0, jump + 3)] = False
+    out: Array = np.diff(y, _ORDER)[use] / math.sqrt(math.comb(2 * _ORDER, _ORDER))
+    return out
+
+
+def succession(records: Records, residual: Array) -> tuple[float, int]:
+    """Mean square of a residual over half that of its successive differences, where the cart moves; and their number.
+
+    White noise gives 1 ± 1/√n whatever its size; what is left of a motion is slower, and gives more (von Neumann 1941).
+
+    Parameters
+    ----------
+    records : Records
+    residual : array, shape (S,)
+        Unweighted, m.
+    """
+    squares, steps, count = 0.0, 0.0, 0
+    for run, piece in zip(records.runs, records.pieces(), strict=True):
+        y, r = records.position[piece], residual[piece]
+        if y.size <= _ORDER:
+            continue
+        at = np.flatnonzero(_moves(run, y)) + _ORDER // 2
+        squares += float(np.sum(r[at] ** 2))
+        steps += float(np.sum((r[at] - r[at - 1]) ** 2))
+        count += at.size
+    return (2 * squares / steps if steps > 0 else math.inf), count
+
+
+def enough(records: Records) -> bool:
+    """Tell whether the noise can be told from the motion: by enough samples that move, or by the encoder's scale."""
+    moving = (_moving_differences(run, int(b)).size for run, b in zip(records.runs, records.begin, strict=True))
+    return all(run.resolution is not None for run in records.runs) or sum(moving) >= _FEWEST
+
+
+def sensor_noise(records: Records) -> float:
+    """Standard deviation of the readings' noise, m.
+
+    Spread of eighth differences where the cart moves, outliers clipped, not below the resolution's share
+    (resolution/√12). A robust spread of differences sees white noise and cancels the motion.
+    """
+    values = [_moving_differences(run, int(b)) for run, b in zip(records.runs, records.begin, strict=True)]
+    steps = [run.resolution for run in records.runs if run.resolution is not None]
+    least = max(steps) / math.sqrt(12) if steps else 0.0
+    d = np.concatenate(values)
+    if d.size < _FEWEST:
+        return max(least, 1e-12)
+    spread = 1.4826 * float(np.median(np.abs(d)))
+    if spread <= 0:
+        spread = float(np.std(d))
+    for _ in range(4):
+        kept = d[np.abs(d) <= _CLIP * spread]
+        spread = rms(kept) * 1.0023 if kept.size else spread
+    return max(spread, least, 1e-12)
+
+
+def repeats(records: Records) -> list[tuple[int, ...]]:
+    """Groups of runs recorded under the same conditions with the same input, by index."""
+    groups: dict[object, list[int]] = {}
+    for i, run in enumerate(records.runs):
+        if records.moving[i]:
+            continue
+        key = (run.spring, run.damper, run.base, run.added_mass, run.input_before, run.time.size, run.input.tobytes())
+        groups.setdefault(key, []).append(i)
+    return [tuple(group) for group in groups.values() if len(group) > 1]
+
+
+def _spreads(records: Records) -> list[tuple[tuple[int, ...], float, float]]:
+    """Groups of repeated runs, each with the sum of squares of their spread and of their motion, m²."""
+    out = []
+    pieces = records.pieces()
+    for group in repeats(records):
+        stack = np.array([records.position[pieces[i]] for i in group])
+        stack = stack - stack.mean(axis=1, keepdims=True)
+        between = float(np.sum((stack - stack.mean(axis=0)) ** 2)) / (len(group) - 1) * len(group)
+        out.append((group, between, float(np.sum(stack**2))))
+    return out
+
+
+def repeatability(records: Records) -> float | None:
+    """Run-to-run spread of repeated runs, m: what no model of one plant can explain; None without repeats.
+
+    Runs under the same labels that differ by a tenth of their motion are no repeats: a label, scale or sign is wrong.
+    """
+    found = [(group, between) for group, between, motion in _spreads(records) if between <= _ALIKE**2 * motion]
+    if not found:
+        return None
+    counts = np.diff(records.bounds)
+    return math.sqrt(sum(between for _, between in found) / sum(int(counts[list(g)].sum()) for g, _ in found))
+
+
+def repeat_notes(records: Records) -> tuple[str, ...]:
+    """Say by how much repeated runs differ, where that is notable."""
+    out = []
+    for group, between, motion in _spreads(records):
+        if between > _ALIKE**2 * motion:
+            names = ", ".join(repr(records.runs[i].name) for i in group)
+            share = 100 * math.sqrt(between / motion)
+            out.append(
+                f"Runs {names} have the same labels and input but differ by {share:.0f} % of their motion: "
+                "a label, scale or sign is wrong."
+            )
+    spread, noise = repeatability(records), sensor_noise(records)
+    if spread is not None and spread > _SCATTER * noise:
+        out.append(
+            f"Repeated runs differ by {np.format_float_positional(1e6 * spread, 3, fractional=False, trim='-')} µm, "
+            f"{spread / noise:.2g} times the sensor's noise: no model of one plant leaves less."
+        )
+    return tuple(out)
+
+
+def noise_floor(records: Records) -> float:
+    """RMS that a perfect model would leave, m: the sensor's noise, or the spread of repeated runs where larger."""
+    spread = repeatability(records)
+    return max(sensor_noise(records), spread or 0.0)
+
+
+def weights(records: Records, floor: float) -> Array:
+    """Square-root weights that count a stretch of one constant reading once, shape (S,).
+
+    Where the noise is less than the resolution, a cart at rest reads the same count over and over: those readings
+    share one rounding error and are one observation, not hundreds.
+    """
+    out = np.ones(records.size)
+    for run, piece in zip(records.runs, records.pieces(), strict=True):
+        if run.resolution is None or floor > 0.6 * run.resolution:
+            continue
+        y = records.position[piece]
+        edges = np.flatnonzero(np.diff(y) != 0) + 1
+        bounds = np.concatenate([[0], edges, [y.size]])
+        lengths = np.diff(bounds)
+        share = np.where(lengths > 6, np.sqrt(6.0 / np.maximum(lengths, 1)), 1.0)
+        out[piece] = np.repeat(share, lengths)
+    return out
+
+
+def structure(records: Records, residual: Array, floor: float, period: float) -> float:
+    """How far a residual is from white noise of size `floor`, in standard deviations.
+
+    The residual is averaged over windows of a tenth of the period; white noise averages out, misfit does not.
+
+    Parameters
+    ----------
+    records : Records
+    residual : array, shape (S,)
+        Weighted, m.
+    floor : float
+        m.
+    period : float
+        s, of the strongest oscillation.
+    """
+    total, freedom = 0.0, 0
+    for r, piece in enumerate(records.pieces()):
+        m = max(2, round(0.1 * period / float(records.sample_time[r])))
+        y = residual[piece]
+        blocks = y.size // m
+        means = y[: blocks * m].reshape(blocks, m).mean(axis=1)
+        total += float(np.sum(means**2)) * m / floor**2
+        freedom += blocks
+    return (total - freedom) / math.sqrt(2.0 * max(freedom, 1))

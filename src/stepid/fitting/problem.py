@@ -1,0 +1,216 @@
+"""From a campaign and effects to a fit problem: what is free, what is fixed, where it starts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.effects.base import Effect, Parameter, Scales
+from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
+from stepid.fitting.spectrum import resonances, strongest_period
+from stepid.fitting.weak_form import WeakForm
+from stepid.simulation.records import Records
+from stepid.simulation.trajectory import Simulator
+
+_WIDTHS = (0.6, 1.0, 1.6, 0.35)  # of the strongest period, for the weak form
+_MASSES = (1.0, 0.4, 2.5)  # kg
+PHASES = 12  # tried a run where the reading is not linear in their sine and cosine
+
+
+def fixes_mass(records: Records) -> float | None:
+    """Base mass to assume where no two runs of one base differ in added mass, else None.
+
+    The total mass of the first run is then 1 kg, and every parameter is per unit mass.
+    """
+    for base in range(len(records.bases)):
+        added = records.added_mass[records.base == base]
+        if added.size and np.ptp(added) > 0:
+            return None
+    return 1.0 - float(records.added_mass[0])
+
+
+def build(records: Records, effects: tuple[Effect, ...], *, fineness: float = 1.0) -> Problem:
+    """Set up the fit of a linear plant with effects to all records."""
+    sim = Simulator(records, effects, fineness)
+    a, b, c = sim.n_labels
+    parameters: list[Parameter] = [q for e in effects for q in e.parameters]
+    least_added = np.array([records.added_mass[records.base == i].min(initial=np.inf) for i in range(a)])
+    lower = np.concatenate(
+        [1e-3 - least_added, np.full(b, 1e-9), np.zeros(c), [-np.inf], [q.lower for q in parameters]]
+    )
+    upper = np.concatenate([np.full(a + b + c + 1, np.inf), [q.upper for q in parameters]])
+    free = np.ones(sim.n_shared, dtype=bool)
+    if fixes_mass(records) is not None:
+        free[0] = False
+    if not (np.any(records.volts) or np.any(records.before)):
+        free[a + b + c] = False
+    active = np.zeros((sim.n_local, len(records.runs)), dtype=bool)
+    active[0] = records.moving | any(e.rests_anywhere or e.never_rests for e in effects)
+    active[1] = records.moving | any(e.never_rests for e in effects)
+    active[2:] = True
+    unknown = [not e.settled for e in effects for _ in range(e.n_extra)]
+    unknown += [not e.settled for e in effects for _ in range(e.n_memory)]
+    active[sim.own_states] = records.moving & np.array(unknown, dtype=bool)[:, None]
+    return Problem(sim, free, lower, upper, active)
+
+
+def start_local(problem: Problem, like: Optimum | None = None) -> Array:
+    """Local parameters to start from: those of an optimum with the same records, or read off the records."""
+    records = problem.simulator.records
+    local = np.zeros((problem.simulator.n_local, len(records.runs)))
+    if like is not None:
+        local[:2] = like.local[:2]
+        local[0, ~problem.active[0]] = 0.0
+        return local
+    for r, piece in enumerate(records.pieces()):
+        if records.moving[r]:
+            y = records.position[piece]
+            tail = y[-max(8, y.size // 5) :]
+            n = min(6, y.size)
+            local[0, r] = y[0] - 0.5 * (tail.max() + tail.min())
+            local[1, r] = np.polyfit(records.time[piece][:n], y[:n], 1)[0]
+    return local
+
+
+def start_phases(problem: Problem, shared: Array, local: Array, near: list[Array]) -> Array:
+    """Local parameters with each run's phases read off its residual: from a wrong phase there is no way downhill.
+
+    Where friction or play decides when the cart moves, phases all around are tried as well.
+
+    Parameters
+    ----------
+    shared : array, shape (C, P)
+        Of several starts.
+    local : array, shape (C, Q, R)
+    near : list of array
+        States to start the solution of each from, shape (d, S).
+
+    Returns
+    -------
+    array, shape (C, Q, R)
+    """
+    sim = problem.simulator
+    out = local
+    for row in phase_rows(problem):
+        out = np.array([_read_phases(problem, *start, row) for start in zip(shared, out, near, strict=True)])
+        if sim.law.dry or sim.law.n_sides:
+            around = np.repeat(out[:, None], 1 + PHASES, axis=1)
+            around[:, 1:, row] = 2 * np.pi * np.arange(PHASES)[:, None] / PHASES
+            out = best_by_run(problem, shared, around)
+    return out
+
+
+def phase_rows(problem: Problem) -> list[int]:
+    """Rows of the local parameters that are phases."""
+    parameters = [q for e in problem.simulator.law.effects for q in e.run_parameters]
+    return [row for row, parameter in enumerate(parameters, 2) if parameter.unit == "rad"]
+
+
+def _read_phases(problem: Problem, shared: Array, local: Array, near: Array, row: int) -> Array:
+    """Local parameters with one row of phases fitted by least squares.
+
+    The reading is as good as linear in the sine and cosine of a phase.
+    """
+    sim = problem.simulator
+    records = sim.records
+    seen = []
+    for phase in (0.0, np.pi, np.pi / 2):
+        tried = local.copy()
+        tried[row] = phase
+        solved = sim.solve(shared, tried, start=near)
+        if solved is None:
+            return local
+        seen.append(solved.reading)
+    middle = 0.5 * (seen[0] + seen[1])
+    waves = records.weighted(np.array([seen[0] - middle, seen[2] - middle]))
+    left = records.weighted(records.position - middle)
+    out = local.copy()
+    for r, piece in enumerate(records.pieces()):
+        cosine, sine = np.linalg.lstsq(waves[:, piece].T, left[piece], rcond=None)[0]
+        out[row, r] = np.arctan2(sine, cosine)
+    return out
+
+
+def best_by_run(problem: Problem, shared: Array, tried: Array) -> Array:
+    """Each run's best of several local parameters: with the shared ones given, runs do not depend on each other.
+
+    Parameters
+    ----------
+    shared : array, shape (C, P)
+    tried : array, shape (C, K, Q, R)
+        K for each of the shared ones; the first of equally good ones is taken.
+
+    Returns
+    -------
+    array, shape (C, Q, R)
+    """
+    sim = problem.simulator
+    records = sim.records
+    copies, count = tried.shape[:2]
+    every = np.repeat(shared, count, axis=0)
+    flat = tried.reshape(copies * count, *tried.shape[2:])
+    states = sim.march(every, flat)
+    reading = np.array([z[0] + sim.reading(s, t) for z, s, t in zip(states, every, flat, strict=True)])
+    with np.errstate(all="ignore"):
+        square = records.weighted(records.position - reading) ** 2
+        cost = np.nan_to_num(np.add.reduceat(square, records.first, axis=1), nan=np.inf)
+    best = np.argmin(cost.reshape(copies, count, -1), axis=1)
+    chosen: Array = np.take_along_axis(tried, best[:, None, None, :], axis=1)[:, 0]
+    return chosen
+
+
+def fit_linear(records: Records, *, tolerance: float = 0.0) -> Optimum | None:
+    """Fit the linear plant: weak-form starts of several widths, the best few polished."""
+    problem = build(records, ())
+    period, mass = strongest_period(records), fixes_mass(records)
+    tried: list[Optimum] = []
+    for guess in (mass,) if mass is not None else (None, *_MASSES):
+        for width in _WIDTHS:
+            weak = WeakForm(records, width * period, fixed_mass=guess).solve()
+            if weak is None:
+                continue
+            shared = weak.shared
+            start = start_local(problem)
+            if guess is not mass:  # the ratios first: noise can hide the mass from the weak form, never k/m and c/m
+                held = replace(problem, free=problem.free & (np.arange(problem.free.size) >= len(records.bases)))
+                first = minimize(held, shared, start, tolerance=tolerance, iterations=8)
+                if first is None:
+                    continue
+                shared, start = first.shared, first.local
+            found = minimize(problem, shared, start, tolerance=tolerance)
+            if found is None:
+                continue
+            tried.append(found)
+            costs = sorted(o.cost for o in tried)
+            if len(tried) > 1 and costs[1] < 1.001 * costs[0]:
+                return min(tried, key=lambda o: o.cost)
+    return min(tried, key=lambda o: o.cost) if tried else None
+
+
+def scales(records: Records, linear: Optimum, floor: float) -> Scales:
+    """Typical magnitudes, from the records and the linear fit."""
+    states = linear.solved.states
+    a, b, c = linear.problem.simulator.n_labels
+    shared = linear.shared
+    stiffness = float(shared[a : a + b].mean())
+    mass = float((shared[:a][records.base] + records.added_mass).mean())
+    volts = np.abs(records.volts)
+    displacement = float(np.abs(states[0]).max())
+    return Scales(
+        displacement=displacement,
+        velocity=float(np.abs(states[1]).max()),
+        force=stiffness * displacement,
+        mass=mass,
+        stiffness=stiffness,
+        damping=float(np.abs(shared[a + b : a + b + c]).mean()),
+        volts=float(volts.max()) or 1.0,
+        volts_least=float(volts[volts > 0].min()) if volts.any() else 1.0,
+        sample_time=float(records.sample_time.mean()),
+        duration=float(np.max(records.time)),
+        floor=floor,
+        low=float(states[0].min()),
+        high=float(states[0].max()),
+        resonances=resonances(records, linear.residual),
+    )

@@ -1,0 +1,221 @@
+"""How much each effect could explain of a residual, by one linearized step on the measured motion: for starts only."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.effects.base import Effect, Motion, Scales
+from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.multistart import Ground, Scored, Start
+from stepid.fitting.problem import build, start_local
+from stepid.simulation.exact import FullStep
+from stepid.simulation.records import Records
+from stepid.simulation.tables import Point
+from stepid.simulation.trajectory import Simulator
+
+_HARDLY = 0.02  # share of the change to a general law that a linearized step must ask for
+_STARTS = 3  # of each effect: of what rings, the loudest may not be what is missing
+_OPEN = 1e-5  # singular value of a direction that the data leave open: no start moves along it
+
+
+class _Column(NamedTuple):
+    effect: Effect
+    responses: Array  # (S, k)
+    values: Callable[[Array], tuple[float, ...] | None]
+
+
+def force_responses(ground: Ground, forces: list[Array]) -> Array:
+    """Reading's response of the linear plant to added forces, shapes (S,) each to (S, n)."""
+    linear = ground.outline
+    sim = linear.problem.simulator
+    records = ground.sketch
+    point = Point(linear.shared[None], linear.local[None])
+    plants, group = sim.plants(sim.run_table(point), records.length[None])
+    full = FullStep(sim.law, plants)
+    phi, gamma = full.phi[group], full.gamma[group]
+    mass = (linear.shared[: len(records.bases)][records.base] + records.added_mass)[records.run]
+    rhs = np.zeros((len(forces), 2, records.size))
+    linked = np.ones(records.size)
+    linked[records.first] = 0.0
+    for i, force in enumerate(forces):
+        between = _means(force, records) / mass[:-1]
+        rhs[i, 0, 1:] = gamma[:-1, 0, 1] * between
+        rhs[i, 1, 1:] = gamma[:-1, 1, 1] * between
+        rhs[i] *= linked
+    out: Array = sim.triangular(sim.band(np.moveaxis(phi, 0, 2)), rhs)[:, 0].T
+    return out
+
+
+def _means(force: Array, records: Records) -> Array:
+    """Mean of a force, given at all samples, over each step of a sketch, shape (S − 1,)."""
+    between = 0.5 * (force[:-1] + force[1:])
+    if records.at is None:
+        return between
+    sums = np.concatenate([[0.0], np.cumsum(between)])
+    out: Array = np.diff(sums[records.at]) / np.diff(records.at)
+    return out
+
+
+def columns(ground: Ground, effects: tuple[Effect, ...], scales: Scales | None = None) -> list[_Column]:
+    """Responses of the linear plant to every effect at each of its starts."""
+    if scales is not None:
+        return _columns(ground, effects, scales)
+    new = tuple(e for e in effects if e not in ground.columns)
+    fresh = _columns(ground, new, ground.scales)
+    ground.columns |= {e: [c for c in fresh if c.effect is e] for e in new}
+    return [c for e in effects for c in ground.columns[e]]
+
+
+def _columns(ground: Ground, effects: tuple[Effect, ...], scales: Scales) -> list[_Column]:
+    found: list[_Column] = []
+    motion: Motion = ground.motion
+    forces: list[Array] = []
+    pending: list[tuple[Effect, int, Callable[[Array], tuple[float, ...] | None]]] = []
+    for effect in effects:
+        regressors = effect.regressors(scales, motion)
+        for regressor in regressors:
+            pending.append((effect, len(regressor.forces), regressor.values))
+            forces.extend(regressor.forces)
+        if not regressors:
+            for values in effect.starts(scales):
+                key = (effect, tuple(values))
+                if key not in ground.responses:
+                    ground.responses[key] = _difference(ground, *key)
+                response = ground.responses[key]
+                if response is not None:
+                    found.append(_Column(effect, response, _scaled(effect, tuple(values))))
+    if forces:
+        responses = force_responses(ground, forces)
+        at = 0
+        for effect, width, convert in pending:
+            found.append(_Column(effect, responses[:, at : at + width], convert))
+            at += width
+    return found
+
+
+def _scaled(effect: Effect, values: tuple[float, ...]) -> Callable[[Array], tuple[float, ...] | None]:
+    """Values at which the effect is as strong as the coefficient of its response says, a factor of 20 at most."""
+
+    def convert(coefficients: Array) -> tuple[float, ...]:
+        share = float(coefficients[0])
+        if effect.run_parameters:  # a cosine and a sine a run
+            share = float(np.sqrt(np.mean(np.square(coefficients)) * 2))
+        return effect.faint(values, min(max(share, 0.05), 20.0))
+
+    return convert
+
+
+def _difference(ground: Ground, effect: Effect, values: tuple[float, ...]) -> Array | None:
+    records, linear = ground.sketch, ground.outline
+    problem = build(records, (effect,), fineness=0.3)
+    sim = problem.simulator
+    local = start_local(problem, linear)
+    shared = np.concatenate([linear.shared, values])
+    states = sim.along(shared, local, linear.solved.states)
+    wanted = problem.wanted
+    wanted[: sim.n_linear] = False
+    solved = sim.solve(shared, local, start=states, wanted=wanted)
+    if solved is None or solved.shared is None or solved.local is None:
+        return None
+    parts = [(solved.reading - linear.solved.reading)[:, None]]
+    if effect.run_parameters:  # a phase a run: both quadratures are free
+        split = np.zeros((records.size, 2 * len(records.runs)))
+        for r, piece in enumerate(records.pieces()):
+            split[piece, 2 * r] = parts[0][piece, 0]
+            split[piece, 2 * r + 1] = solved.local[2, piece]
+        return split
+    parts.append(solved.shared[sim.n_linear :].T)
+    pieces = records.pieces()
+    for row, run in np.argwhere(problem.active[sim.own_states]):
+        started = np.zeros((records.size, 1))
+        started[pieces[run], 0] = solved.local[sim.own_states][row, pieces[run]]
+        parts.append(started)
+    return np.concatenate(parts, axis=1)
+
+
+def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
+    """Score every start against the residual of a fit to the sketch: the best few of each effect, best first."""
+    records = ground.sketch
+    problem = base.problem
+    residual = problem.residual(base.solved)
+    jacobian = problem.jacobian(base.solved)
+    if not np.isfinite(jacobian).all():  # a fit at a runaway's edge gives no direction
+        return []
+    size = np.linalg.norm(jacobian, axis=0)
+    size[size == 0] = np.inf
+    q, upper = np.linalg.qr(jacobian / size)
+    n_free = int(problem.free.sum())
+    found = []
+    for column in table:
+        seen = records.weighted(column.responses.T).T
+        r = seen - q @ (q.T @ seen)
+        scale = np.linalg.norm(r, axis=0)
+        if not np.isfinite(seen).all() or not np.isfinite(scale).all() or scale.max() <= 0:
+            continue
+        scale[scale < 1e-12 * scale.max()] = np.inf
+        coefficients = np.linalg.lstsq(r / scale, residual, rcond=1e-9)[0] / scale
+        left = residual - r @ coefficients
+        found.append((float(residual @ residual - left @ left), column, coefficients, seen))
+    out: list[Scored] = []
+    starts = Counter[Effect]()
+    for gain, column, coefficients, seen in sorted(found, key=lambda item: -item[0]):
+        values = column.values(coefficients) if starts[column.effect] < _STARTS else None
+        if values is None:
+            continue
+        starts[column.effect] += 1
+        change = np.linalg.lstsq(upper, q.T @ (residual - seen @ coefficients), rcond=_OPEN)[0] / size
+        shared = base.shared.copy()
+        shared[problem.free] += change[:n_free]
+        shared = np.clip(shared, problem.lower, problem.upper)
+        out.append(Scored(column.effect, values, gain, shared))
+    return out
+
+
+def promises(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], starts: list[Start]) -> list[float]:
+    """Decrease of the cost [m²] that each start of a more general law promises over a simpler one's fit.
+
+    By one linearized step: the change of the reading from the simpler law to the start is fitted to the residual, with
+    what the simpler law's own parameters can do about it. Infinite where it cannot tell: let it race.
+    """
+    jacobian = inner.problem.jacobian(inner.solved)
+    if not starts or not np.isfinite(jacobian).all():
+        return [np.inf] * len(starts)
+    sim = build(ground.sketch, effects, fineness=0.25).simulator
+    shared = np.array([np.concatenate([start.linear, *start.values]) for start in starts])
+    local = np.zeros((sim.n_local, inner.local.shape[1]))
+    known = inner.problem.simulator.own_states.start
+    local[:known] = inner.local[:known]
+    readings = _readings(sim, shared, local, inner)
+    size = np.linalg.norm(jacobian, axis=0)
+    size[size == 0] = np.inf
+    q = np.linalg.qr(jacobian / size)[0]
+    residual = inner.problem.residual(inner.solved)
+    found = []
+    for reading in readings:
+        seen = ground.sketch.weighted(reading - inner.solved.reading)
+        seen = seen - q @ (q.T @ seen)
+        power, along = float(seen @ seen), float(seen @ residual)
+        # a step that asks for hardly any of the change is the simpler law's, seen from too far for a line to tell
+        gain = along**2 / power if power > 0 and along > _HARDLY * power else 0.0
+        found.append(gain if np.isfinite(seen).all() else np.inf)
+    return found
+
+
+def _readings(sim: Simulator, shared: Array, local: Array, inner: Optimum) -> list[Array]:
+    """Readings of several plants near a fit: by Newton from there; from the first that does not settle, marched."""
+    found: list[Array] = []
+    for s in shared:
+        solved = sim.solve(s, local, start=sim.along(s, local, inner.solved.states))
+        if solved is None:
+            break
+        found.append(solved.reading)
+    rest = shared[len(found) :]
+    if rest.size:
+        marched = sim.march(rest, np.repeat(local[None], len(rest), axis=0))
+        found += [z[0] + sim.reading(s, local) for z, s in zip(marched, rest, strict=True)]
+    return found

@@ -1,0 +1,191 @@
+"""Start values from the weak form of the plant's equation: linear least squares, no derivative of data.
+
+Multiplying m x″ + c x′ + k x + Σ a_j g_j(x, v) = K_f u by a bump φ and integrating by parts moves the derivatives onto
+φ, so that ∫φ″x, ∫φ′x, ∫φx, ∫φu and ∫φg are plain sums over the record.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.signal import savgol_filter
+
+from stepid.core.base import Array
+from stepid.effects.base import Motion
+from stepid.simulation.records import Records
+
+
+class WeakSolution(NamedTuple):
+    """Linear plant and force coefficients from the weak form, and what it leaves (N, relative to the plain plant).
+
+    `displacement` is each run's first position from the spring's rest position, m.
+    """
+
+    shared: Array
+    coefficients: Array
+    left: float
+    displacement: Array
+
+
+def _bump(width: int, sample_time: float) -> tuple[Array, Array, Array]:
+    """φ = (1 − s²)⁴ and its first two time derivatives on `width` samples."""
+    s = np.linspace(-1, 1, width)
+    half = 0.5 * (width - 1) * sample_time
+    q = 1 - s**2
+    return q**4, -8 * s * q**3 / half, (-8 * q**3 + 48 * s**2 * q**2) / half**2
+
+
+class WeakForm:
+    """The plant's equation, tested by bumps of one width along every record.
+
+    Parameters
+    ----------
+    records : Records
+    width : float
+        s, width of the bumps.
+    fixed_mass : float or None
+        kg, base mass to assume where the campaign does not determine it.
+    """
+
+    def __init__(self, records: Records, width: float, *, fixed_mass: float | None) -> None:
+        self._records, self._fixed_mass = records, fixed_mass
+        self._labels = len(records.bases), len(records.springs), len(records.dampers)
+        self._bumps: list[tuple[int, int, Array]] = []
+        a, b, c = self._labels
+        runs = len(records.runs)
+        blocks, sides, owners = [], [], []
+        for r, piece in enumerate(records.pieces()):
+            h = float(records.sample_time[r])
+            x, u = records.position[piece], records.volts[piece]
+            n = min(max(7, round(width / h)), x.size)
+            phi, first, second = _bump(n, h)
+            stride = max(1, n // 8)
+            self._bumps.append((n, stride, phi * h))
+            windows = self._windows(x - x[0], n, stride)
+            # the input is held: its integral over a step goes with the step's middle
+            held = 0.5 * (u + np.concatenate([[records.before[r]], u[:-1]]))
+            block = np.zeros((windows.shape[0], a + b + c + 1 + runs))
+            inertia = windows @ second * h
+            block[:, records.base[r]] = inertia
+            block[:, a + records.spring[r]] = windows @ phi * h
+            block[:, a + b + records.damper[r]] = -(windows @ first) * h
+            block[:, a + b + c] = -(self._windows(held, n, stride) @ phi) * h
+            block[:, a + b + c + 1 + r] = phi.sum() * h
+            blocks.append(block)
+            owners.append(np.full(len(block), r))
+            sides.append(-records.added_mass[r] * inertia)
+        self._matrix, self._rhs, self._run = np.concatenate(blocks), np.concatenate(sides), np.concatenate(owners)
+        if fixed_mass is not None:
+            self._rhs = self._rhs - fixed_mass * self._matrix[:, :a].sum(axis=1)
+            self._matrix = self._matrix[:, a:]
+
+    @staticmethod
+    def _windows(values: Array, n: int, stride: int) -> Array:
+        return np.lib.stride_tricks.sliding_window_view(values, n)[::stride]
+
+    def test(self, values: Array) -> Array:
+        """∫φ g for samples of g, shape (S,) to (rows,)."""
+        parts = []
+        for piece, (n, stride, phi) in zip(self._records.pieces(), self._bumps, strict=True):
+            parts.append(self._windows(values[piece], n, stride) @ phi)
+        return np.concatenate(parts)
+
+    def solve(self, forces: tuple[Array, ...] = ()) -> WeakSolution | None:
+        """Solve for the plant and the coefficients of added forces.
+
+        Parameters
+        ----------
+        forces : tuple of arrays, shape (S,)
+            Samples of g_j; the plant feels +a_j g_j.
+
+        Returns
+        -------
+        WeakSolution or None
+            None where the result is no stable plant.
+        """
+        a, b, _ = self._labels
+        matrix, rhs = self._matrix, self._rhs
+        if forces:
+            matrix = np.column_stack([matrix, *(-self.test(g) for g in forces)])
+        scale = np.linalg.norm(matrix, axis=0)
+        scale[scale == 0] = 1.0
+        solution, *_ = np.linalg.lstsq(matrix / scale, rhs, rcond=1e-9)
+        left = float(np.sqrt(np.mean((rhs - (matrix / scale) @ solution) ** 2)))
+        solution = solution / scale
+        runs = len(self._records.runs)
+        coefficients = solution[len(solution) - len(forces) :]
+        shared = solution[: len(solution) - len(forces) - runs]
+        held = solution[len(shared) : len(shared) + runs]
+        if self._fixed_mass is not None:
+            shared = np.concatenate([np.full(a, self._fixed_mass), shared])
+        if not (np.any(self._records.volts) or np.any(self._records.before)):
+            shared[-1] = 0.0  # no input, no gain
+        mass = shared[:a][self._records.base] + self._records.added_mass
+        if not (np.isfinite(shared).all() and (shared[a : a + b] > 0).all() and (mass > 0).all()):
+            return None
+        # in units of force per kg-free row, so that solutions with other masses compare
+        displacement = held / shared[a : a + b][self._records.spring]
+        return WeakSolution(shared, coefficients, left / float(np.mean(mass)), displacement)
+
+    @cached_property
+    def _plain(self) -> tuple[Array, Array]:
+        """Basis of the plain plant's columns, and what it leaves."""
+        scale = np.linalg.norm(self._matrix, axis=0)
+        q = np.linalg.qr(self._matrix / np.where(scale > 0, scale, 1.0))[0]
+        return q, self._rhs - q @ (q.T @ self._rhs)
+
+    def left_by_run(self, forces: list[Array]) -> float:
+        """Share of what the plain plant leaves that is left with forces of other strength in every run."""
+        q, left = self._plain
+        own = self._run == np.arange(len(self._records.runs))[:, None]
+        added = np.column_stack([np.where(mine, tested, 0.0) for tested in map(self.test, forces) for mine in own])
+        added = added - q @ (q.T @ added)
+        after = left - added @ np.linalg.lstsq(added, left, rcond=1e-9)[0]
+        return float((after @ after) / (left @ left))
+
+
+def measured_motion(records: Records, linear: Array, floor: float, period: float) -> Motion:
+    """Position from rest and velocity as measured, smoothed just enough for the noise.
+
+    Parameters
+    ----------
+    records : Records
+    linear : array, shape (P,)
+        A linear plant, for the masses, stiffnesses and dampings.
+    floor : float
+        m, noise.
+    period : float
+        s, of the strongest oscillation.
+    """
+    x, v = np.empty(records.size), np.empty(records.size)
+    for r, piece in enumerate(records.pieces()):
+        y = records.position[piece]
+        h = float(records.sample_time[r])
+        speed = np.ptp(y) / max(period, 4 * h)
+        half = 2
+        while half * h < period / 10 and floor / (h * half**1.5) > 0.01 * speed:
+            half += 1
+        window = min(2 * half + 1, y.size - 1 + y.size % 2)
+        degree = min(3, window - 2)
+        rest = np.median(y[-max(8, y.size // 6) :]) if records.moving[r] else y[0]
+        x[piece] = savgol_filter(y, window, degree) - rest
+        v[piece] = savgol_filter(y, window, degree, deriv=1, delta=h)
+    return motion_along(records, linear, x, v)
+
+
+def motion_along(records: Records, linear: Array, x: Array, v: Array) -> Motion:
+    """What effects see on a path of positions from rest and velocities, shape (S,) each, of a linear plant."""
+    a, b = len(records.bases), len(records.springs)
+    run = records.run
+    return Motion(
+        x,
+        v,
+        np.where(v < 0, -1.0, 1.0),
+        records.time,
+        (linear[:a][records.base] + records.added_mass)[run],
+        linear[a : a + b][records.spring][run],
+        linear[a + b : -1][records.damper][run],
+        records.volts,
+    )

@@ -1,0 +1,144 @@
+"""The paper's whole route in one call: characteristics, stacked system, solve."""
+
+from __future__ import annotations
+
+from stepid.core.arguments import as_campaign
+from stepid.core.experiment import Campaign, Experiment, MassOffset
+from stepid.core.units import check_speed
+from stepid.errors import IdentificationError, UndeterminedError
+from stepid.identification.characteristics import characterize_each
+from stepid.identification.characteristics_model import Characteristics
+from stepid.identification.parameters import IdentifiedParameters, StackedSystem
+from stepid.identification.peak import Peak
+from stepid.identification.pooling import pool_steps
+from stepid.identification.solve import solve
+from stepid.identification.solvers import Solver
+from stepid.identification.stacked import assemble, undetermined_springs
+
+_VAGUE = 0.1  # relative uncertainty of the natural frequency beyond which a run says nothing
+_LEAST_OVERSHOOT = 0.01  # below it the peak is so flat that the smallest departure from the model moves it far
+
+
+def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | None = None) -> IdentifiedParameters:
+    """Identify masses, stiffnesses and damping constants of a campaign by the paper's method.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Steps and free releases may mix; runs may differ in spring, damper and base.
+    peak : InterpolatedPeak or SampledPeak, optional
+        Default `InterpolatedPeak()`.
+    solver : OrdinaryLeastSquares or WeightedLeastSquares, optional
+        Default `WeightedLeastSquares()`. With `SampledPeak()` and `OrdinaryLeastSquares()` this is the paper's own
+        procedure.
+
+    Returns
+    -------
+    IdentifiedParameters
+        One stiffness a spring label, damping pooled a damper label, one base mass a base label. Runs that the method
+        cannot use are in `excluded`, each with the reason.
+
+    Raises
+    ------
+    stepid.errors.UndeterminedError
+        If the runs that are left do not fix the parameters; the message says what to add.
+    stepid.errors.InputError
+        If positions cannot be meters: they move faster than 100 m/s.
+
+    Notes
+    -----
+    Each run counts with all its steps that can be read, pooled. Runs of one base are joined by their known mass
+    differences; equal added masses are exact constraints.
+    """
+    return identify_with_system(campaign, peak=peak, solver=solver)[1]
+
+
+def identify_with_system(
+    campaign: Campaign, *, peak: Peak | None = None, solver: Solver | None = None
+) -> tuple[StackedSystem, IdentifiedParameters]:
+    """Identify as `identify` does, and return the stacked system that was solved, too."""
+    used, excluded = characterize_campaign(campaign, peak=peak)
+    while True:
+        kept = [run for run in campaign.experiments if run.name in used]
+        if len(kept) < 2:
+            raise UndeterminedError(
+                f"campaign {campaign.name!r} leaves {len(kept)} usable run(s) of {len(campaign.experiments)}"
+                + "".join(f"; {name} is left out: {why}" for name, why in excluded.items()),
+                "Two runs with the same spring and different known added masses are the least.",
+            )
+        system = assemble([used[run.name] for run in kept], _join(campaign, kept))
+        loose = undetermined_springs(system)
+        if not loose or len(loose) == len({run.spring for run in kept}):
+            break
+        for run in (run for run in kept if run.spring in loose):
+            del used[run.name]
+            excluded[run.name] = (
+                f"no known mass difference fixes the stiffness of spring {run.spring!r}: "
+                "add a run with this spring on a base of the others with another known added mass"
+            )
+    found = solve(system, solver=solver)
+    order = [run.name for run in campaign.experiments]
+    left_out = dict(sorted(excluded.items(), key=lambda item: order.index(item[0])))
+    fields = found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out}
+    return system, IdentifiedParameters(**fields)
+
+
+def characterize_campaign(
+    campaign: Campaign, *, peak: Peak | None = None
+) -> tuple[dict[str, Characteristics], dict[str, str]]:
+    """Read the characteristics of every run, and say which runs yield none and why.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    peak : InterpolatedPeak or SampledPeak, optional
+
+    Returns
+    -------
+    tuple
+        Run name to `Characteristics`, and run name to the reason why there are none.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If positions cannot be meters.
+    """
+    campaign = as_campaign(campaign)
+    used: dict[str, Characteristics] = {}
+    excluded: dict[str, str] = {}
+    for experiment in campaign.experiments:
+        check_speed(experiment.position, experiment.sample_time, f"run {experiment.name!r}: its positions")
+        try:
+            used[experiment.name] = _readable(experiment, peak)
+        except IdentificationError as error:
+            excluded[experiment.name] = error.cause
+    return used, excluded
+
+
+def _readable(experiment: Experiment, peak: Peak | None) -> Characteristics:
+    """Pool the steps of a run that can be read, and note those that cannot."""
+    results = characterize_each(experiment, peak=peak)
+    good = [result for result in results if isinstance(result, Characteristics)]
+    errors = [result for result in results if isinstance(result, IdentificationError)]
+    if not good:
+        raise errors[0]
+    found = pool_steps(good, name=experiment.name)
+    if found.overshoot is not None and found.overshoot < _LEAST_OVERSHOOT:
+        raise IdentificationError(
+            f"run {experiment.name!r}: too little overshoot ({100 * found.overshoot:.2g} %), "
+            "its peak is too flat to tell the frequency"
+        )
+    vague = found.uncertainty.natural_frequency / found.natural_frequency
+    if vague > _VAGUE:
+        raise IdentificationError(
+            f"run {experiment.name!r}: noise leaves the natural frequency uncertain by {100 * vague:.0f} %"
+        )
+    if not errors:
+        return found
+    notes = (*found.notes, *(f"a step is left out: {error.cause}" for error in errors))
+    return Characteristics(**found.model_dump() | {"uncertainty": found.uncertainty, "notes": notes})
+
+
+def _join(campaign: Campaign, kept: list[Experiment]) -> tuple[MassOffset, ...]:
+    part = Campaign(name=campaign.name, experiments=tuple(kept), weight_uncertainty=campaign.weight_uncertainty)
+    return part.mass_offsets

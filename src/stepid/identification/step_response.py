@@ -1,0 +1,224 @@
+"""The characteristics of one response to a step."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.core.experiment import Experiment
+from stepid.core.noise import apparent_resolution, noise_level
+from stepid.errors import NoOvershootError, NoStepError, NotSettledError
+from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
+from stepid.identification.peak import Peak
+from stepid.identification.second_order import damped_frequency, damping_ratio, damping_ratio_slope
+from stepid.identification.steady_state import last_swing, settling_time_measured, steady_state
+from stepid.identification.steps import Step
+
+_MOVING = 0.05  # swing left at the end, as a fraction of the steady displacement, that is too much
+_RINGING = 0.02  # and that deserves a note
+_VAGUE = 0.25  # relative uncertainty of a peak time that is none
+
+
+def overshoot(peak: float, steady: float) -> float:
+    """Overshoot M_p = (y_peak − y_ss)/y_ss, as a decimal fraction.
+
+    Parameters
+    ----------
+    peak, steady : float
+        m, displacements from rest, of one sign.
+    """
+    return (peak - steady) / steady
+
+
+def static_gain(steady: float, step: float) -> float:
+    """Static gain K of Eqs. 3 and 4, m/V: steady displacement [m] over step of the input [V]."""
+    return steady / step
+
+
+def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> Characteristics:
+    """Read the characteristics off the response to one step; see `stepid.characterize`."""
+    who = _who(experiment, step)
+    time = experiment.time[step.start : step.stop + 1] - experiment.time[step.start]
+    position = experiment.position[step.start : step.stop + 1]
+    if time.size < 8:
+        raise NotSettledError(
+            f"{who} is held for only {time.size} samples, the response is cut before its peak",
+            "Hold the step until the plant rests, and record until then.",
+        )
+    grid = experiment.resolution or apparent_resolution(experiment.position) or 0.0
+    noise = noise_level(position[position.size // 2 :], resolution=grid)
+    rest, rest_spread = _rest(experiment, step, who, noise, grid)
+    swing = position - rest
+    rough = float(np.mean(swing[swing.size // 2 :]))
+    rounding = 1e-12 * float(np.abs(position).max())
+    if np.abs(swing).max() <= max(6 * noise, 3 * grid, rounding) or rough == 0:
+        raise NoStepError(
+            f"{who}: the position does not answer the step of {step.size:g} V",
+            "Check that the amplifier was on, and that the right encoder column was read.",
+        )
+    sign = math.copysign(1.0, rough)
+    swing = sign * swing
+    _require_peak(who, time, swing, max(5 * noise, 2 * grid))
+    first_peak = float(time[np.argmax(swing)])
+    if time[-1] < 1.9 * first_peak and last_swing(time, swing, 0.5 * float(time[-1])) > _MOVING * abs(rough):
+        raise _not_settled(who, f"ends {time[-1] / first_peak:.2f} peak times after the step")
+    level = float(np.mean(swing[time >= time[-1] - 2 * first_peak]))
+    left = last_swing(time, swing, min(first_peak, float(time[-1]) - first_peak)) - 3 * noise
+    if left > 2 * _MOVING * abs(level):
+        raise _swinging(who, left / abs(level))
+    for _ in range(30):  # the tail fit needs the damping ratio, which needs the level
+        try:
+            found = peak.locate(time, swing, level=level, noise=noise)
+        except NoOvershootError as error:
+            raise NoOvershootError(f"{who}: {error.cause}", error.remedy) from None
+        excess = overshoot(found.height, level)
+        vague = found.time_uncertainty > _VAGUE * found.time
+        if vague or not max(5 * noise, 2 * grid) < excess * level < level:
+            raise _no_overshoot(who, excess, level, noise, grid)
+        frequency, ratio = damped_frequency(found.time), damping_ratio(excess)
+        tail = steady_state(
+            time,
+            swing,
+            peak_time=found.time,
+            damped_frequency=frequency,
+            damping_ratio=ratio,
+            overshoot=excess,
+            noise=noise,
+        )
+        change, level = abs(tail.level - level), tail.level
+        if level <= 0 or change < 1e-12 * level:
+            break
+    left = max(last_swing(time, swing, found.time) - 3 * noise, 0.0)
+    if level <= 0 or left > _MOVING * level:
+        raise _swinging(who, left / abs(level))
+    excess = overshoot(found.height, level)
+    ratio = damping_ratio(excess)
+
+    def level_at(frequency_shift: float, ratio_shift: float) -> float:
+        return steady_state(
+            time,
+            swing,
+            peak_time=found.time,
+            damped_frequency=frequency + frequency_shift,
+            damping_ratio=min(max(ratio + ratio_shift, 1e-6), 0.999),
+            overshoot=excess,
+            noise=noise,
+        ).level
+
+    ring = _ringing(experiment, step, found.time, noise) / level
+    time_spread = math.hypot(found.time_uncertainty, found.time * ring / math.pi / math.sqrt(2))
+    slope = abs(damping_ratio_slope(excess, ratio))
+    frequency_spread = frequency**2 / math.pi * time_spread
+    first = math.hypot(found.height_uncertainty, tail.uncertainty) / level * slope
+    tail_spread = math.hypot(
+        tail.uncertainty,
+        level_at(frequency_spread, 0) - level,
+        level_at(0, first) - level,
+        grid / math.sqrt(12),
+    )
+    excess_spread = math.hypot(found.height_uncertainty, (1 + excess) * tail_spread, excess * rest_spread) / level
+    excess_spread = math.hypot(excess_spread, excess * ring / math.sqrt(2))
+    steady_spread = math.hypot(tail_spread, rest_spread)
+    ratio_spread = slope * excess_spread
+    cross = frequency**2 / math.pi * slope * found.covariance / level  # of ω_d and ζ
+    settled = settling_time_measured(time, swing, level=level, half_period=found.time, noise=noise, spread=tail_spread)
+    notes = (
+        ()
+        if left <= _RINGING * level
+        else (f"the record ends while it still swings ±{100 * left / level:.1f} %: steady state from the fitted tail",)
+    )
+    return Characteristics(
+        name=experiment.name if step.number == 1 else f"{experiment.name}, step {step.number}",
+        peak_time=found.time,
+        overshoot=excess,
+        damped_frequency=frequency,
+        damping_ratio=ratio,
+        natural_frequency=frequency / math.sqrt(1 - ratio**2),
+        steady_state=sign * level,
+        static_gain=static_gain(sign * level, step.size),
+        settling_time=None if settled is None else settled[0],
+        uncertainty=CharacteristicsUncertainty(
+            peak_time=time_spread,
+            overshoot=excess_spread,
+            steady_state=steady_spread,
+            static_gain=steady_spread / abs(step.size),
+            settling_time=None if settled is None else settled[1],
+        ),
+        correlation=float(np.clip(cross / (frequency_spread * ratio_spread), -1, 1)) if cross else 0.0,
+        spring=experiment.spring,
+        damper=experiment.damper,
+        base=experiment.base,
+        added_mass=experiment.added_mass,
+        start=float(experiment.time[step.start]),
+        step=step.size,
+        notes=notes,
+    )
+
+
+def _who(experiment: Experiment, step: Step) -> str:
+    which = f", step {step.number} of {step.total}" if step.total > 1 else ""
+    return f"run {experiment.name!r}{which} (at {experiment.time[step.start]:.3f} s)"
+
+
+def _rest(experiment: Experiment, step: Step, who: str, noise: float, grid: float) -> tuple[float, float]:
+    """Rest position before a step and its standard uncertainty, m."""
+    before = experiment.position[step.rest : step.start + 1]
+    if step.number > 1:
+        before = before[-20:]  # the one before may ring further back
+    after = experiment.position[step.start : step.stop + 1]
+    moved, drift = float(np.ptp(after)), float(np.ptp(before))
+    if drift > max(9 * noise, 3 * grid, 0.04 * moved):
+        raise NotSettledError(
+            f"{who}: the plant was not at rest before the step, it moved by {drift * 1e3:.3g} mm",
+            "Wait until the plant rests before each step.",
+        )
+    wander = drift / math.sqrt(12) if drift > 9 * noise else 0.0
+    return float(np.mean(before)), math.hypot(noise / math.sqrt(before.size), wander, grid / math.sqrt(12))
+
+
+def _ringing(experiment: Experiment, step: Step, half_period: float, noise: float) -> float:
+    """Swing left from the step before, m: it adds to the new one with any phase, up to ring/level radians."""
+    before = slice(step.rest, step.start + 1)
+    time = experiment.time[before]
+    if time.size < 8:
+        return 0.0
+    return max(last_swing(time, experiment.position[before], half_period) - 4 * noise, 0.0)
+
+
+def _require_peak(who: str, time: Array, swing: Array, tolerance: float) -> None:
+    """Refuse a record that still moves outward at its end."""
+    if int(np.argmax(swing)) < swing.size - 2:
+        return
+    quarter = swing[-max(swing.size // 4, 3) :]
+    if np.ptp(quarter) > max(0.02 * float(swing.max()), tolerance):
+        raise NotSettledError(
+            f"{who}: the response still moves outward at the last sample, {time[-1]:.3f} s after the step; "
+            "it is cut before its peak, or does not overshoot",
+            "Record until the plant rests; less damping or more mass gives an overshoot.",
+        )
+
+
+def _no_overshoot(who: str, excess: float, level: float, noise: float, grid: float) -> NoOvershootError:
+    if excess * level >= level:
+        return NoOvershootError(
+            f"{who}: the peak is {excess:.2f} times the steady displacement above it, no damped step response",
+            "Check the rest position before the step and that the input was held.",
+        )
+    return NoOvershootError(
+        f"{who}: no overshoot to be seen ({100 * excess:.2f} % of {level * 1e3:.3g} mm, "
+        f"noise {noise * 1e6:.2g} µm, resolution {grid * 1e6:.2g} µm)",
+        "Eqs. 7 and 8 need an overshoot: less damping, more mass or a stiffer spring; stepid.fit needs none.",
+    )
+
+
+def _swinging(who: str, fraction: float) -> NotSettledError:
+    return _not_settled(who, f"still swings ±{100 * fraction:.1f} % of its steady displacement at the end")
+
+
+def _not_settled(who: str, how: str) -> NotSettledError:
+    return NotSettledError(
+        f"{who}: the response has not settled, it {how}",
+        "Record longer, until the swing is below 2 % of the steady displacement.",
+    )

@@ -1,0 +1,83 @@
+"""Where a record's input steps, and where it rests before."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from stepid.core.experiment import Experiment
+from stepid.errors import NoStepError
+
+_REST = 200  # samples before a step that count for its rest position
+
+
+class Step(NamedTuple):
+    """One step of the input.
+
+    Parameters
+    ----------
+    start, stop : int
+        First sample with the new input, and last sample of the response to it.
+    size : float
+        V, signed change of the input.
+    number, total : int
+        Which step of how many.
+    rest : int
+        First sample of the rest before it.
+    """
+
+    start: int
+    stop: int
+    size: float
+    number: int
+    total: int
+    rest: int
+
+
+def find_steps(experiment: Experiment) -> tuple[Step, ...]:
+    """Find every step of the input.
+
+    Parameters
+    ----------
+    experiment : Experiment
+
+    Returns
+    -------
+    tuple of Step
+        In order of time; changes below 5 % of the input's range are taken for noise on it.
+
+    Raises
+    ------
+    stepid.errors.NoStepError
+        If the input never changes, or changes so often that it is no sequence of steps.
+    """
+    level = np.concatenate([[experiment.input_before], experiment.input])
+    change = np.diff(level)
+    span = float(level.max() - level.min())
+    starts = np.flatnonzero(np.abs(change) > 0.05 * span) if span > 0 else np.array([], dtype=int)
+    if not starts.size:
+        raise NoStepError(
+            f"run {experiment.name!r}: the input stays at {experiment.input_before:g} V, there is no step in it",
+            "Record the step itself, or give input_before: the input that the plant rested at before the first sample.",
+        )
+    if starts.size > max(2, experiment.input.size // 8):
+        raise NoStepError(
+            f"run {experiment.name!r}: the input changes at {starts.size} of {experiment.input.size} samples, "
+            "it is not a sequence of steps",
+            "The peak method needs steps held until the plant rests; stepid.fit takes any input.",
+        )
+    bounds = [int(start) for start in starts] + [experiment.input.size - 1]
+    return tuple(
+        Step(
+            start=start,
+            stop=stop,
+            # the levels before and after, not the single change: the rest may carry noise
+            size=float(np.median(experiment.input[start : max(stop, start + 1)]) - level[start]),
+            number=i + 1,
+            total=len(starts),
+            rest=max(bounds[i - 1] if i else 0, start - _REST),
+        )
+        for i, (start, stop) in enumerate(pairwise(bounds))
+    )

@@ -1,0 +1,162 @@
+"""Campaigns on disk: campaign.toml and the records beside it."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+from stepid.core.arguments import as_campaign
+from stepid.core.atomic_write import staged
+from stepid.core.experiment import WEIGHT_UNCERTAINTY, Campaign, Experiment
+from stepid.errors import InputError
+from stepid.io.ecp import read_ecp
+from stepid.io.ecp_write import render_export
+from stepid.io.manifest import parse_manifest, render_manifest
+from stepid.io.table import read_table
+from stepid.io.textfile import as_path, decode, read_bytes
+
+MANIFEST = "campaign.toml"
+
+
+def read_campaign(path: str | os.PathLike[str]) -> Campaign:
+    """Read a campaign from its manifest and the records that it names.
+
+    Parameters
+    ----------
+    path : path-like
+        The manifest, or the folder in which it is called ``campaign.toml``. Files are looked for beside it.
+
+    Returns
+    -------
+    Campaign
+
+    Raises
+    ------
+    stepid.errors.InputError
+        Naming the manifest, the run and the key, or the run, its file, line and column: for a missing file, an unknown
+        or missing key (with the nearest known one), a name used twice, a mass below zero, and all that `read_ecp` and
+        `read_table` refuse.
+
+    Notes
+    -----
+    Keys of the campaign: ``name`` and, optionally, ``weight_uncertainty`` (kg). Keys of a run (``[[experiment]]``):
+    ``name``, ``file``, ``added_mass`` (kg), ``spring``, ``damper``, ``counts_per_meter``; optionally ``base``,
+    ``encoder``, ``sample_time`` (s), ``step = { level = 0.5, start = 0.0 }`` (V, s) where the file has no Control
+    Effort, ``input_before`` (V), ``columns`` and ``effort_scale``, as in `read_ecp`. With ``format = "table"``:
+    ``file`` or ``files``, ``position`` and, optionally, ``time``, ``input``, ``position_scale``, ``time_scale``,
+    ``input_scale``, ``delimiter``, ``decimal``, ``skiprows``, ``start`` and ``stop``, as in `read_table`. Any key of a
+    run but ``name``, ``file`` and ``files`` may stand above the runs instead, for all of them; a run's own key wins.
+    """
+    manifest = as_path(path)
+    if os.path.isdir(manifest):  # pathlib's is_dir raises on names that the system refuses
+        manifest = manifest / MANIFEST
+    where = str(manifest)
+    keys, runs = parse_manifest(decode(read_bytes(manifest), where), where)
+    experiments = tuple(_read_run(kind, run, manifest) for kind, run in runs)
+    try:
+        return Campaign(experiments=experiments, **keys)
+    except InputError as error:
+        raise InputError(f"{where}: {error.cause}", error.remedy) from None
+
+
+def _read_run(kind: str, run: dict[str, Any], manifest: Path) -> Experiment:
+    who = f"{manifest}, run {run['name']!r}"
+    keys = dict(run)
+    if "step" in keys:
+        keys["input"] = keys.pop("step")
+    names = keys.pop("files", None) or (keys.pop("file"),)
+    paths = [manifest.parent / name for name in names]
+    for name, path in zip(names, paths, strict=True):
+        if not os.path.exists(path):
+            raise InputError(
+                f"{who}: there is no file {name!r} beside the manifest", "Correct its name, or put the file there."
+            )
+    if kind == "ecp" and "counts_per_meter" not in keys:
+        raise InputError(
+            f"{who}: counts_per_meter is missing",
+            'Add it above the runs or to the run; a CSV table needs none, but format = "table" with its columns: '
+            "time, position, position_scale (meters per unit) and input.",
+        )
+    try:
+        return read_ecp(paths[0], **keys) if kind == "ecp" else read_table(paths, **keys)
+    except InputError as error:
+        raise InputError(f"{who}: {error.cause}", error.remedy) from None
+
+
+def write_campaign(campaign: Campaign, folder: str | os.PathLike[str]) -> Path:
+    """Write a campaign: a manifest, and for each run a file that reads back equal.
+
+    A run whose positions are whole counts and whose inputs have four decimals becomes an ECP export, any other a table
+    with 17 digits. Nothing is overwritten, and nothing is left behind where writing fails.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    folder : path-like
+        Made if it does not exist.
+
+    Returns
+    -------
+    pathlib.Path
+        The manifest.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If the folder holds a file of one of the names to be written, or cannot be written to.
+    """
+    target = as_path(folder)
+    files = _render(as_campaign(campaign))
+    for name in files:
+        if os.path.lexists(target / name):
+            raise InputError(f"{target / name}: exists already", "Choose a new folder, or move the file away.")
+    with staged(target) as scratch:  # by name the manifest is last, so a campaign is seen whole or not at all
+        for name, content in files.items():
+            (scratch / name).write_bytes(content)
+    return target / MANIFEST
+
+
+def _render(campaign: Campaign) -> dict[str, bytes]:
+    scales = {e.counts_per_meter for e in campaign.experiments}
+    shared = scales.pop() if len(scales) == 1 else None
+    keys: dict[str, object] = {"name": campaign.name}
+    if shared is not None:
+        keys["counts_per_meter"] = shared
+    if campaign.weight_uncertainty != WEIGHT_UNCERTAINTY:
+        keys["weight_uncertainty"] = campaign.weight_uncertainty
+    files: dict[str, bytes] = {}
+    runs = []
+    for number, experiment in enumerate(campaign.experiments, 1):
+        run: dict[str, object] = {
+            "name": experiment.name,
+            "added_mass": experiment.added_mass,
+            "spring": experiment.spring,
+            "damper": experiment.damper,
+            "base": experiment.base,
+        }
+        if shared is None and experiment.counts_per_meter is not None:
+            run["counts_per_meter"] = experiment.counts_per_meter
+        if experiment.input_before != 0:
+            run["input_before"] = experiment.input_before
+        stem = f"{number:02d}-" + (re.sub(r"[^a-z0-9]+", "-", experiment.name.lower()).strip("-")[:40] or "run")
+        export = render_export(experiment)
+        if export is not None:
+            text, period = export
+            run |= {"file": f"{stem}.txt", "sample_time": period}
+        else:
+            text = _table_text(experiment)
+            run |= {"format": "table", "file": f"{stem}.csv", "time": "time", "position": "position", "input": "input"}
+        files[str(run["file"])] = text.encode()
+        runs.append(run)
+    try:
+        files[MANIFEST] = render_manifest(keys, runs).encode()
+    except UnicodeEncodeError as error:
+        raise InputError(f"campaign {campaign.name!r}: a name is not text ({error.reason})", "Rename it.") from None
+    return files
+
+
+def _table_text(experiment: Experiment) -> str:
+    rows = zip(experiment.time, experiment.position, experiment.input, strict=True)
+    return "time,position,input\n" + "".join(f"{t:.17g},{x:.17g},{u:.17g}\n" for t, x, u in rows)

@@ -1,0 +1,170 @@
+"""Delimited text: what separates its columns, their names, and the numbers below."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.core.units import NO_COLUMN
+from stepid.errors import InputError
+from stepid.io.textfile import common_width, is_name, is_number, parse_numbers, read_lines
+
+_REPAIR = (
+    "Restore the line, or remove it if it holds no readings: one line of names may come first, skiprows = … leaves out "
+    "the lines above it; comments start with #."
+)
+_OTHER_MARK = {
+    ".": 'Give decimal = "," if its numbers have decimal commas.',
+    ",": 'Leave out decimal = "," if its numbers have decimal points.',
+}
+_WITH_COMMA = re.compile(r"[+-]?\d+(,\d+)?(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How delimited text is laid out.
+
+    `delimiter` None is the first found of tab, semicolon, comma and blanks; `decimal` is the decimal mark, `skiprows`
+    the number of lines to leave out above the header, `used` the columns that are read, by name or index.
+    """
+
+    delimiter: str | None
+    decimal: str
+    skiprows: int
+    used: Sequence[object]
+
+    def check(self, where: str) -> None:
+        """Refuse a layout that cannot be; InputError names the argument."""
+        if self.delimiter is not None and (not isinstance(self.delimiter, str) or not self.delimiter):
+            raise InputError(f"{where}: delimiter is {self.delimiter!r}", "Give the text that separates columns.")
+        if self.decimal not in (".", ","):
+            raise InputError(f"{where}: decimal is {self.decimal!r}", 'Give "." or ",".')
+        if self.decimal == self.delimiter:
+            raise InputError(f"{where}: delimiter and decimal are both {self.decimal!r}", "Correct one of them.")
+        if type(self.skiprows) is not int or self.skiprows < 0:
+            raise InputError(f"{where}: skiprows is {self.skiprows!r}", "Give the number of lines above the header.")
+
+    def separator(self, text: str) -> str | None:
+        """Return what separates the columns of a line, None for blanks."""
+        if self.delimiter is not None:
+            return self.delimiter
+        mark = next((mark for mark in "\t;," if mark in text and mark != self.decimal), None)
+        words = text.split()
+        by_blanks = mark == "," and len(words) > 1 and all(map(_WITH_COMMA.fullmatch, words))
+        return None if by_blanks else mark
+
+
+@dataclass(frozen=True)
+class Table:
+    """Numbers in named or numbered columns, with the place of each row."""
+
+    names: tuple[str, ...]  # empty without a header
+    values: Array
+    places: Sequence[str]  # "file, line n" of each row
+
+    @property
+    def listed(self) -> str:
+        """The columns in words."""
+        width = self.values.shape[1]
+        return ", ".join(self.names) if self.names else f"no header; columns count from 0 to {width - 1}"
+
+    def column(self, which: object, role: str, where: str) -> Array:
+        """Return a column by name or index; InputError lists those there are."""
+        width = self.values.shape[1]
+        if isinstance(which, str) and which in self.names:
+            index = self.names.index(which)
+        elif isinstance(which, int) and not isinstance(which, bool) and 0 <= which < width:
+            index = which
+        else:
+            remedy = f"Correct {role}=…{', or give ' + NO_COLUMN if role == 'input' else ''}."
+            raise InputError(f"{where}: has no column {which!r} for {role} ({self.listed})", remedy)
+        values: Array = self.values[:, index]
+        return values
+
+
+def parse_table(file: Path, layout: Layout) -> Table:
+    """Parse a file.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        Naming file, line and column.
+    """
+    where = str(file)
+    lines = list(enumerate(read_lines(file), 1))[layout.skiprows :]
+    kept = [(i, text) for i, line in lines if (text := line.strip(" ")) and text.strip()]
+    body = [(i, text) for i, text in kept if not text.lstrip().startswith(("#", "%"))]
+    if not body:
+        below = f" below line {layout.skiprows}" if layout.skiprows else ""
+        raise InputError(f"{where}: holds no rows of numbers{below}", "Export the record again.")
+    separator = layout.separator(body[-1][1])
+    rows = [_cells(text, separator) for _, text in body]
+    _check_above(rows, [i for i, _ in body], layout, where)
+    names: tuple[str, ...] = ()
+    if _is_header(rows[0]):
+        names, rows, body = tuple(rows[0]), rows[1:], body[1:]
+    if not rows:
+        raise InputError(f"{where}: holds a header and no rows", "Export the record again.")
+    labels = names
+    if not names or not any(len(row) == len(names) for row in rows):
+        width = common_width(rows)
+        if names:
+            commas = separator == "," and layout.delimiter is None and width == 2 * len(names)
+            raise InputError(
+                f"{where}, line {body[0][0]}: rows hold {width} values under a header of {len(names)} names",
+                _OTHER_MARK["."] if commas else _REPAIR,
+            )
+        labels = tuple(str(i) for i in range(width))
+    if len(set(names)) < len(names):
+        raise InputError(f"{where}: its header names a column twice ({', '.join(names)})", "Rename one of them.")
+    numbers = [i for i, _ in body]
+    for i, (name, first) in enumerate(zip(labels, rows[0], strict=False)):
+        used = any(isinstance(c, str | int) and c in (i, name) for c in layout.used)
+        if not used and not is_number(first, decimal=layout.decimal):
+            rows = [[*row[:i], "0", *row[i + 1 :]] if i < len(row) else row for row in rows]  # text beside the readings
+    values = parse_numbers(
+        rows,
+        lines=numbers,
+        columns=labels,
+        where=where,
+        remedy=_REPAIR,
+        decimal=layout.decimal,
+        other_mark=_OTHER_MARK[layout.decimal],
+    )
+    return Table(names, values, [f"{where}, line {i}" for i in numbers])
+
+
+def join_tables(tables: Sequence[Table]) -> Table:
+    """Join tables of one layout; InputError where they differ."""
+    first = tables[0]
+    for table in tables[1:]:
+        if table.names != first.names or table.values.shape[1] != first.values.shape[1]:
+            raise InputError(
+                f"{table.places[0]}: has other columns than {first.places[0]}", "Join files of one layout only."
+            )
+    return Table(first.names, np.concatenate([t.values for t in tables]), [place for t in tables for place in t.places])
+
+
+def _cells(text: str, separator: str | None) -> list[str]:
+    return [cell.strip().strip("\"'") for cell in text.split(None if separator in (None, " ") else separator)]
+
+
+def _is_header(cells: Sequence[str]) -> bool:
+    *most, last = cells
+    return all(map(is_name, most)) and (is_name(last) or bool(most and not last))  # lines may end with the delimiter
+
+
+def _check_above(rows: Sequence[Sequence[str]], lines: Sequence[int], layout: Layout, where: str) -> None:
+    """Refuse lines above the header, which is told by the names of the columns that are read."""
+    names = {name for name in layout.used if isinstance(name, str)}
+    found = next((line for row, line in zip(rows, lines, strict=True) if names.issubset(row)), lines[0])
+    if names and found != lines[0]:
+        raise InputError(
+            f"{where}, line {lines[0]}: is not the header, which comes in line {found}",
+            f"Give skiprows = {found - 1} to leave out the lines above it.",
+        )

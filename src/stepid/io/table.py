@@ -1,0 +1,210 @@
+"""Delimited tables of numbers: one file or several that continue each other."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.core.experiment import Experiment
+from stepid.core.units import check_number, check_release, check_scales, in_si
+from stepid.errors import InputError
+from stepid.io.delimited import Layout, Table, join_tables, parse_table
+from stepid.io.ecp import FEWEST
+from stepid.io.step_input import InputValues, sample_input
+from stepid.io.textfile import as_path
+
+Column = str | int
+
+
+def read_table(
+    paths: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    *,
+    position: Column | None = None,
+    time: Column | None = None,
+    input: Column | InputValues | None = None,
+    position_scale: float = 1.0,
+    time_scale: float = 1.0,
+    input_scale: float = 1.0,
+    sample_time: float | None = None,
+    name: str | None = None,
+    added_mass: float = 0.0,
+    spring: str = "spring",
+    damper: str = "damper",
+    base: str = "cart",
+    counts_per_meter: float | None = None,
+    input_before: float = 0.0,
+    delimiter: str | None = None,
+    decimal: str = ".",
+    skiprows: int = 0,
+    start: int = 0,
+    stop: int | None = None,
+) -> Experiment:
+    """Read a record from delimited text.
+
+    Lines that start with ``#`` or ``%`` are comments. A first line that holds anything but numbers names the columns.
+
+    Parameters
+    ----------
+    paths : path-like or sequence of path-like
+        One file, or several that continue each other, joined in order.
+    position : str or int
+        Column of the position, by name or by index from 0. Must be given; the error without it lists the columns.
+    time : str or int, optional
+        Column of the time, s. Without it, `sample_time` says how far rows are apart.
+    input : str, int, StepInput or array, shape (n,), optional
+        Column of the input (V), or the input itself over the rows kept. Without it the record is a free release,
+        zeros; refused where another column is an input by its name and not zero (``StepInput(level=0.0)`` says that
+        it is a release all the same).
+    position_scale : float
+        m per unit of the position column, negative where +V gives falling values.
+    time_scale : float
+        s per unit of the time column; of the column only, all other times are in s.
+    input_scale : float
+        V per unit of the input column; of the column only.
+    sample_time : float, optional
+        s. With `time` too, rows are put at multiples of it after the first, and `time` is checked to agree within
+        half a sample: for times that are printed rounded.
+    name : str, optional
+        Of the run; the first file's stem by default.
+    added_mass : float
+        kg, known weights on the cart.
+    spring, damper, base : str
+        Labels of what the run shares with others.
+    counts_per_meter : float, optional
+        Of the encoder behind the position, for its resolution; does not scale the column.
+    input_before : float
+        V, before the first sample.
+    delimiter : str, optional
+        What separates columns; by default a tab, semicolon, comma or blanks, whichever is found first in this order.
+    decimal : str
+        The decimal mark, ``"."`` or ``","``, as pandas has it.
+    skiprows : int
+        Lines to leave out at the start of each file, above its header or first row.
+    start, stop : int
+        Rows to keep, counted from 0 over the joined files, `stop` not included: for stretches in which the plant
+        was switched off.
+
+    Returns
+    -------
+    Experiment
+        Time in s on the record's own clock, position in m, input in V.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        Naming file, line and column: if a file is missing, empty, not text or holds what is not a number, rows differ
+        in length, a column is missing, time is not uniform, or `position_scale` gives a travel of less than 10 nm or
+        more than 100 m.
+    """
+    files = _files(paths)
+    where = str(files[0]) if len(files) == 1 else f"{files[0]} … {files[-1].name}"
+    for label, number in (
+        ("sample_time", sample_time),
+        ("counts_per_meter", counts_per_meter),
+        ("input_before", input_before),
+    ):
+        check_number(label, number, where)
+    scales = {"position": position_scale, "time": time_scale, "input": input_scale}
+    check_scales({"position": position, "time": time, "input": input}, scales, where)
+    layout = Layout(delimiter, decimal, skiprows, (time, position, input))
+    layout.check(where)
+    table = join_tables([parse_table(file, layout) for file in files])
+    kept = _stretch(start, stop, len(table.places), where)
+    table = Table(table.names, table.values[kept], table.places[kept])
+    if position is None:
+        raise InputError(f"{where}: nothing says which column is the position ({table.listed})", "Give position=….")
+    clock = _time(table, time, time_scale, sample_time, start, where)
+    if input is None:
+        check_release(table.names, table.values, (time, position), where)
+    volts = _input(table, input, input_scale, clock, input_before, where)
+    meters = in_si("position", table.column(position, "position", where), position_scale, where)
+    try:
+        return Experiment(
+            name=files[0].stem if name is None else name,
+            time=clock,
+            position=meters,
+            input=volts,
+            added_mass=added_mass,
+            spring=spring,
+            damper=damper,
+            counts_per_meter=counts_per_meter,
+            input_before=input_before,
+            base=base,
+        )
+    except InputError as error:
+        raise InputError(f"{where}: {error.cause}", error.remedy) from None
+
+
+def _files(paths: object) -> list[Path]:
+    if isinstance(paths, str | os.PathLike):
+        return [as_path(paths)]
+    if not isinstance(paths, Sequence) or isinstance(paths, bytes) or not paths:
+        raise InputError(f"paths is {paths!r}", "Give one path, or a sequence of paths in order.")
+    return [as_path(path) for path in paths]
+
+
+def _stretch(start: int, stop: int | None, rows: int, where: str) -> slice:
+    last = rows if stop is None else stop
+    for label, value in (("start", start), ("stop", last)):
+        if type(value) is not int or not 0 <= value <= rows:
+            raise InputError(
+                f"{where}: {label} is {value!r}; the record has {rows} rows", "Count rows from 0 over all files."
+            )
+    if last - start < FEWEST:
+        raise InputError(
+            f"{where}: keeps {max(last - start, 0)} of {rows} rows; a record needs at least {FEWEST}",
+            "Give the whole record.",
+        )
+    return slice(start, last)
+
+
+def _time(
+    table: Table, column: Column | None, scale: float, sample_time: float | None, start: int, where: str
+) -> Array:
+    index = np.arange(len(table.places), dtype=np.float64)
+    if sample_time is not None and not sample_time > 0:
+        raise InputError(f"{where}: sample_time is {sample_time:g} s", "Give a positive sample time in seconds.")
+    if column is None:
+        if sample_time is None:
+            raise InputError(f"{where}: nothing says when the rows were taken", "Give time=… or sample_time=… (s).")
+        return (start + index) * sample_time
+    time = in_si("time", table.column(column, "time", where), scale, where)
+    with np.errstate(all="ignore"):
+        mean = float((time[-1] - time[0]) / (time.size - 1))
+        step = mean if sample_time is None else sample_time
+        uniform = _follows(time, index, mean, 0.01)
+        good = mean > 0 and (uniform if sample_time is None else _follows(time, index, step, 0.5))
+        steps = np.diff(time)
+        usual = float(np.median(steps))
+        odd = np.abs(steps - usual) > 0.02 * abs(usual)
+    if good:
+        return time if sample_time is None else time[0] + index * step
+    if sample_time is not None and uniform:
+        raise InputError(
+            f"{where}: sample_time is given as {sample_time:g} s, but rows are {mean:.8g} s apart",
+            "Leave sample_time out, or correct it.",
+        )
+    row = int(np.argmax(odd)) + 1
+    raise InputError(
+        f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s, where rows are about {usual:.6g} s "
+        "apart: a gap, two different sample times, jitter or rounded times",
+        "Give sample_time=… (s) if only the times are uneven; leave time out if each file starts a clock of its own.",
+    )
+
+
+def _follows(time: Array, index: Array, step: float, tolerance: float) -> bool:
+    return bool(np.all(np.abs(time - time[0] - step * index) / step <= tolerance))
+
+
+def _input(
+    table: Table, given: Column | InputValues | None, scale: float, time: Array, before: float, where: str
+) -> Array:
+    if given is None:
+        return np.zeros(time.size)
+    if isinstance(given, str | int):
+        return in_si("input", table.column(given, "input", where), scale, where)
+    return sample_input(given, time, before=before, where=where)

@@ -1,0 +1,35 @@
+"""Typical magnitudes of an effect's parameters, from their units and the plant: differences at zero need them."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.effects.base import Parameter
+
+_SYMBOLS = ("N", "m", "s", "kg", "V")
+_POWERS = {"²": 2, "³": 3}
+_ALIASES = {"Hz": ("s", -1), "J": ("N", 1)}
+
+
+def exponents(parameters: tuple[Parameter, ...]) -> Array:
+    """Powers of N, m, s, kg and V in each parameter's unit, shape (n, 5); what is not understood counts as 1."""
+    out = np.zeros((len(parameters), len(_SYMBOLS)))
+    for row, parameter in zip(out, parameters, strict=True):
+        for part, side in zip(parameter.unit.split("/"), (1, -1, -1, -1), strict=False):
+            for symbol, power in re.findall(r"([A-Za-z]+)([²³]?)", part):
+                name, way = _ALIASES.get(symbol, (symbol, 1))
+                if name in _SYMBOLS:
+                    row[_SYMBOLS.index(name)] += side * way * _POWERS.get(power, 1)
+    return out
+
+
+def magnitudes(powers: Array, *, mass: float, stiffness: float, gain: float, travel: float) -> Array:
+    """Typical values, shape (n,): the travel [m], the spring force over it, the plant's own time, its voltage."""
+    force = stiffness * travel
+    volts = force / abs(gain) if gain else 1.0
+    base = np.array([force, travel, np.sqrt(mass / stiffness), mass, volts])
+    out: Array = np.exp(powers @ np.log(np.maximum(base, 1e-12)))
+    return out

@@ -1,0 +1,69 @@
+"""The plant model: a linear mass-spring-damper plus named effects, with where each run began."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from stepid.core.base import Finite, Label, Model
+
+
+class EffectModel(Model):
+    """One effect with its parameter values; see `stepid.effects.CATALOGUE`.
+
+    Parameters
+    ----------
+    name : str
+        Canonical name.
+    values : mapping
+        Parameter name to value, SI units.
+    """
+
+    name: Label
+    values: Mapping[str, Finite]
+
+
+class RunState(Model):
+    """What belongs to one run alone.
+
+    Parameters
+    ----------
+    rest : float
+        m, reading of the spring's rest position.
+    displacement : float
+        m, from the rest position at the first sample (friction holds the cart off it; a release begins off it).
+    velocity : float
+        m/s at the first sample, zero unless the record starts in motion.
+    phases : mapping
+        The effects' parameters that are the run's own, for example ``"periodic_disturbance.phase"`` [rad].
+    states : mapping
+        Where a record starts in motion: how far the effects' own states are from those of a plant at rest there, for
+        example ``"flexible_coupling.1"`` [m].
+    """
+
+    rest: Finite = 0.0
+    displacement: Finite = 0.0
+    velocity: Finite = 0.0
+    phases: Mapping[str, Finite] = {}
+    states: Mapping[str, Finite] = {}
+
+
+class PlantModel(Model):
+    """m x″ + c x′ + k x = K_f u plus effects.
+
+    Parameters
+    ----------
+    base_mass, stiffness, damping : mapping
+        By label: kg, N/m, N·s/m.
+    force_gain : float
+        N/V.
+    effects : tuple of EffectModel
+    runs : mapping
+        Run name to `RunState`.
+    """
+
+    base_mass: Mapping[str, Finite]
+    stiffness: Mapping[str, Finite]
+    damping: Mapping[str, Finite]
+    force_gain: Finite
+    effects: tuple[EffectModel, ...] = ()
+    runs: Mapping[str, RunState] = {}

@@ -1,0 +1,159 @@
+"""All records of a campaign laid end to end, ready for the simulator."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from stepid.core.base import Array
+from stepid.core.experiment import Campaign, Experiment
+
+Index = npt.NDArray[np.intp]
+_HELD = 8  # samples near the farthest point that a free swing hardly stays
+
+
+@dataclass(frozen=True)
+class Records:
+    """Samples of all runs end to end: S samples, R runs.
+
+    `runs` holds the experiments; arrays over samples have shape (S,), arrays over runs (R,). `bounds` (R + 1,) gives
+    where each run begins and ends. `moving` marks runs whose record starts in motion, so that their initial state is
+    a parameter. `begin` is the index within the experiment at which each run's samples begin. `weight` (S,) are the
+    square roots of the samples' weights. `length` (S,) is the time from each sample to the next. Where samples were
+    left out, `source` are the records with all of them, whose samples `at` (S,) these are.
+    """
+
+    runs: tuple[Experiment, ...]
+    bounds: Index
+    run: Index
+    time: Array
+    position: Array
+    volts: Array
+    sample_time: Array
+    added_mass: Array
+    before: Array
+    moving: npt.NDArray[np.bool_]
+    bases: tuple[str, ...]
+    springs: tuple[str, ...]
+    dampers: tuple[str, ...]
+    base: Index
+    spring: Index
+    damper: Index
+    begin: Index
+    weight: Array
+    length: Array
+    source: Records | None = None
+    at: Index | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return int(self.bounds[-1])
+
+    @property
+    def first(self) -> Index:
+        """Index of each run's first sample."""
+        return self.bounds[:-1]
+
+    def pieces(self) -> list[slice]:
+        """Return each run's samples as a slice."""
+        return [slice(int(a), int(b)) for a, b in zip(self.bounds[:-1], self.bounds[1:], strict=True)]
+
+    def centered(self, values: Array) -> Array:
+        """Subtract each run's weighted mean over the last axis: what a free rest position leaves."""
+        square = self.weight**2
+        sums = np.add.reduceat(values * square, self.first, axis=-1) / np.add.reduceat(square, self.first)
+        out: Array = values - sums[..., self.run]
+        return out
+
+    def weighted(self, values: Array) -> Array:
+        """Centered values times the square roots of the weights: what least squares sees."""
+        out: Array = self.centered(values) * self.weight
+        return out
+
+    def subset(self, keep: Sequence[int]) -> Records:
+        """Return the records of some runs only, labels unchanged."""
+        index = list(keep)
+        weight = np.concatenate([self.weight[self.pieces()[i]] for i in index])
+        runs = [self.runs[i] for i in index]
+        return _lay(runs, self.moving[index], (self.bases, self.springs, self.dampers), self.begin[index], weight)
+
+    def like(self, runs: Sequence[Experiment]) -> Records:
+        """Lay out other runs under the same labels."""
+        none = np.zeros(len(runs))
+        return _lay(list(runs), none > 0, (self.bases, self.springs, self.dampers), none.astype(np.intp), None)
+
+    def reweighted(self, weight: Array) -> Records:
+        """Return the same records with other square-root weights, shape (S,)."""
+        return replace(self, weight=weight)
+
+
+def starts_in_motion(experiment: Experiment) -> bool:
+    """Tell whether a record starts in motion: its motion comes from no input that the record shows."""
+    if not experiment.is_release:
+        return False
+    return bool(np.ptp(experiment.position) > 0)
+
+
+def release_index(experiment: Experiment) -> int:
+    """Index of the first sample at which a cart that a hand pulled or held is surely free; 0 where none held it.
+
+    The hand is off once the cart has left its farthest point by 3 % of the swing; what came before is the hand's.
+    """
+    y = experiment.position
+    away = np.abs(y - np.median(y[-max(8, y.size // 10) :]))
+    top = int(np.argmax(away))
+    left = np.flatnonzero(away[top:] < 0.97 * away[top])
+    if not left.size:
+        return 0
+    first = top + int(left[0])
+    return first if first > _HELD else 0
+
+
+def lay_out(campaign: Campaign) -> Records:
+    """Lay a campaign's records end to end; what a hand held before a release is left out."""
+    runs = list(campaign.experiments)
+    labels = tuple(tuple(dict.fromkeys(getattr(e, field) for e in runs)) for field in ("base", "spring", "damper"))
+    moving = np.array([starts_in_motion(e) for e in runs])
+    begin = np.array([release_index(e) if m else 0 for e, m in zip(runs, moving, strict=True)], dtype=np.intp)
+    return _lay(runs, moving, (labels[0], labels[1], labels[2]), begin, None)
+
+
+def _lay(
+    runs: list[Experiment],
+    moving: npt.NDArray[np.bool_],
+    labels: tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]],
+    begin: Index,
+    weight: Array | None,
+) -> Records:
+    sizes = [e.time.size - int(b) for e, b in zip(runs, begin, strict=True)]
+    bases, springs, dampers = labels
+
+    def joined(field: str) -> Array:
+        return np.concatenate([getattr(e, field)[b:] for e, b in zip(runs, begin, strict=True)])
+
+    sample_time = np.array([e.sample_time for e in runs])
+    return Records(
+        runs=tuple(runs),
+        bounds=np.concatenate([[0], np.cumsum(sizes)]).astype(np.intp),
+        run=np.repeat(np.arange(len(runs)), sizes),
+        time=np.concatenate([e.time[b:] - e.time[0] for e, b in zip(runs, begin, strict=True)]),
+        position=joined("position"),
+        volts=joined("input"),
+        sample_time=sample_time,
+        added_mass=np.array([e.added_mass for e in runs]),
+        before=np.array([e.input_before for e in runs]),
+        moving=moving,
+        bases=bases,
+        springs=springs,
+        dampers=dampers,
+        base=np.array([bases.index(e.base) for e in runs], dtype=np.intp),
+        spring=np.array([springs.index(e.spring) for e in runs], dtype=np.intp),
+        damper=np.array([dampers.index(e.damper) for e in runs], dtype=np.intp),
+        begin=begin,
+        weight=np.ones(sum(sizes)) if weight is None else weight,
+        length=np.repeat(sample_time, sizes),
+    )

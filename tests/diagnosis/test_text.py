@@ -1,0 +1,196 @@
+"""What a diagnosis says when it is printed: five questions in order, rounded by the uncertainty, nothing made up."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import diagnosis_example as example
+import stepid
+from diagnosis_example import changed
+from stepid.core.estimate import Estimate
+from stepid.diagnosis.result import Diagnosis, Gap, Where
+from stepid.diagnosis.text import QUESTIONS, next_steps
+from stepid.diagnosis.wording import digits, effect_names, length
+from stepid.identification.parameters import IdentifiedParameters, ParameterUncertainty
+from stepid.report import diagnosis_report, hand_method_table
+
+
+def rows(text: str, header: str) -> dict[str, list[str]]:
+    """Rows of a table by their first cell; cells are two blanks apart."""
+    lines = [re.split(r"\s{2,}", line.strip()) for line in text.splitlines()]
+    begin = next(i for i, cells in enumerate(lines) if cells[0] == header)
+    found: dict[str, list[str]] = {}
+    for cells in lines[begin + 2 :]:
+        if cells == [""]:
+            break
+        found[cells[0]] = cells[1:]
+    return found
+
+
+@pytest.mark.parametrize(
+    ("meters", "expected"),
+    [
+        (6.367e-4, "637 µm"),
+        (1.978e-5, "19.8 µm"),
+        (9.996e-6, "10.0 µm"),
+        (4.4e-7, "0.44 µm"),
+        (9.9951e-4, "1.00 mm"),
+        (9.994e-4, "999 µm"),
+        (0.0123, "12.3 mm"),
+        (0.0, "0.00 µm"),
+    ],
+)
+def test_lengths_have_three_digits(meters: float, expected: str) -> None:
+    assert length(meters) == expected
+
+
+def test_digits_and_names() -> None:
+    assert [digits(v) for v in (99.96, 99.94, 9.996, 0.123, 1234.5)] == ["100", "99.9", "10.0", "0.12", "1234"]
+    assert effect_names(("coulomb_friction", "input_delay")) == "Coulomb friction and input delay"
+
+
+def test_summary_answers_the_five_questions_in_order() -> None:
+    d = example.named()
+    text = d.summary()
+    places = [text.index(question) for question in QUESTIONS]
+    assert places == sorted(places)
+    assert text.startswith("Diagnosis of campaign 'cases 4 to 7': named\nA linear model is not adequate: Coulomb")
+    answers = [text[a:b] for a, b in zip(places, [*places[1:], len(text)], strict=True)]
+    assert f"{length(d.gap.noise)} RMS. The linear joint fit leaves {length(d.gap.before)}" in answers[0]
+    assert all(sentence in answers[1] for sentence in d.where.sentences)
+    assert set(rows(answers[1], "phase")) == set(d.where.phases)
+    assert list(rows(answers[2], "candidate")) == [
+        "Coulomb friction",
+        "quadratic damping and input delay",
+        "nothing (linear)",
+    ]
+    assert rows(answers[2], "candidate")["quadratic damping and input delay"][1] == "870"
+    assert rows(answers[2], "candidate")["nothing (linear)"][1] == "1.2e+05"
+    assert d.reasons[0] in answers[3]
+    assert "clean and align the rails" in answers[4]
+    assert str(d) == text
+
+
+def test_gap_and_parameters_are_what_the_model_holds() -> None:
+    d = example.named()
+    gaps = rows(d.summary(), "RMS [µm]")
+    assert list(gaps) == ["all runs", *example.RUNS]
+    g = d.gap
+    assert g.held_out_before is not None
+    assert g.held_out_after is not None
+    expected = [1e6 * g.before, 1e6 * g.after, g.after / g.noise, 1e6 * g.held_out_before, 1e6 * g.held_out_after]
+    assert [float(cell) for cell in gaps["all runs"]] == pytest.approx(expected, rel=6e-3)
+    found = rows(d.summary(), "parameter")
+    assert list(found) == list(d.parameters)
+    level = d.parameters["coulomb_friction.level"]
+    assert found["coulomb_friction.level"] == ["–", *str(level).rsplit(" ", 1)]
+    assert level.value == pytest.approx(example.LEVEL, rel=0.01)
+    assert found["stiffness[medium]"][2] == "N/m"
+
+
+def test_no_run_held_out_is_a_dash() -> None:
+    d = example.named()
+    bare = changed(d, gap=Gap(before=d.gap.before, after=d.gap.after, noise=d.gap.noise))
+    assert rows(bare.summary(), "RMS [µm]")["all runs"][3:] == ["–", "–"]
+
+
+def test_undetermined_is_said() -> None:
+    d = example.named()
+    open_ = dict(d.parameters) | {"coulomb_friction.level": Estimate(value=0.3, unit="N")}
+    assert "0.3 (undetermined)" in changed(d, parameters=open_).summary()
+
+
+def test_each_verdict_says_its_answer() -> None:
+    d = example.named()
+    adequate = example.adequate().summary()
+    assert "A linear model is adequate." in adequate
+    assert "final model" not in adequate.split("parameter")[1]
+    assert "nothing to say" in adequate
+    ambiguous = example.ambiguous().summary()
+    assert "Coulomb friction or load proportional friction, these data cannot tell which" in ambiguous
+    assert "- record with more mass\n   - Note: The fit did not converge." in ambiguous
+    lost = changed(d, verdict="unexplained", effects=())
+    assert "nothing in the catalogue explains why" in lost.summary()
+    pair = changed(d, effects=("coulomb_friction", "input_delay"))
+    assert "Coulomb friction and input delay are missing" in pair.summary()
+    assert next_steps(changed(d, effects=("an_effect_of_mine",), advice={})) == ("Keep the effect in the model.",)
+    both = next_steps(changed(d, next_experiment="record a step the other way"))
+    assert both[0] == "record a step the other way"
+    assert both[1].startswith("Coulomb friction: clean")
+
+
+def test_repr_is_one_line() -> None:
+    d = example.named()
+    gap = f"RMS {length(d.gap.before)} → {length(d.gap.after)}, noise {length(d.gap.noise)}"
+    assert repr(d) == f"Diagnosis('cases 4 to 7', named: coulomb_friction, {gap})"
+    assert "→" not in repr(example.adequate())
+    assert repr(d.runs[0]).startswith("RunGap('case 4', RMS ")
+    assert repr(d.where).count("\n") == 0
+    assert str(d.where).splitlines() == list(d.where.sentences)
+
+
+def test_html_holds_the_same() -> None:
+    d = changed(example.named(), campaign="a <b> & c")
+    page = d._repr_html_()
+    assert "a &lt;b&gt; &amp; c" in page
+    assert page.count("<table>") == 4
+    assert all(question in page for question in QUESTIONS)
+    assert "<td>N·s/m</td>" in page
+
+
+def test_json_round_trip() -> None:
+    d = example.named()
+    again = Diagnosis.model_validate_json(d.model_dump_json())
+    assert again == d
+    assert isinstance(again.where, Where)
+
+
+def test_hand_method_stands_beside_the_fit() -> None:
+    d = example.named()
+    found = stepid.identify(example.campaign())
+    table = hand_method_table(d, found)
+    row = rows(table, "parameter")
+    assert list(row) == list(d.parameters)[:4]
+    base, final = found.base_mass["cart"], d.parameters["base_mass"].value
+    assert row["base_mass"][0] == f"{base:.3f} ± {found.uncertainty.base_mass['cart']:.3f}"
+    assert row["base_mass"][3:] == [
+        "kg",
+        f"{100 * (base / final - 1):+.1f} %",
+        f"{100 * (d.linear_parameters['base_mass'].value / final - 1):+.1f} %",
+    ]
+    assert base / final - 1 < -0.1  # the lesson: friction pulls the base mass by tens of per cent
+    gains = [found.static_gain[name] * found.run_stiffness(name) for name in example.RUNS]
+    assert row["force_gain"][0].startswith(f"{sum(gains) / 4:.2f} ±")
+    assert "How far Coulomb friction pulls each number" in table
+
+
+def test_hand_method_beside_a_linear_fit() -> None:
+    table = hand_method_table(example.adequate(), stepid.identify(example.campaign()))
+    row = rows(table, "parameter")
+    assert all(len(cells) == 4 for cells in row.values())
+    assert "pulls" not in table
+
+
+def test_what_the_hand_method_leaves_out_is_said() -> None:
+    found = IdentifiedParameters(
+        masses={"case 4": 1.0},
+        stiffness={"medium": 200.0},
+        damping={"case 4": 12.0},
+        base_mass={"cart": 1.0},
+        springs={"case 4": "medium"},
+        uncertainty=ParameterUncertainty(),
+        excluded={"case 5": "no overshoot"},
+    )
+    table = hand_method_table(example.named(), found)
+    assert table.endswith("by hand, left out: case 5: no overshoot")
+    assert rows(table, "parameter")["damping[1/2 turn]"][0] == "–"
+
+
+def test_report_says_why_the_hand_method_refused() -> None:
+    error = stepid.errors.UndeterminedError("one mass only", "Add a run.")
+    first, second = diagnosis_report(example.named(), error)
+    assert first.body == example.named().summary()
+    assert second.title == "The hand method beside it"
+    assert second.body == "The hand method cannot use this campaign: one mass only."

@@ -1,0 +1,67 @@
+"""Starting displacements under friction: the scan leaves the minima that a descent cannot."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stepid
+from stepid.core.base import Array
+from stepid.effects import resolve
+from stepid.fitting import levenberg_marquardt, multistart_sticking
+from stepid.fitting.levenberg_marquardt import Problem, minimize
+from stepid.fitting.multistart_sticking import resettle, scan_starts
+from stepid.fitting.problem import build, fit_linear, start_local
+from stepid.simulation.records import lay_out
+
+TRUTH = stepid.datasets.lab_truth()
+
+
+def test_the_made_up_campaign_settles_at_its_noise() -> None:
+    records = lay_out(stepid.datasets.lab_campaign())
+    linear = fit_linear(records)
+    assert linear is not None
+    problem = build(records, resolve(["coulomb_friction"]))
+    stuck = minimize(problem, np.append(linear.shared, 0.2), start_local(problem, linear), iterations=12)
+    assert stuck is not None
+    assert stuck.rms > 2 * TRUTH.noise_rms  # a minimum with another pattern of sticking
+    scanned = scan_starts(stuck)
+    np.testing.assert_array_equal(scanned[1:], stuck.local[1:])
+    found = resettle(stuck, tolerance=0.0)
+    assert found.rms < 1.03 * TRUTH.noise_rms
+    assert found.shared[-1] == pytest.approx(TRUTH.parameters["coulomb_friction.level"], rel=3e-3)
+
+
+def _held(level: float) -> tuple[Problem, Array, Array]:
+    """A start near the best fit, with another level of friction [N]."""
+    records = lay_out(stepid.datasets.lab_campaign())
+    problem = build(records, resolve(["coulomb_friction"]))
+    local = np.zeros((2, len(records.runs)))
+    local[0] = 1e-6 * np.array([-40.4, 984.2, -626.5, 132.8, -368.2, 535.7, 318.2, 895.8, -346.8, -226.3])
+    shared = [0.95583, 0.83556, 216.619, 450.206, 175.512, 12.052, 22.0577, 4.6074, 5.0179, 7.82033, level]
+    return problem, np.array(shared), local
+
+
+def test_a_kick_leaves_a_minimum_where_no_displacement_would(monkeypatch: pytest.MonkeyPatch) -> None:
+    stuck = minimize(*_held(0.285))
+    assert stuck is not None
+    assert stuck.rms > 2 * TRUTH.noise_rms
+    monkeypatch.setattr(multistart_sticking, "scan_starts", lambda optimum: optimum.local)
+    assert resettle(stuck, tolerance=0.0).rms < 1.015 * TRUTH.noise_rms
+
+
+def test_a_marched_trial_leads_to_another_pattern_of_sticking(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = minimize(*_held(0.35))
+    assert found is not None
+    assert found.rms < 1.015 * TRUTH.noise_rms
+    monkeypatch.setattr(levenberg_marquardt, "_MARCHES", 0)
+    stuck = minimize(*_held(0.35))
+    assert stuck is not None
+    assert stuck.rms > 2 * TRUTH.noise_rms
+
+
+def test_a_linear_plant_comes_back_as_it_is() -> None:
+    records = lay_out(stepid.datasets.lab_campaign())
+    linear = fit_linear(records)
+    assert linear is not None
+    assert resettle(linear, tolerance=0.0) is linear
