@@ -11,7 +11,7 @@ from stepid.core.experiment import Campaign, Experiment
 from stepid.diagnosis.wording import length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.simulation.records import Records, lay_out
-from stepid.simulation.trajectory import Simulator
+from stepid.simulation.simulator import Simulator
 
 _SAMPLES = 400
 
@@ -50,19 +50,11 @@ def _proposals(campaign: Campaign) -> list[tuple[str, Experiment]]:
     ]
 
 
-def _answers(records: Records, optimum: Optimum, near: Array | None = None) -> tuple[Array, Array]:
-    """States of a fitted model in runs from rest, and what it reads; not finite where it runs away.
-
-    `near` are those of a model much like it.
-    """
-    sim = Simulator(records, optimum.problem.simulator.law.effects)
-    shared, local = optimum.shared, np.zeros((sim.n_local, len(records.runs)))
-    if near is not None and np.isfinite(near).all():
-        solved = sim.solve(shared, local, start=sim.along(shared, local, near))
-        if solved is not None:
-            return solved.states, solved.reading
-    states = sim.march(shared[None], local[None])[0]
-    return states, states[0] + sim.reading(shared, local)
+def _answers(records: Records, optimum: Optimum) -> Array:
+    """What a fitted model reads in runs from rest, m, shape (S,); not finite where it runs away."""
+    sim = Simulator(records, optimum.problem.simulator.effects)
+    still = np.zeros((1, sim.layout.n_run, len(records.runs)))
+    return sim.readings(optimum.shared[None], still)[0]
 
 
 def next_experiment(
@@ -84,8 +76,8 @@ def next_experiment(
     proposals = _proposals(campaign)
     if proposals:
         records = lay_out(campaign).like([experiment for _, experiment in proposals])
-        states, base = _answers(records, chosen)
-        apart = [records.centered(base - _answers(records, rival, states)[1]) for rival in rivals]
+        base = _answers(records, chosen)
+        apart = [records.centered(base - _answers(records, rival)) for rival in rivals]
         for (words, _), piece in zip(proposals, records.pieces(), strict=True):
             gaps = [float(np.sqrt(np.mean(a[piece] ** 2))) for a in apart if np.isfinite(a[piece]).all()]
             if gaps and min(gaps) > best[0]:

@@ -38,8 +38,8 @@ def phase_of_samples(records: Records, linear: Optimum, motion: Motion, floor: f
     -------
     array of int, shape (S,)
     """
-    a, b, _ = linear.problem.simulator.n_labels
-    gain = linear.shared[-1] / linear.shared[a : a + b][records.spring]  # m/V, static
+    of = linear.problem.layout
+    gain = linear.shared[of.force_gain] / linear.shared[of.stiffness][records.spring]  # m/V, static
     out = np.full(records.size, RING_DOWN, dtype=np.intp)
     for r, (run, piece) in enumerate(zip(records.runs, records.pieces(), strict=True)):
         label, x, v = out[piece], motion.x[piece], motion.v[piece]

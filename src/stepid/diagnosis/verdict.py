@@ -61,7 +61,7 @@ def _believable(ground: Ground, linear: Candidate, best: Candidate) -> bool:
 
 def _slowest(found: Candidate) -> float:
     """Lowest frequency [Hz] among the effects' parameters, infinite where there is none."""
-    own = found.optimum.shared[found.optimum.problem.simulator.n_linear :]
+    own = found.optimum.shared[found.optimum.problem.layout.linear.stop :]
     units = [q.unit for e in found.effects for q in e.parameters]
     return min((float(v) for v, unit in zip(own, units, strict=True) if unit == "Hz"), default=math.inf)
 

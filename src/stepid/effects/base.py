@@ -75,7 +75,7 @@ class Moment(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """A measured motion, sample by sample, as `Effect.regressors` sees it: the fields of `Moment`, shape (samples,) each."""
+    """A measured motion, as `Effect.regressors` sees it: the fields of `Moment`, sample by sample, shape (S,) each."""
 
     x: Array
     v: Array
@@ -155,6 +155,7 @@ class Effect:
     advice: ClassVar[str] = ""  # what to do about it
 
     linear: ClassVar[bool] = False  # the plant stays linear: solved exactly
+    affine: ClassVar[bool] = False  # linear with constant forces between its events
     dry: ClassVar[bool] = False  # holds the cart at rest within its breakaway force
     reverses: ClassVar[bool] = False  # its law changes where the velocity changes sign
     rests_anywhere: ClassVar[bool] = False  # the cart may start off the spring's rest position
@@ -198,7 +199,7 @@ class Effect:
 
     @staticmethod
     def breakaway(p: Values, m: Moment) -> float:
-        """Largest force that friction holds at rest against a push in direction `m.sign`, N; as `friction` unless given."""
+        """Largest force that friction holds against a push in direction `m.sign`, N; `friction` unless given."""
         return 0.0
 
     @staticmethod
@@ -248,6 +249,11 @@ class Effect:
         The input changes by `m.slope` a second meanwhile.
         """
         return ()
+
+    def holds(self, p: Values, m: Moment) -> float:
+        """Largest force that friction holds at rest, N: what `breakaway` says, or `friction` where it is not given."""
+        given = type(self).breakaway is not Effect.breakaway
+        return self.breakaway(p, m) if given else self.friction(p, m)
 
     def __repr__(self) -> str:
         return f"<effect {self.name}: {', '.join(q.name for q in self.parameters)}>"

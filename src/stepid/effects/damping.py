@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import ClassVar
 
@@ -61,7 +62,7 @@ class PowerDamping(Effect):
 
     @staticmethod
     def force(p: Values, m: Moment) -> float:
-        return -p[0] * m.v * (m.v * m.v + 1e-12) ** (0.5 * (p[1] - 1.0))
+        return -p[0] * m.v * math.pow(m.v * m.v + 1e-12, 0.5 * (p[1] - 1.0))
 
 
 class PositionDependentDamping(Effect):

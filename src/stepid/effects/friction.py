@@ -35,6 +35,7 @@ class CoulombFriction(_DryFriction):
     symbols = ("F_c",)
     seen = "straight-line envelope, dead stop off zero, c and K that rise with mass in the paper's table"
     advice = "clean and align the rails, oil the bearings; keep it in the model"
+    affine: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.force,) for share in _SHARES]
@@ -57,6 +58,7 @@ class LoadProportionalFriction(_DryFriction):
     symbols = (r"\mu",)
     seen = "as Coulomb friction, growing with added mass"
     advice = "the friction sits under the cart's weight: check wheels and rails, keep it in the model"
+    affine: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.force / (scales.mass * GRAVITY),) for share in _SHARES]
@@ -123,6 +125,7 @@ class AsymmetricFriction(_DryFriction):
     symbols = ("F_c^+", "F_c^-")
     seen = "halves of the envelope shrink differently"
     advice = "look for a tilted rail or a one-sided seal; record steps in both directions"
+    affine: ClassVar[bool] = True
     contains = ("coulomb_friction",)
 
     def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:

@@ -94,6 +94,7 @@ class FreePlay(Effect):
     symbols = ("g",)
     seen = "floats about zero, lower frequency at small amplitude"
     advice = "tighten the spring's clamps"
+    affine: ClassVar[bool] = True
     n_switches: ClassVar[int] = 2
     rests_anywhere: ClassVar[bool] = True
 
@@ -133,6 +134,7 @@ class EndStop(Effect):
     symbols = ("k_s", "x_s")
     seen = "clipped, kinked peaks"
     advice = "move the stop out of the cart's way or take smaller steps"
+    affine: ClassVar[bool] = True
     n_switches: ClassVar[int] = 1
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:

@@ -12,7 +12,7 @@ from stepid.fitting.levenberg_marquardt import Optimum
 
 def parameter_names(optimum: Optimum, effects: tuple[Effect, ...]) -> tuple[tuple[str, str], ...]:
     """Name and unit of every shared parameter, in the order of the fit."""
-    r = optimum.problem.simulator.records
+    r = optimum.problem.records
     one = len(r.bases) == 1
     out = [("base_mass" if one else f"base_mass[{label}]", "kg") for label in r.bases]
     out += [(f"stiffness[{label}]", "N/m") for label in r.springs]
@@ -45,7 +45,7 @@ def covariance(optimum: Optimum, floor: float) -> tuple[Array, Array]:
 
 def _inflation(optimum: Optimum, directions: Array, residual: Array) -> Array:
     """Variance of each orthonormal direction's coefficient over that of white noise, at least 1; Bartlett lags."""
-    records = optimum.problem.simulator.records
+    records = optimum.problem.records
     lags = 24
     square = float(residual @ residual)
     correlation = np.zeros(lags + 1)

@@ -45,27 +45,22 @@ def held_out_residuals(optimum: Optimum, *, tolerance: float) -> dict[int, Array
     dict
         Run index to residual, shape (n,); empty where no run qualifies.
     """
-    records = optimum.problem.simulator.records
+    records = optimum.problem.records
     able = qualifying(records)
     chosen = sorted({able[round(k)] for k in np.linspace(0, len(able) - 1, _RUNS)}) if able else []
     out: dict[int, Array] = {}
-    effects = optimum.problem.simulator.law.effects
-    pieces = records.pieces()
+    effects = optimum.problem.simulator.effects
     for i in chosen:
         others = [j for j in range(len(records.runs)) if j != i]
         problem = build(records.subset(others), effects)
         problem = replace(problem, active=optimum.problem.active[:, others], free=problem.free & optimum.problem.free)
-        states = np.concatenate([optimum.solved.states[:, pieces[j]] for j in others], axis=1)
-        fitted = minimize(
-            problem, optimum.shared, optimum.local[:, others], start=states, tolerance=tolerance, iterations=15
-        )
+        fitted = minimize(problem, optimum.shared, optimum.local[:, others], tolerance=tolerance, iterations=15)
         if fitted is None:
             continue
         alone = build(records.subset([i]), effects)
         alone = replace(alone, free=np.zeros_like(alone.free), active=optimum.problem.active[:, [i]])
         local = np.where(alone.active, optimum.local[:, [i]], 0.0)
-        near = optimum.solved.states[:, pieces[i]]
-        seen = minimize(alone, fitted.shared, local, start=near, tolerance=tolerance, iterations=15)
+        seen = minimize(alone, fitted.shared, local, tolerance=tolerance, iterations=15)
         if seen is not None:
             out[i] = seen.residual
     return out

@@ -36,7 +36,7 @@ def sketch(records: Records, linear: Optimum, period: float, floor: float) -> Re
     Returns
     -------
     Records
-        With `source` and `at`; the same records where nothing can be left out.
+        With `at`; the same records where nothing can be left out.
     """
     kept: list[Index] = []
     for r, piece in enumerate(records.pieces()):
@@ -44,15 +44,13 @@ def sketch(records: Records, linear: Optimum, period: float, floor: float) -> Re
         volts = records.volts[piece]
         changes = np.flatnonzero(np.diff(np.concatenate([[records.before[r]], volts])))
         size = volts.size
-        whole = step == 1 or changes.size > _MOST_CHANGES * size
+        whole = step == 1 or changes.size > _MOST_CHANGES * size or records.coefficients.shape[1] > 1
         kept.append(piece.start + (np.arange(size) if whole else _grid(size, step, changes)))
     at = np.concatenate(kept)
     if at.size == records.size:
         return records
     bounds = np.concatenate([[0], np.cumsum([k.size for k in kept])]).astype(np.intp)
     run = records.run[at]
-    length = np.append(np.diff(records.time[at]), 0.0)
-    length[bounds[1:] - 1] = records.sample_time
     width = _BLUR * period / np.sqrt(max(linear.rms / floor, 1.0)) / records.sample_time[run]
     gap, weight = _averages(records, linear, at, bounds, width)
     return replace(
@@ -63,8 +61,7 @@ def sketch(records: Records, linear: Optimum, period: float, floor: float) -> Re
         position=(records.position - linear.residual)[at] + gap,
         volts=records.volts[at],
         weight=weight,
-        length=length,
-        source=records,
+        coefficients=records.coefficients[at],
         at=at,
     )
 
@@ -98,11 +95,11 @@ def _averages(records: Records, linear: Optimum, at: Index, bounds: Index, width
 
 def shortest_period(linear: Optimum) -> float:
     """2π over the largest magnitude of a linear plant's poles [s]: the shortest period, or less if overdamped."""
-    records = linear.problem.simulator.records
-    a, b, _ = linear.problem.simulator.n_labels
-    mass = linear.shared[:a][records.base] + records.added_mass
-    natural = np.sqrt(linear.shared[a : a + b][records.spring] / mass)
-    ratio = np.maximum(linear.shared[a + b :][records.damper] / (2 * mass * natural), 1.0)
+    records = linear.problem.records
+    of = linear.problem.layout
+    mass = of.mass(linear.shared)
+    natural = np.sqrt(linear.shared[of.stiffness][records.spring] / mass)
+    ratio = np.maximum(linear.shared[of.damping][records.damper] / (2 * mass * natural), 1.0)
     return float(np.min(2 * np.pi / (natural * (ratio + np.sqrt(ratio**2 - 1)))))
 
 
@@ -111,28 +108,15 @@ def outline(records: Records, linear: Optimum) -> Optimum:
     if records.at is None:
         return linear
     problem = replace(build(records, ()), free=linear.problem.free, active=linear.problem.active)
-    states = linear.solved.states[:, records.at]
-    found = minimize(problem, linear.shared, linear.local, start=states, tolerance=1e-6 * linear.cost, iterations=6)
+    found = minimize(problem, linear.shared, linear.local, tolerance=1e-6 * linear.cost, iterations=6)
     if found is None:  # the same plant at fewer moments: it can be simulated if it could be before
         raise FloatingPointError
     return found
 
 
-def between(optimum: Optimum, records: Records) -> Array:
-    """States of a fit to a sketch at all samples, interpolated: a start for Newton, shape (d, S)."""
-    part, states = optimum.problem.simulator.records, optimum.solved.states
-    if part.at is None:
-        return states
-    out = np.empty((states.shape[0], records.size))
-    for few, all_ in zip(part.pieces(), records.pieces(), strict=True):
-        for row, known in enumerate(states[:, few]):
-            out[row, all_] = np.interp(records.time[all_], part.time[few], known)
-    return out
-
-
 def full_residual(optimum: Optimum, linear: Optimum, sketched: Optimum) -> Array:
     """Residual [m] of a fit to a sketch at all samples: the linear fit's, less what the fit changed; shape (S,)."""
-    part, records = optimum.problem.simulator.records, linear.problem.simulator.records
+    part, records = optimum.problem.records, linear.problem.records
     change = optimum.solved.reading - sketched.solved.reading
     if part.at is not None:
         change = np.concatenate(

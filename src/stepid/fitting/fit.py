@@ -24,9 +24,9 @@ from stepid.fitting.outlier_run import find_suspect
 from stepid.fitting.problem import fit_linear
 from stepid.fitting.score_test import columns, score
 from stepid.fitting.screening import screen
+from stepid.simulation.layout import own_state_names
 from stepid.simulation.model import EffectModel, PlantModel, RunState
 from stepid.simulation.records import Records, lay_out
-from stepid.simulation.simulate import own_states
 from stepid.simulation.threads import single_threaded
 
 if TYPE_CHECKING:
@@ -153,11 +153,11 @@ def fit_effects(ground: Ground, effects: tuple[Effect, ...]) -> Optimum | None:
     for count in range(2, len(effects) + 1):
         if contender.best is None:
             return None
-        sim = contender.best.problem.simulator
+        n = contender.best.problem.layout.linear.stop
         scored = score(ground, contender.best, columns(ground, (effects[count - 1],)))
         guesses = [s.values for s in scored[:3]]
         guesses += [tuple(v) for v in effects[count - 1].starts(ground.scales)]
-        linear, values = contender.best.shared[: sim.n_linear], contender.best.shared[sim.n_linear :]
+        linear, values = contender.best.shared[:n], contender.best.shared[n:]
         starts = [Start(linear, (tuple(values), v)) for v in guesses]
         contender = _raced(ground, effects[:count], starts, contender.best)
     contender.polish(laps=40)
@@ -194,7 +194,7 @@ def _remarks(campaign: Campaign, ground: Ground, optimum: Optimum) -> tuple[str,
 
 def report(optimum: Optimum, effects: tuple[Effect, ...], floor: float, *, notes: tuple[str, ...] = ()) -> Fit:
     """Make a fit's result."""
-    records = optimum.problem.simulator.records
+    records = optimum.problem.records
     values, correlation = estimates(optimum, effects, floor)
     residual = optimum.residual
     return Fit(
@@ -211,20 +211,16 @@ def report(optimum: Optimum, effects: tuple[Effect, ...], floor: float, *, notes
 
 def unpack(optimum: Optimum, effects: tuple[Effect, ...]) -> PlantModel:
     """Read a model off a fit."""
-    sim = optimum.problem.simulator
-    r = sim.records
-    a, b, c = sim.n_labels
-    shared = [float(v) for v in optimum.shared]
-    models, at = [], sim.n_linear
-    for effect in effects:
-        names = [q.name for q in effect.parameters]
-        values = dict(zip(names, shared[at : at + len(names)], strict=True))
-        models.append(EffectModel(name=effect.name, values=values))
-        at += len(names)
+    of = optimum.problem.layout
+    r = of.records
+    models = []
+    for effect, place in zip(effects, of.values, strict=True):
+        values = zip(effect.parameters, map(float, optimum.shared[place]), strict=True)
+        models.append(EffectModel(name=effect.name, values={q.name: value for q, value in values}))
     rest = r.position - optimum.solved.reading
     square = r.weight**2
     keys = [f"{e.name}.{q.name}" for e in effects for q in e.run_parameters]
-    own_keys = own_states(effects)
+    own_keys = own_state_names(effects)
     runs = {}
     for i, (run, piece) in enumerate(zip(r.runs, r.pieces(), strict=True)):
         own = optimum.local[:, i]
@@ -232,14 +228,18 @@ def unpack(optimum: Optimum, effects: tuple[Effect, ...]) -> PlantModel:
             rest=float(np.average(rest[piece], weights=square[piece])),
             displacement=float(own[0]),
             velocity=float(own[1]),
-            phases=dict(zip(keys, map(float, own[2 : sim.own_states.start]), strict=True)),
-            states=dict(zip(own_keys, map(float, own[sim.own_states]), strict=True)) if r.moving[i] else {},
+            phases=dict(zip(keys, map(float, own[2 : of.own_states.start]), strict=True)),
+            states=dict(zip(own_keys, map(float, own[of.own_states]), strict=True)) if r.moving[i] else {},
         )
+
+    def by_label(labels: tuple[str, ...], place: slice) -> dict[str, float]:
+        return dict(zip(labels, map(float, optimum.shared[place]), strict=True))
+
     return PlantModel(
-        base_mass=dict(zip(r.bases, shared[:a], strict=True)),
-        stiffness=dict(zip(r.springs, shared[a : a + b], strict=True)),
-        damping=dict(zip(r.dampers, shared[a + b : a + b + c], strict=True)),
-        force_gain=shared[a + b + c],
+        base_mass=by_label(r.bases, of.base_mass),
+        stiffness=by_label(r.springs, of.stiffness),
+        damping=by_label(r.dampers, of.damping),
+        force_gain=float(optimum.shared[of.force_gain]),
         effects=tuple(models),
         runs=runs,
     )

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array
-from stepid.simulation.trajectory import Simulator, Solved
+from stepid.simulation.layout import ParameterLayout
+from stepid.simulation.records import Records
+from stepid.simulation.simulator import Simulator, Solved
 
 _MOST_DAMPING = 1e12
-_STEEPEST = 1e120
-_MARCHES = 3  # trials a fit that may be simulated sample by sample, where Newton does not settle on them
-_WORTH = 0.02  # share of the cost that such a trial must promise
+_STEEPEST = 1e120  # a derivative whose square would overflow
 
 
 @dataclass(frozen=True)
 class Problem:
-    """What is fitted: which shared and local parameters are free, and the bounds of the shared ones."""
+    """What is fitted: which global and per-run parameters are free, and the bounds of the global ones."""
 
     simulator: Simulator
     free: npt.NDArray[np.bool_]
@@ -27,33 +28,57 @@ class Problem:
     active: npt.NDArray[np.bool_]  # (Q, R)
 
     @property
-    def wanted(self) -> npt.NDArray[np.bool_]:
-        """Parameters that are fitted, in any run: only their sensitivities are needed, shape (P + Q,)."""
-        return np.concatenate([self.free, self.active.any(axis=1)])
+    def records(self) -> Records:
+        """What is fitted to."""
+        return self.simulator.records
+
+    @property
+    def layout(self) -> ParameterLayout:
+        """Where each parameter stands."""
+        return self.simulator.layout
 
     def residual(self, solved: Solved) -> Array:
         """Measured minus simulated, each run's rest position fitted, times the weights, m."""
-        r = self.simulator.records
-        return r.weighted(r.position - solved.reading)
+        return self.records.weighted(self.records.position - solved.reading)
+
+    def solve(self, shared: Array, local: Array) -> Solved | None:
+        """Simulate all records with the derivatives by what is free; None where the plant runs away."""
+        solved = self.simulator.solve(shared, local)
+        return None if solved is None else self.with_derivatives(solved, shared, local)
+
+    def with_derivatives(self, solved: Solved, shared: Array, local: Array) -> Solved:
+        """Add the derivatives by what is free to a simulation."""
+        if solved.shared is not None:
+            return solved
+        by_shared, by_local = self.simulator.derivatives(shared, local, solved.reading, self.free, self.active)
+        return solved._replace(shared=by_shared, local=by_local)
+
+    def _weighted(self, solved: Solved) -> tuple[Array, Array]:
+        """Derivatives by the free global and by all per-run parameters, weighted; ±inf at a runaway's edge."""
+        assert solved.shared is not None
+        assert solved.local is not None
+        with np.errstate(all="ignore"):
+            out = self.records.weighted(solved.shared[self.free]), self.records.weighted(solved.local)
+            for part in out:
+                part[~(np.abs(part) < _STEEPEST)] = np.inf
+        return out
 
     def jacobian(self, solved: Solved) -> Array:
         """Derivative of the simulated reading by the free parameters, shape (S, columns); ±inf at a runaway's edge."""
-        assert solved.shared is not None
-        assert solved.local is not None
-        r = self.simulator.records
-        with np.errstate(all="ignore"):
-            parts = [r.weighted(solved.shared[self.free]).T]
-            local = r.weighted(solved.local)
+        shared, local = self._weighted(solved)
         where = np.argwhere(self.active)
-        if where.size:
-            block = np.zeros((r.size, len(where)))
-            pieces = r.pieces()
-            for column, (q, run) in enumerate(where):
-                block[pieces[run], column] = local[q, pieces[run]]
-            parts.append(block)
-        out: Array = np.concatenate(parts, axis=1)
-        out[np.abs(out) > _STEEPEST] = np.inf  # its square would overflow
-        return out
+        block = np.zeros((self.records.size, len(where)))
+        pieces = self.records.pieces()
+        for column, (q, run) in enumerate(where):
+            block[pieces[run], column] = local[q, pieces[run]]
+        return np.concatenate([shared.T, block], axis=1)
+
+    def blocks(self, solved: Solved, residual: Array) -> Iterator[tuple[int, Array]]:
+        """Each run's own columns, its part of the global columns and of the residual, side by side: (samples, ·)."""
+        shared, local = self._weighted(solved)
+        for run, piece in enumerate(self.records.pieces()):
+            parts = [local[self.active[:, run], piece].T, shared[:, piece].T, residual[piece, None]]
+            yield int(self.active[:, run].sum()), np.concatenate(parts, axis=1)
 
 
 @dataclass(frozen=True)
@@ -71,7 +96,7 @@ class Optimum:
     @property
     def residual(self) -> Array:
         """Measured minus simulated, unweighted, m, shape (S,)."""
-        r = self.problem.simulator.records
+        r = self.problem.records
         return r.centered(r.position - self.solved.reading)
 
     @property
@@ -80,37 +105,67 @@ class Optimum:
         return float(np.sqrt(np.mean(self.residual**2)))
 
 
-def evaluate(
-    problem: Problem, shared: Array, local: Array, start: Array | None, *, march: bool = False
-) -> Solved | None:
-    """Solve all records at a point, marching where Newton does not settle (or at once)."""
-    sim = problem.simulator
-    solved = None if march else sim.solve(shared, local, start=start, wanted=problem.wanted)
-    if solved is None and not sim.law.linear:
-        marched = sim.march(shared[None], local[None])[0]
-        if np.isfinite(marched).all() and np.abs(marched[0]).max() < 1e3:
-            solved = sim.solve(shared, local, start=marched, wanted=problem.wanted)
-    return solved
+class _Linearized:
+    """The fit to first order about a point, each run reduced to a triangle: parameters of a run enter that run only."""
+
+    def __init__(self, problem: Problem, solved: Solved, residual: Array) -> None:
+        self.n_shared = int(problem.free.sum())
+        self._runs: list[tuple[int, Array]] = []
+        self.finite = True
+        for own, block in problem.blocks(solved, residual):
+            if not np.isfinite(block).all():
+                self.finite = False
+                return
+            self._runs.append((own, np.asarray(np.linalg.qr(block, mode="r"))))
+        size = np.sqrt(sum(np.sum(t[:, own:-1] ** 2, axis=0) for own, t in self._runs) + np.zeros(self.n_shared))
+        self._size = self._usable(size)
+        self._own_size = [self._usable(np.linalg.norm(t[:, :own], axis=0)) for own, t in self._runs]
+
+    @staticmethod
+    def _usable(size: Array) -> Array:
+        return np.where(size > 1e-14 * size.max(initial=1e-300), size, np.inf)
+
+    @property
+    def pull(self) -> Array:
+        """Half of the cost's decrease by each free global parameter, to first order."""
+        return np.asarray(sum(t[:, own:-1].T @ t[:, -1] for own, t in self._runs)) + np.zeros(self.n_shared)
+
+    def step(self, damping: float, blocked: npt.NDArray[np.bool_]) -> tuple[Array, list[Array], float]:
+        """Damped step of the global parameters and of each run's, and the decrease of the cost that it promises."""
+        size = np.where(blocked, np.inf, self._size)
+        tops, rest = [], [np.concatenate([np.sqrt(damping) * np.eye(self.n_shared), np.zeros((self.n_shared, 1))], 1)]
+        for (own, t), own_size in zip(self._runs, self._own_size, strict=True):
+            scaled = t / np.concatenate([own_size, size, [1.0]])
+            if own:
+                held = np.zeros((own, scaled.shape[1]))
+                held[:, :own] = np.sqrt(damping) * np.eye(own)
+                scaled = np.asarray(np.linalg.qr(np.concatenate([scaled, held]), mode="r"))
+            tops.append(scaled[:own])
+            rest.append(scaled[own:, own:])
+        left = np.concatenate(rest)
+        shared = np.linalg.lstsq(left[:, :-1], left[:, -1], rcond=None)[0]
+        locals_ = [
+            np.linalg.lstsq(top[:, :own], top[:, -1] - top[:, own:-1] @ shared, rcond=None)[0] / own_size
+            for (own, _), top, own_size in zip(self._runs, tops, self._own_size, strict=True)
+        ]
+        shared = shared / size
+        gain = 0.0
+        for (own, t), local in zip(self._runs, locals_, strict=True):
+            after = t[:, -1] - t[:, :own] @ local - t[:, own:-1] @ shared
+            gain += float(t[:, -1] @ t[:, -1] - after @ after)
+        return shared, locals_, gain
 
 
 def minimize(
-    problem: Problem,
-    shared: Array,
-    local: Array,
-    *,
-    start: Array | None = None,
-    tolerance: float = 0.0,
-    iterations: int = 40,
+    problem: Problem, shared: Array, local: Array, *, tolerance: float = 0.0, iterations: int = 40
 ) -> Optimum | None:
-    """Fit the free parameters by Levenberg–Marquardt on a QR factorization.
+    """Fit the free parameters by Levenberg–Marquardt on QR factorizations, run by run.
 
     Parameters
     ----------
     problem : Problem
     shared : array, shape (P,)
     local : array, shape (Q, R)
-    start : array, shape (d, S), optional
-        A nearby trajectory.
     tolerance : float
         m², predicted decrease of the cost at which to stop.
     iterations : int
@@ -122,45 +177,33 @@ def minimize(
         None where the start itself cannot be simulated.
     """
     free, active = problem.free, problem.active
-    n_free = int(free.sum())
     shared = np.clip(shared, problem.lower, problem.upper)
-    solved = evaluate(problem, shared, local, start)
-    if solved is None or not np.isfinite(solved.reading).all():
+    solved = problem.simulator.solve(shared, local)
+    if solved is None:
         return None
     residual = problem.residual(solved)
     cost = float(residual @ residual)
     damping, growth, converged, accepted = 1e-4, 4.0, False, 0
-    factored, marches = None, _MARCHES
+    linearized: _Linearized | None = None
     for _ in range(3 * iterations):
         if accepted >= iterations:
             break
-        if factored is None:
-            jacobian = problem.jacobian(solved)
-            if not np.isfinite(jacobian).all():  # a runaway's edge: nothing to follow
+        if linearized is None:
+            solved = problem.with_derivatives(solved, shared, local)
+            linearized = _Linearized(problem, solved, residual)
+            if not linearized.finite:  # a runaway's edge: nothing to follow
                 break
-            scale = np.linalg.norm(jacobian, axis=0)
-            at_bound = _blocked(problem, shared, jacobian, residual)
-            scale[scale <= 1e-14 * scale.max(initial=1e-300)] = np.inf
-            usable = np.where(at_bound, np.inf, scale)
-            q, r = np.linalg.qr(jacobian / usable)
-            factored = (usable, r, q.T @ residual)
-        usable, r, projected = factored
-        stacked = np.concatenate([r, np.sqrt(damping) * np.eye(len(usable))])
-        step = np.linalg.lstsq(stacked, np.concatenate([projected, np.zeros(len(usable))]), rcond=None)[0]
-        predicted = float(projected @ projected - np.sum((projected - r @ step) ** 2))
+            blocked = _blocked(problem, shared, linearized.pull)
+        delta, own, predicted = linearized.step(damping, blocked)
         if predicted <= max(tolerance, 1e-10 * cost):
             converged = True
             break
-        delta = step / usable
-        trial = shared.copy()
-        trial[free] += delta[:n_free]
+        trial, trial_local = shared.copy(), local.copy()
+        trial[free] += delta
         trial = np.clip(trial, problem.lower, problem.upper)
-        trial_local = local.copy()
-        trial_local[active] += delta[n_free:]
-        new = evaluate_near(problem, solved, trial, trial_local, trial - shared, trial_local - local)
-        if new is None and marches and not problem.simulator.law.linear and predicted > _WORTH * cost:
-            marches -= 1
-            new = evaluate(problem, trial, trial_local, None, march=True)
+        for run, change in enumerate(own):
+            trial_local[active[:, run], run] += change
+        new = problem.simulator.solve(trial, trial_local)
         fresh = problem.residual(new) if new is not None else None
         fresh_cost = float(fresh @ fresh) if fresh is not None else np.inf
         if new is not None and fresh is not None and fresh_cost < cost:
@@ -168,40 +211,20 @@ def minimize(
             damping *= max(1 / 10, 1 - (2 * min(gain, 1.0) - 1) ** 3)
             damping, growth = max(damping, 1e-12), 4.0
             accepted += 1
-            small = cost - fresh_cost <= max(tolerance, 1e-9 * cost) and gain > 0.25
-            shared, local, solved, residual, cost, factored = trial, trial_local, new, fresh, fresh_cost, None
-            if small:
-                converged = True
-                break
+            converged = cost - fresh_cost <= max(tolerance, 1e-9 * cost) and gain > 0.25
+            shared, local, solved, residual, cost, linearized = trial, trial_local, new, fresh, fresh_cost, None
         else:
             damping, growth = max(damping * growth, 1e-3), growth * 2
-            if damping > _MOST_DAMPING:
-                converged = True
-                break
+            converged = damping > _MOST_DAMPING
+        if converged:
+            break
+    solved = problem.with_derivatives(solved, shared, local)
     return Optimum(problem, shared, local, solved, cost, converged, accepted)
 
 
-def evaluate_near(
-    problem: Problem, solved: Solved, shared: Array, local: Array, change: Array, local_change: Array
-) -> Solved | None:
-    """Solve at a point near a solved one, starting from its tangent's prediction."""
-    assert solved.tangent is not None
-    sim = problem.simulator
-    with np.errstate(all="ignore"):  # a step that overflows is found out below
-        start = solved.states + np.tensordot(change, solved.tangent[: sim.n_shared], 1)
-        if np.any(local_change):
-            run = sim.records.run
-            for q in range(sim.n_local):
-                start = start + local_change[q, run] * solved.tangent[sim.n_shared + q]
-    return sim.solve(shared, local, start=start, wanted=problem.wanted)
-
-
-def _blocked(problem: Problem, shared: Array, jacobian: Array, residual: Array) -> npt.NDArray[np.bool_]:
-    """Columns whose parameter sits at a bound that the gradient pushes against."""
-    blocked = np.zeros(jacobian.shape[1], dtype=bool)
-    pull = residual @ jacobian
-    for column, index in enumerate(np.flatnonzero(problem.free)):
-        blocked[column] = (shared[index] <= problem.lower[index] and pull[column] <= 0) or (
-            shared[index] >= problem.upper[index] and pull[column] >= 0
-        )
-    return blocked
+def _blocked(problem: Problem, shared: Array, pull: Array) -> npt.NDArray[np.bool_]:
+    """Free global parameters that sit at a bound that the gradient pushes against."""
+    free = problem.free
+    low, high = shared[free] <= problem.lower[free], shared[free] >= problem.upper[free]
+    out: npt.NDArray[np.bool_] = (low & (pull <= 0)) | (high & (pull >= 0))
+    return out

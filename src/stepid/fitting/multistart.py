@@ -11,15 +11,15 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Motion, Scales
-from stepid.fitting.decimation import between, outline, shortest_period, sketch
+from stepid.fitting.decimation import outline, shortest_period, sketch
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.multistart_sticking import resettle
 from stepid.fitting.problem import build, fixes_mass, phase_rows, scales, start_local, start_phases
 from stepid.fitting.spectrum import strongest_period
 from stepid.fitting.weak_form import WeakForm, measured_motion
 from stepid.simulation.records import Records
+from stepid.simulation.simulator import COARSE
 
-_FEW = 2  # starts that Newton is quicker for
 _POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
 
 
@@ -102,7 +102,7 @@ class Contender:
 
     def __init__(self, ground: Ground, effects: tuple[Effect, ...]) -> None:
         self.ground, self.effects = ground, effects
-        self.coarse = build(ground.sketch, effects, fineness=0.25)
+        self.coarse = build(ground.sketch, effects, tolerance=COARSE)
         self.fine = build(ground.records, effects)
         self.best: Optimum | None = None
         self.polished: Optimum | None = None  # on all samples
@@ -137,50 +137,37 @@ class Contender:
             if start.displacement is not None:
                 own[0] = np.where(self.ground.sketch.moving, start.displacement, own[0])
         if phase_rows(problem):
-            near_each = [self._near(like, *at) for at in zip(shared, local, strict=True)]
-            local = start_phases(problem, shared, local, near_each)
-        order, states = list(range(len(starts))), None
+            local = start_phases(problem, shared, local)
+        order = list(range(len(starts)))
         many = 1 if any(e.run_parameters for e in self.effects) else 3  # with their phases they can be told apart
-        if sim.law.reverses or sim.law.n_sides or (len(starts) > many and not sim.law.linear):
-            states = self._simulated(shared, local, like)
-            costs = [self._reach(z[0]) for z in states]
+        if any(e.reverses or e.n_switches for e in self.effects) or (len(starts) > many and not sim.linear):
+            costs = [self._reach(reading) for reading in sim.readings(shared, local)]
             if min(costs) > like.cost - _POOR * (like.cost - self.ground.noise_cost):
                 keep = 1  # none shows much
             order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
         for i in order:
-            near = self._near(like, shared[i], local[i]) if states is None else states[i]
             begin = local[i]
-            if problem.active[sim.own_states].any():  # from wrong own states the shared parameters go astray
+            if problem.active[sim.layout.own_states].any():  # from wrong own states the shared parameters go astray
                 alone = replace(problem, free=np.zeros_like(problem.free))
-                begun = minimize(alone, shared[i], begin, start=near, iterations=3)
-                begin, near = (begun.local, begun.solved.states) if begun else (begin, near)
-            ended = [self._try(variant, shared[i], begin, near, like, laps) for variant in self._variants()]
+                begun = minimize(alone, shared[i], begin, iterations=3)
+                begin = begun.local if begun else begin
+            ended = [self._try(variant, shared[i], begin, like, laps) for variant in self._variants()]
             if any(ended):
                 break
 
-    def _simulated(self, shared: Array, local: Array, like: Optimum) -> Array:
-        """States of several starts: by Newton where they are few and it settles, else marched side by side."""
-        sim = self.coarse.simulator
-        if len(shared) <= _FEW:
-            solved = [sim.solve(*at, start=self._near(like, *at)) for at in zip(shared, local, strict=True)]
-            settled = [s.states for s in solved if s is not None]
-            if len(settled) == len(solved):
-                return np.array(settled)
-        return sim.march(shared, local)
-
     def _variants(self) -> list[Problem]:
         """The problem; before it, with runs that begin at rest, where they need not."""
-        if not self.coarse.simulator.law.never_rests:
+        if not any(e.never_rests for e in self.effects):
             return [self.coarse]
         active = self.coarse.active.copy()
         active[:2] = self.ground.sketch.moving
         return [replace(self.coarse, active=active), self.coarse]
 
-    def _try(self, problem: Problem, shared: Array, local: Array, near: Array, like: Optimum, laps: int) -> bool:
+    def _try(self, problem: Problem, shared: Array, local: Array, like: Optimum, laps: int) -> bool:
         """Run a few steps from a start; True at the floor, or where a start before it ended, better than `like`."""
         ground = self.ground
         tolerance = max(ground.tolerance, 0.003 * (min(self.cost, like.cost) - ground.noise_cost))
-        found = minimize(problem, shared, local, start=near, tolerance=tolerance, iterations=laps)
+        found = minimize(problem, shared, local, tolerance=tolerance, iterations=laps)
         if found is None:
             return False
         gained = like.cost - found.cost > 0.01 * (like.cost - ground.noise_cost) + ground.unit
@@ -188,9 +175,6 @@ class Contender:
         if found.cost < self.cost:
             self.best, self._tolerance = found, tolerance
         return found.converged and (again or found.cost < 1.02 * ground.noise_cost)
-
-    def _near(self, like: Optimum, shared: Array, local: Array) -> Array:
-        return self.coarse.simulator.along(shared, local, like.solved.states)
 
     def _reach(self, reading: Array) -> float:
         """Cost that a trajectory would leave after the linear plant has adapted to it."""
@@ -210,7 +194,6 @@ class Contender:
             self.coarse,
             self.best.shared,
             self.best.local,
-            start=self.best.solved.states,
             tolerance=tolerance,
             iterations=laps,
         )
@@ -237,7 +220,6 @@ class Contender:
             self.fine,
             begin.shared,
             begin.local,
-            start=last.solved.states if last else between(self.best, self.ground.records),
             tolerance=max(self.ground.tolerance, tolerance),
             iterations=laps,
         )
@@ -249,10 +231,10 @@ def _less_damped(ground: Ground, effect: Effect) -> list[Array]:
     """The linear optimum; for dry friction, also with less damping, which stood in for the friction."""
     out = [ground.outline.shared]
     if effect.dry:
-        a, b, c = ground.outline.problem.simulator.n_labels
+        damping = ground.outline.problem.layout.damping
         for share in (0.65, 0.35):
             lighter = ground.outline.shared.copy()
-            lighter[a + b : a + b + c] *= share
+            lighter[damping] *= share
             out.append(lighter)
     return out
 

@@ -37,7 +37,7 @@ def scan_starts(optimum: Optimum) -> Array:
 
 def _held(problem: Problem) -> Array:
     """Runs at rest that need not have begun at zero."""
-    held: Array = problem.active[0] & ~problem.simulator.records.moving
+    held: Array = problem.active[0] & ~problem.records.moving
     return held
 
 
@@ -54,7 +54,7 @@ def resettle(optimum: Optimum, *, tolerance: float, iterations: int = 20) -> Opt
         At most so many steps a fit.
     """
     problem = optimum.problem
-    if not (_held(problem).any() or (phase_rows(problem) and problem.simulator.law.reverses)):
+    if not (_held(problem).any() or (phase_rows(problem) and any(e.reverses for e in problem.simulator.effects))):
         return optimum
     kicks = iter(_KICKS)
     for _ in range(_ROUNDS):
@@ -73,9 +73,5 @@ def resettle(optimum: Optimum, *, tolerance: float, iterations: int = 20) -> Opt
 
 def _dry_values(problem: Problem) -> list[int]:
     """Places of the dry effects' parameters among the shared ones."""
-    at, places = problem.simulator.n_linear, list[int]()
-    for effect in problem.simulator.law.effects:
-        after = at + len(effect.parameters)
-        places += range(at, after) if effect.dry else []
-        at = after
-    return places
+    values = zip(problem.simulator.effects, problem.layout.values, strict=True)
+    return [i for effect, place in values if effect.dry for i in range(place.start, place.stop)]

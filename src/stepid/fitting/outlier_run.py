@@ -88,7 +88,7 @@ def find_suspect(ground: Ground, fits: Sequence[Optimum]) -> Suspect | None:
 def _suspect(ground: Ground, fit: Optimum, rest: Rest, *, promise: float = np.inf) -> Suspect | None:
     """Find the run without which this fit reaches the noise floor; the fits without each run are left in `rest`."""
     records = ground.records
-    linear = not fit.problem.simulator.law.effects
+    linear = not fit.problem.simulator.effects
     noise = np.add.reduceat(records.weight**2, records.first) * ground.floor**2
     left = _left_without(fit)
     order = [int(i) for i in np.argsort(left) if left[i] < promise * (noise.sum() - noise[i])]
@@ -135,7 +135,7 @@ def _gross(ground: Ground, rest: Rest) -> Suspect | None:
 def _left_without(fit: Optimum) -> Array:
     """Cost [m²] that the other runs would leave without each run, to first order, shape (R,)."""
     problem = fit.problem
-    records = problem.simulator.records
+    records = problem.records
     residual, jacobian = problem.residual(fit.solved), problem.jacobian(fit.solved)
     out = np.full(len(records.runs), np.inf)
     if not np.isfinite(jacobian).all():
@@ -151,21 +151,21 @@ def _left_without(fit: Optimum) -> Array:
 
 def _without(fit: Optimum, run: int, tolerance: float) -> Optimum | None:
     """Fit the other runs; None where they leave the mass or the force open."""
-    records = fit.problem.simulator.records
+    records = fit.problem.records
     keep = [j for j in range(len(records.runs)) if j != run]
     rest = records.subset(keep)
     if (fixes_mass(rest) is None) != (fixes_mass(records) is None) or not _still_driven(rest, records):
         return None
-    problem = build(rest, fit.problem.simulator.law.effects)
+    problem = build(rest, fit.problem.simulator.effects)
     problem = replace(problem, active=fit.problem.active[:, keep], free=problem.free & known(problem))
     rough = max(tolerance, _ROUGH * fit.cost)
     found = [minimize(problem, fit.shared, fit.local[:, keep], tolerance=rough)]
-    if not problem.simulator.law.effects and known(problem).all():  # the bad run may have led it far astray
+    if not problem.simulator.effects and known(problem).all():  # the bad run may have led it far astray
         found.append(fit_linear(rest, tolerance=rough))
     best = min((f for f in found if f is not None), key=lambda f: f.cost, default=None)
     if best is None or best.cost > _AGREE * fit.cost:
         return best
-    return minimize(best.problem, best.shared, best.local, start=best.solved.states, tolerance=tolerance)
+    return minimize(best.problem, best.shared, best.local, tolerance=tolerance)
 
 
 def _still_driven(rest: Records, records: Records) -> bool:

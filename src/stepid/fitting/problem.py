@@ -12,7 +12,7 @@ from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.spectrum import resonances, strongest_period
 from stepid.fitting.weak_form import WeakForm
 from stepid.simulation.records import Records
-from stepid.simulation.trajectory import Simulator
+from stepid.simulation.simulator import FINE, Simulator
 
 _WIDTHS = (0.6, 1.0, 1.6, 0.35)  # of the strongest period, for the weak form
 _MASSES = (1.0, 0.4, 2.5)  # kg
@@ -31,35 +31,35 @@ def fixes_mass(records: Records) -> float | None:
     return 1.0 - float(records.added_mass[0])
 
 
-def build(records: Records, effects: tuple[Effect, ...], *, fineness: float = 1.0) -> Problem:
+def build(records: Records, effects: tuple[Effect, ...], *, tolerance: float = FINE) -> Problem:
     """Set up the fit of a linear plant with effects to all records."""
-    sim = Simulator(records, effects, fineness)
-    a, b, c = sim.n_labels
+    sim = Simulator(records, effects, tolerance)
+    of = sim.layout
+    a, b, c = len(records.bases), len(records.springs), len(records.dampers)
     parameters: list[Parameter] = [q for e in effects for q in e.parameters]
     least_added = np.array([records.added_mass[records.base == i].min(initial=np.inf) for i in range(a)])
     lower = np.concatenate(
         [1e-3 - least_added, np.full(b, 1e-9), np.zeros(c), [-np.inf], [q.lower for q in parameters]]
     )
     upper = np.concatenate([np.full(a + b + c + 1, np.inf), [q.upper for q in parameters]])
-    free = np.ones(sim.n_shared, dtype=bool)
+    free = np.ones(of.n_global, dtype=bool)
     if fixes_mass(records) is not None:
         free[0] = False
     if not (np.any(records.volts) or np.any(records.before)):
-        free[a + b + c] = False
-    active = np.zeros((sim.n_local, len(records.runs)), dtype=bool)
+        free[of.force_gain] = False
+    active = np.zeros((of.n_run, len(records.runs)), dtype=bool)
     active[0] = records.moving | any(e.rests_anywhere or e.never_rests for e in effects)
     active[1] = records.moving | any(e.never_rests for e in effects)
     active[2:] = True
-    unknown = [not e.settled for e in effects for _ in range(e.n_extra)]
-    unknown += [not e.settled for e in effects for _ in range(e.n_memory)]
-    active[sim.own_states] = records.moving & np.array(unknown, dtype=bool)[:, None]
+    unknown = [not e.settled for e in effects for _ in range(e.n_extra + e.n_memory)]
+    active[of.own_states] = records.moving & np.array(unknown, dtype=bool)[:, None]
     return Problem(sim, free, lower, upper, active)
 
 
 def start_local(problem: Problem, like: Optimum | None = None) -> Array:
     """Local parameters to start from: those of an optimum with the same records, or read off the records."""
-    records = problem.simulator.records
-    local = np.zeros((problem.simulator.n_local, len(records.runs)))
+    records = problem.records
+    local = np.zeros((problem.layout.n_run, len(records.runs)))
     if like is not None:
         local[:2] = like.local[:2]
         local[0, ~problem.active[0]] = 0.0
@@ -74,7 +74,7 @@ def start_local(problem: Problem, like: Optimum | None = None) -> Array:
     return local
 
 
-def start_phases(problem: Problem, shared: Array, local: Array, near: list[Array]) -> Array:
+def start_phases(problem: Problem, shared: Array, local: Array) -> Array:
     """Local parameters with each run's phases read off its residual: from a wrong phase there is no way downhill.
 
     Where friction or play decides when the cart moves, phases all around are tried as well.
@@ -84,8 +84,6 @@ def start_phases(problem: Problem, shared: Array, local: Array, near: list[Array
     shared : array, shape (C, P)
         Of several starts.
     local : array, shape (C, Q, R)
-    near : list of array
-        States to start the solution of each from, shape (d, S).
 
     Returns
     -------
@@ -94,8 +92,8 @@ def start_phases(problem: Problem, shared: Array, local: Array, near: list[Array
     sim = problem.simulator
     out = local
     for row in phase_rows(problem):
-        out = np.array([_read_phases(problem, *start, row) for start in zip(shared, out, near, strict=True)])
-        if sim.law.dry or sim.law.n_sides:
+        out = np.array([_read_phases(problem, *start, row) for start in zip(shared, out, strict=True)])
+        if any(e.dry or e.n_switches for e in sim.effects):
             around = np.repeat(out[:, None], 1 + PHASES, axis=1)
             around[:, 1:, row] = 2 * np.pi * np.arange(PHASES)[:, None] / PHASES
             out = best_by_run(problem, shared, around)
@@ -104,25 +102,22 @@ def start_phases(problem: Problem, shared: Array, local: Array, near: list[Array
 
 def phase_rows(problem: Problem) -> list[int]:
     """Rows of the local parameters that are phases."""
-    parameters = [q for e in problem.simulator.law.effects for q in e.run_parameters]
+    parameters = [q for e in problem.simulator.effects for q in e.run_parameters]
     return [row for row, parameter in enumerate(parameters, 2) if parameter.unit == "rad"]
 
 
-def _read_phases(problem: Problem, shared: Array, local: Array, near: Array, row: int) -> Array:
+def _read_phases(problem: Problem, shared: Array, local: Array, row: int) -> Array:
     """Local parameters with one row of phases fitted by least squares.
 
     The reading is as good as linear in the sine and cosine of a phase.
     """
     sim = problem.simulator
     records = sim.records
-    seen = []
-    for phase in (0.0, np.pi, np.pi / 2):
-        tried = local.copy()
-        tried[row] = phase
-        solved = sim.solve(shared, tried, start=near)
-        if solved is None:
-            return local
-        seen.append(solved.reading)
+    tried = np.repeat(local[None], 3, axis=0)
+    tried[:, row] = np.array([0.0, np.pi, np.pi / 2])[:, None]
+    seen = sim.readings(np.repeat(shared[None], 3, axis=0), tried)
+    if not np.isfinite(seen).all():
+        return local
     middle = 0.5 * (seen[0] + seen[1])
     waves = records.weighted(np.array([seen[0] - middle, seen[2] - middle]))
     left = records.weighted(records.position - middle)
@@ -151,8 +146,7 @@ def best_by_run(problem: Problem, shared: Array, tried: Array) -> Array:
     copies, count = tried.shape[:2]
     every = np.repeat(shared, count, axis=0)
     flat = tried.reshape(copies * count, *tried.shape[2:])
-    states = sim.march(every, flat)
-    reading = np.array([z[0] + sim.reading(s, t) for z, s, t in zip(states, every, flat, strict=True)])
+    reading = sim.readings(every, flat)
     with np.errstate(all="ignore"):
         square = records.weighted(records.position - reading) ** 2
         cost = np.nan_to_num(np.add.reduceat(square, records.first, axis=1), nan=np.inf)
@@ -192,10 +186,9 @@ def fit_linear(records: Records, *, tolerance: float = 0.0) -> Optimum | None:
 def scales(records: Records, linear: Optimum, floor: float) -> Scales:
     """Typical magnitudes, from the records and the linear fit."""
     states = linear.solved.states
-    a, b, c = linear.problem.simulator.n_labels
-    shared = linear.shared
-    stiffness = float(shared[a : a + b].mean())
-    mass = float((shared[:a][records.base] + records.added_mass).mean())
+    of, shared = linear.problem.layout, linear.shared
+    stiffness = float(shared[of.stiffness].mean())
+    mass = float(of.mass(shared).mean())
     volts = np.abs(records.volts)
     displacement = float(np.abs(states[0]).max())
     return Scales(
@@ -204,7 +197,7 @@ def scales(records: Records, linear: Optimum, floor: float) -> Scales:
         force=stiffness * displacement,
         mass=mass,
         stiffness=stiffness,
-        damping=float(np.abs(shared[a + b : a + b + c]).mean()),
+        damping=float(np.abs(shared[of.damping]).mean()),
         volts=float(volts.max()) or 1.0,
         volts_least=float(volts[volts > 0].min()) if volts.any() else 1.0,
         sample_time=float(records.sample_time.mean()),

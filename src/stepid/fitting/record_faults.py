@@ -43,7 +43,7 @@ class Mistake:
 
 def known(problem: Problem) -> npt.NDArray[np.bool_]:
     """Shared parameters whose label occurs in the problem's runs."""
-    r = problem.simulator.records
+    r = problem.records
     used = [
         np.isin(np.arange(len(labels)), own)
         for labels, own in ((r.bases, r.base), (r.springs, r.spring), (r.dampers, r.damper))
@@ -53,7 +53,7 @@ def known(problem: Problem) -> npt.NDArray[np.bool_]:
 
 def at_floor(ground: Ground, fit: Optimum, slack: float, white: float) -> bool:
     """Tell whether a fit leaves no more than so many times the floor, and nothing but noise."""
-    records = fit.problem.simulator.records
+    records = fit.problem.records
     samples = float((records.weight**2).sum())
     level = np.sqrt(fit.cost / samples)
     far = structure(records, fit.problem.residual(fit.solved), ground.floor, ground.period)
@@ -64,10 +64,10 @@ def mistakes(
     ground: Ground, fit: Optimum, others: Optimum, run: int, *, slack: float = _ROOM, white: float = _LOOSE
 ) -> Iterator[Mistake]:
     """What would bring the run to the floor, or to `slack` times it, under the others' parameters."""
-    records = fit.problem.simulator.records.subset([run])
-    effects = fit.problem.simulator.law.effects
-    a, b, _ = fit.problem.simulator.n_labels
-    base, spring, damper = int(records.base[0]), a + int(records.spring[0]), a + b + int(records.damper[0])
+    records = fit.problem.records.subset([run])
+    effects, of = fit.problem.simulator.effects, fit.problem.layout
+    base, spring = int(records.base[0]), of.stiffness.start + int(records.spring[0])
+    damper = of.damping.start + int(records.damper[0])
     alone = Alone(ground, records, effects, fit, others.shared, run, slack, white)
     lonely = ~known(others.problem)
 
@@ -79,23 +79,25 @@ def mistakes(
         )
 
     def stiff(value: float) -> str:
-        labels = fit.problem.simulator.records.springs
-        near = [s for k, s in enumerate(labels) if a + k != spring and abs(others.shared[a + k] / value - 1) < 0.1]
+        labels = fit.problem.records.springs
+        own = labels[spring - of.stiffness.start]
+        known_values = others.shared[of.stiffness]
+        near = [s for s, k in zip(labels, known_values, strict=True) if s != own and abs(k / value - 1) < 0.1]
         like = f", that of spring {near[0]!r}" if near else ""
         return (
             f"With a stiffness of {value:.4g} N/m{like} instead of the {others.shared[spring]:.4g} N/m of spring "
-            f"{labels[spring - a]!r} it agrees: a wrong spring label. Check which spring was in."
+            f"{own!r} it agrees: a wrong spring label. Check which spring was in."
         )
 
     def damped(value: float) -> str:
-        label = fit.problem.simulator.records.dampers[damper - a - b]
+        label = fit.problem.records.dampers[damper - of.damping.start]
         return (
             f"With a damping of {value:.3g} N·s/m instead of the {others.shared[damper]:.3g} N·s/m of damper {label!r} "
             "it agrees: a wrong damper label. Check its setting."
         )
 
     for index, say in ((base, added), (spring, stiff), (damper, damped)):
-        if lonely[index] or (index == base and fixes_mass(fit.problem.simulator.records) is not None):
+        if lonely[index] or (index == base and fixes_mass(fit.problem.records) is not None):
             continue
         found = alone.freed(index)
         if found is not None:
@@ -127,7 +129,7 @@ class Alone:
         active = problem.active.copy()
         rows = min(active.shape[0], self.fit.problem.active.shape[0])
         active[:rows] = self.fit.problem.active[:rows, [self.run]]
-        local = np.zeros((problem.simulator.n_local, 1))
+        local = np.zeros((problem.layout.n_run, 1))
         local[:rows] = self.fit.local[:rows, [self.run]]
         found = minimize(replace(problem, free=free, active=active), shared, local, tolerance=self.ground.tolerance)
         return found if found is not None and at_floor(self.ground, found, self.slack, self.white) else None
@@ -135,7 +137,7 @@ class Alone:
     @property
     def has_equal(self) -> bool:
         """Whether another run has an input of the same size: then no dead zone sets this one apart."""
-        runs = self.fit.problem.simulator.records.runs
+        runs = self.fit.problem.records.runs
         sizes = np.array([np.abs(r.input - r.input_before).max() for r in runs])
         own = sizes[self.run]
         return bool(np.any(np.abs(np.delete(sizes, self.run) - own) < 0.01 * own))
@@ -161,7 +163,7 @@ def scaled(alone: Alone) -> Iterator[Mistake]:
     if not np.any(alone.records.volts):
         return
     problem = build(alone.records, alone.effects)
-    gain = problem.simulator.n_linear - 1
+    gain = problem.layout.force_gain
     free = np.zeros_like(problem.free)
     free[gain] = True
     active = np.zeros_like(problem.active)
@@ -199,7 +201,7 @@ def _shifted(alone: Alone) -> Iterator[Mistake]:
     early = min(_EARLY, int(changes[0])) if changes.size else 0
     volts = alone.records.volts
     advanced = np.concatenate([volts[early:], np.full(early, volts[-1])])
-    found = alone.changed(replace(alone.records, volts=advanced)).with_effect("input_delay", early * h)
+    found = alone.changed(alone.records.with_input(advanced)).with_effect("input_delay", early * h)
     if found is not None:
         late = float(found.shared[-1]) / h - early
         if abs(late) > 0.1:

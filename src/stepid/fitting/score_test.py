@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,10 +14,8 @@ from stepid.effects.base import Effect, Motion, Scales
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import Ground, Scored, Start
 from stepid.fitting.problem import build, start_local
-from stepid.simulation.exact import FullStep
 from stepid.simulation.records import Records
-from stepid.simulation.tables import Point
-from stepid.simulation.trajectory import Simulator
+from stepid.simulation.simulator import COARSE, Simulator
 
 _HARDLY = 0.02  # share of the change to a general law that a linearized step must ask for
 _STARTS = 3  # of each effect: of what rings, the loudest may not be what is missing
@@ -31,34 +30,22 @@ class _Column(NamedTuple):
 
 def force_responses(ground: Ground, forces: list[Array]) -> Array:
     """Reading's response of the linear plant to added forces, shapes (S,) each to (S, n)."""
-    linear = ground.outline
-    sim = linear.problem.simulator
-    records = ground.sketch
-    point = Point(linear.shared[None], linear.local[None])
-    plants, group = sim.plants(sim.run_table(point), records.length[None])
-    full = FullStep(sim.law, plants)
-    phi, gamma = full.phi[group], full.gamma[group]
-    mass = (linear.shared[: len(records.bases)][records.base] + records.added_mass)[records.run]
-    rhs = np.zeros((len(forces), 2, records.size))
-    linked = np.ones(records.size)
-    linked[records.first] = 0.0
-    for i, force in enumerate(forces):
-        between = _means(force, records) / mass[:-1]
-        rhs[i, 0, 1:] = gamma[:-1, 0, 1] * between
-        rhs[i, 1, 1:] = gamma[:-1, 1, 1] * between
-        rhs[i] *= linked
-    out: Array = sim.triangular(sim.band(np.moveaxis(phi, 0, 2)), rhs)[:, 0].T
+    linear, records = ground.outline, ground.sketch
+    free, still = np.append(linear.shared[:-1], 1.0), np.zeros_like(linear.local)
+    out = np.empty((records.size, len(forces)))
+    for i, force in enumerate(forces):  # the plant driven by the force, in N
+        pushed = replace(records.with_input(_means(force, records)), before=0.0 * records.before)
+        out[:, i] = Simulator(pushed, ()).readings(free[None], still[None])[0]
     return out
 
 
 def _means(force: Array, records: Records) -> Array:
-    """Mean of a force, given at all samples, over each step of a sketch, shape (S − 1,)."""
+    """Mean of a force, given at all samples, from each sample of a sketch to the next, shape (S,)."""
     between = 0.5 * (force[:-1] + force[1:])
-    if records.at is None:
-        return between
-    sums = np.concatenate([[0.0], np.cumsum(between)])
-    out: Array = np.diff(sums[records.at]) / np.diff(records.at)
-    return out
+    if records.at is not None:
+        sums = np.concatenate([[0.0], np.cumsum(between)])
+        between = np.diff(sums[records.at]) / np.diff(records.at)
+    return np.append(between, 0.0)
 
 
 def columns(ground: Ground, effects: tuple[Effect, ...], scales: Scales | None = None) -> list[_Column]:
@@ -112,14 +99,12 @@ def _scaled(effect: Effect, values: tuple[float, ...]) -> Callable[[Array], tupl
 
 def _difference(ground: Ground, effect: Effect, values: tuple[float, ...]) -> Array | None:
     records, linear = ground.sketch, ground.outline
-    problem = build(records, (effect,), fineness=0.3)
-    sim = problem.simulator
+    problem = build(records, (effect,), tolerance=COARSE)
+    of = problem.layout
+    free = problem.free.copy()
+    free[of.linear] = False
     local = start_local(problem, linear)
-    shared = np.concatenate([linear.shared, values])
-    states = sim.along(shared, local, linear.solved.states)
-    wanted = problem.wanted
-    wanted[: sim.n_linear] = False
-    solved = sim.solve(shared, local, start=states, wanted=wanted)
+    solved = replace(problem, free=free).solve(np.concatenate([linear.shared, values]), local)
     if solved is None or solved.shared is None or solved.local is None:
         return None
     parts = [(solved.reading - linear.solved.reading)[:, None]]
@@ -129,11 +114,11 @@ def _difference(ground: Ground, effect: Effect, values: tuple[float, ...]) -> Ar
             split[piece, 2 * r] = parts[0][piece, 0]
             split[piece, 2 * r + 1] = solved.local[2, piece]
         return split
-    parts.append(solved.shared[sim.n_linear :].T)
+    parts.append(solved.shared[of.linear.stop :].T)
     pieces = records.pieces()
-    for row, run in np.argwhere(problem.active[sim.own_states]):
+    for row, run in np.argwhere(problem.active[of.own_states]):
         started = np.zeros((records.size, 1))
-        started[pieces[run], 0] = solved.local[sim.own_states][row, pieces[run]]
+        started[pieces[run], 0] = solved.local[of.own_states][row, pieces[run]]
         parts.append(started)
     return np.concatenate(parts, axis=1)
 
@@ -185,12 +170,12 @@ def promises(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], starts
     jacobian = inner.problem.jacobian(inner.solved)
     if not starts or not np.isfinite(jacobian).all():
         return [np.inf] * len(starts)
-    sim = build(ground.sketch, effects, fineness=0.25).simulator
+    sim = Simulator(ground.sketch, effects, COARSE)
     shared = np.array([np.concatenate([start.linear, *start.values]) for start in starts])
-    local = np.zeros((sim.n_local, inner.local.shape[1]))
-    known = inner.problem.simulator.own_states.start
+    local = np.zeros((sim.layout.n_run, inner.local.shape[1]))
+    known = inner.problem.layout.own_states.start
     local[:known] = inner.local[:known]
-    readings = _readings(sim, shared, local, inner)
+    readings = sim.readings(shared, np.repeat(local[None], len(shared), axis=0))
     size = np.linalg.norm(jacobian, axis=0)
     size[size == 0] = np.inf
     q = np.linalg.qr(jacobian / size)[0]
@@ -203,19 +188,4 @@ def promises(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], starts
         # a step that asks for hardly any of the change is the simpler law's, seen from too far for a line to tell
         gain = along**2 / power if power > 0 and along > _HARDLY * power else 0.0
         found.append(gain if np.isfinite(seen).all() else np.inf)
-    return found
-
-
-def _readings(sim: Simulator, shared: Array, local: Array, inner: Optimum) -> list[Array]:
-    """Readings of several plants near a fit: by Newton from there; from the first that does not settle, marched."""
-    found: list[Array] = []
-    for s in shared:
-        solved = sim.solve(s, local, start=sim.along(s, local, inner.solved.states))
-        if solved is None:
-            break
-        found.append(solved.reading)
-    rest = shared[len(found) :]
-    if rest.size:
-        marched = sim.march(rest, np.repeat(local[None], len(rest), axis=0))
-        found += [z[0] + sim.reading(s, local) for z, s in zip(marched, rest, strict=True)]
     return found

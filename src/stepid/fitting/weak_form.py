@@ -13,7 +13,7 @@ import numpy as np
 from scipy.signal import savgol_filter
 
 from stepid.core.base import Array
-from stepid.effects.base import Motion
+from stepid.effects.base import Effect, Moment, Motion
 from stepid.simulation.records import Records
 
 
@@ -189,3 +189,13 @@ def motion_along(records: Records, linear: Array, x: Array, v: Array) -> Motion:
         linear[a + b : -1][records.damper][run],
         records.volts,
     )
+
+
+def force_along(effect: Effect, values: tuple[float, ...], motion: Motion) -> Array:
+    """Force of an effect without own states along a motion, dry friction included, N, shape (S,)."""
+    out = np.empty(motion.x.size)
+    for i, at in enumerate(zip(*(field.tolist() for field in motion), strict=True)):
+        m = Moment(*at)
+        m = m._replace(sides=tuple(-1.0 if s < 0 else 1.0 for s in effect.switches(values, m)))
+        out[i] = effect.force(values, m) - m.sign * effect.friction(values, m)
+    return out

@@ -16,7 +16,7 @@ from stepid.core.noise import rms
 from stepid.effects import CATALOGUE, Effect
 from stepid.errors import InputError
 from stepid.fitting.covariance import estimates
-from stepid.fitting.levenberg_marquardt import Optimum, evaluate
+from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.problem import build
 from stepid.lab.answers import Answer, Answers, digest
 from stepid.lab.assignment import SEALED, Assignment
@@ -196,7 +196,7 @@ def _attainable(
     records = lay_out(campaign)
     problem = build(records, effects)
     shared, local = pack(model, records, effects)
-    solved = evaluate(problem, shared, local, None)
+    solved = problem.solve(shared, local)
     if solved is None:
         return {}
     left = problem.residual(solved)

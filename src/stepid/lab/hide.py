@@ -12,7 +12,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
 from stepid.effects import Effect
-from stepid.effects.base import Motion
+from stepid.effects.base import Moment
 from stepid.errors import ConvergenceError, InputError
 from stepid.fitting.problem import fit_linear
 from stepid.lab.rig import Plant, Rig, scale_of
@@ -94,14 +94,13 @@ def campaign_of(
 
 def _band(plant: Plant, added: float, hidden: tuple[EffectModel, ...], effects: list[Effect]) -> float:
     """Displacement at which dry friction just holds the cart at rest, m."""
-    zero, one = np.zeros(1), np.ones(1)
+    mass, stiffness, damping = plant.mass + added, plant.stiffness, plant.damping
     total = 0.0
     for effect, own in zip(effects, hidden, strict=True):
         if effect.dry:
-            values = tuple(np.array([own.values[q.name]]) for q in effect.parameters)
-            mass, stiffness, damping = (plant.mass + added) * one, plant.stiffness * one, plant.damping * one
-            ways = (Motion(zero, zero, way, zero, mass, stiffness, damping, zero) for way in (one, -one))
-            total += min(float(np.min(effect.breakaway(values, m))) for m in ways)
+            values = tuple(own.values[q.name] for q in effect.parameters)
+            ways = (Moment(0.0, 0.0, way, 0.0, mass, stiffness, damping, 0.0) for way in (1.0, -1.0))
+            total += min(effect.holds(values, m) for m in ways)
     return total / plant.stiffness
 
 

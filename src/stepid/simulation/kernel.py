@@ -88,6 +88,7 @@ WORK = np.dtype(
 """A plant and the room to follow it in."""
 Work = Any
 
+
 @compiled
 def _copy(there: Array, here: Array, size: int) -> None:
     for j in range(size):
@@ -568,8 +569,21 @@ def _follow_record(
 
 @compiled
 def simulate(
-    w: Work, values: Array, start: Array, run: Array, bounds: Array, time: Array, coefficients: Array, before: Array,
-    moving: Array, tolerance: float, scale: float, exact: bool, offset: Array, reading: Array, states: Array,
+    w: Work,
+    values: Array,
+    start: Array,
+    run: Array,
+    bounds: Array,
+    time: Array,
+    coefficients: Array,
+    before: Array,
+    moving: Array,
+    tolerance: float,
+    scale: float,
+    exact: bool,
+    offset: Array,
+    reading: Array,
+    states: Array,
 ) -> None:
     """Simulate lanes, one plant on one record each.
 
@@ -622,6 +636,14 @@ def simulate(
         at = offset[lane]
         n = last - first
         _follow_record(
-            w, time[first:last], coefficients[first:last], before[r], start[lane], moving[r], scale, exact,
-            reading[at : at + n], states[:, at : at + n],
+            w,
+            time[first:last],
+            coefficients[first:last],
+            before[r],
+            start[lane],
+            moving[r],
+            scale,
+            exact,
+            reading[at : at + n],
+            states[:, at : at + n],
         )

@@ -190,7 +190,9 @@ def _compiled_law(effect: Effect) -> Address:
             whole = path.with_suffix(f".{os.getpid()}")
             whole.write_text(text, encoding="utf-8")
             whole.replace(path)
-    space: dict[str, Any] = {"__name__": __name__, "Moment": Moment} | {name: numba.njit(f) for name, f in methods.items()}
+    space: dict[str, Any] = {"__name__": __name__, "Moment": Moment} | {
+        name: numba.njit(f) for name, f in methods.items()
+    }
     exec(compile(text, str(path), "exec"), space)
     number, many = numba.types.float64, numba.types.CPointer(numba.types.float64)
     signature = number(numba.types.int64, many, many, many, many, many, many)

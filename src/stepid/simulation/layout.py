@@ -45,7 +45,7 @@ class ParameterLayout:
     @cached_property
     def force_gain(self) -> int:
         """Place of the force gain among the global parameters."""
-        return self.damping.stop
+        return int(self.damping.stop)
 
     @cached_property
     def linear(self) -> slice:
@@ -79,12 +79,12 @@ class ParameterLayout:
     @property
     def n_global(self) -> int:
         """Number of global parameters."""
-        return self.linear.stop + sum(len(e.parameters) for e in self.effects)
+        return int(self.linear.stop) + sum(len(e.parameters) for e in self.effects)
 
     @property
     def n_run(self) -> int:
         """Number of parameters of a run."""
-        return self.own_states.stop
+        return int(self.own_states.stop)
 
     def touched(self, parameter: int) -> Index:
         """Runs that a global parameter enters."""
@@ -116,5 +116,5 @@ class ParameterLayout:
 
 
 def own_state_names(effects: tuple[Effect, ...]) -> list[str]:
-    """Names of the effects' own states, in the order of `ParameterLayout.own_states`: ``"flexible_coupling.1"``, …"""
+    """Names of the effects' own states, in the order of `ParameterLayout.own_states`: ``"flexible_coupling.1"``, and so on."""
     return [f"{e.name}.{i + 1}" for e in effects for i in range(e.n_extra + e.n_memory)]

@@ -22,8 +22,8 @@ class Records:
     `runs` holds the experiments; arrays over samples have shape (S,), arrays over runs (R,). `bounds` (R + 1,) gives
     where each run begins and ends. `moving` marks runs whose record starts in motion, so that their initial state is
     a parameter. `begin` is the index within the experiment at which each run's samples begin. `weight` (S,) are the
-    square roots of the samples' weights. `length` (S,) is the time from each sample to the next. Where samples were
-    left out, `source` are the records with all of them, whose samples `at` (S,) these are.
+    square roots of the samples' weights. `coefficients` (S, 1), (S, 2) or (S, 4) are the polynomial of the input [V] from
+    each sample to the next: held, straight or cubic. Where samples were left out, these are the samples `at` (S,) of all.
     """
 
     runs: tuple[Experiment, ...]
@@ -44,8 +44,7 @@ class Records:
     damper: Index
     begin: Index
     weight: Array
-    length: Array
-    source: Records | None = None
+    coefficients: Array
     at: Index | None = None
 
     @property
@@ -85,6 +84,10 @@ class Records:
         """Lay out other runs under the same labels."""
         none = np.zeros(len(runs))
         return _lay(list(runs), none > 0, (self.bases, self.springs, self.dampers), none.astype(np.intp), None)
+
+    def with_input(self, volts: Array) -> Records:
+        """Return the same records with other inputs, held from sample to sample, shape (S,)."""
+        return replace(self, volts=volts, coefficients=volts[:, None])
 
     def reweighted(self, weight: Array) -> Records:
         """Return the same records with other square-root weights, shape (S,)."""
@@ -155,5 +158,5 @@ def _lay(
         damper=np.array([dampers.index(e.damper) for e in runs], dtype=np.intp),
         begin=begin,
         weight=np.ones(sum(sizes)) if weight is None else weight,
-        length=np.repeat(sample_time, sizes),
+        coefficients=joined("input")[:, None],
     )

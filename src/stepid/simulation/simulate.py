@@ -9,9 +9,10 @@ from stepid.core.base import Array
 from stepid.core.experiment import Campaign
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, InputError
+from stepid.simulation.layout import own_state_names
 from stepid.simulation.model import PlantModel, RunState
 from stepid.simulation.records import Records, lay_out
-from stepid.simulation.trajectory import Simulator, Solved
+from stepid.simulation.simulator import FINE, Simulator, Solved
 
 
 def pack(model: PlantModel, records: Records, effects: tuple[Effect, ...]) -> tuple[Array, Array]:
@@ -45,33 +46,24 @@ def pack(model: PlantModel, records: Records, effects: tuple[Effect, ...]) -> tu
         for parameter in effect.run_parameters:
             key = f"{effect.name}.{parameter.name}"
             local.append([s.phases.get(key, 0.0) for s in states])
-    local += [[s.states.get(key, 0.0) for s in states] for key in own_states(effects)]
+    local += [[s.states.get(key, 0.0) for s in states] for key in own_state_names(effects)]
     return np.array(shared), np.array(local)
 
 
-def own_states(effects: tuple[Effect, ...]) -> list[str]:
-    """Names of the effects' own states, in the simulator's order: those with a rate first, memories last."""
-    extra = [f"{e.name}.{i + 1}" for e in effects for i in range(e.n_extra)]
-    return extra + [f"{e.name}.{e.n_extra + i + 1}" for e in effects for i in range(e.n_memory)]
-
-
 def solve_model(
-    model: PlantModel, campaign: Campaign, *, catalogue: tuple[Effect, ...] = CATALOGUE, fineness: float = 1.0
+    model: PlantModel, campaign: Campaign, *, catalogue: tuple[Effect, ...] = CATALOGUE, tolerance: float = FINE
 ) -> tuple[Records, Solved]:
     """Simulate all records; see `simulate`."""
     effects = resolve([e.name for e in model.effects], catalogue=catalogue)
     records = lay_out(as_campaign(campaign))
-    sim = Simulator(records, effects, fineness)
+    sim = Simulator(records, effects, tolerance)
     shared, local = pack(model, records, effects)
     solved = sim.solve(shared, local)
     if solved is None:
-        marched = sim.march(shared[None], local[None])[0]
-        if not np.isfinite(marched).all():
-            raise ConvergenceError(
-                f"the simulation of campaign {campaign.name!r} runs away",
-                "Check the model's parameters: a softening spring or a negative mass has no bounded response.",
-            )
-        solved = Solved(marched, marched[0] + sim.reading(shared, local))
+        raise ConvergenceError(
+            f"the simulation of campaign {campaign.name!r} runs away",
+            "Check the model's parameters: a softening spring or a negative mass has no bounded response.",
+        )
     return records, solved
 
 

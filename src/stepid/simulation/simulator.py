@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -96,7 +97,9 @@ class Simulator:
             self._work = structure(self.effects)
         return self._work.copy()
 
-    def _run(self, values: Array, start: Array, run: Index, offset: Index, size: int, n_states: int) -> tuple[Array, Array]:
+    def _run(
+        self, values: Array, start: Array, run: Index, offset: Index, size: int, n_states: int
+    ) -> tuple[Array, Array]:
         """Simulate lanes: plants `values` (L, ·), beginning as `start` (L, ·) says, on runs `run` (L,)."""
         from stepid.simulation import kernel
 
@@ -106,8 +109,21 @@ class Simulator:
 
         def some(lanes: slice) -> None:
             kernel.simulate(
-                self._structure(), values[lanes], start[lanes], run[lanes], r.bounds, r.time, r.coefficients, r.before,
-                r.moving, self.tolerance * self.scale, self.scale, exact, offset[lanes], reading, states,
+                self._structure(),
+                values[lanes],
+                start[lanes],
+                run[lanes],
+                r.bounds,
+                r.time,
+                r.coefficients,
+                r.before,
+                r.moving,
+                self.tolerance * self.scale,
+                self.scale,
+                exact,
+                offset[lanes],
+                reading,
+                states,
             )
 
         if self.workers == 1 or len(run) == 1:
@@ -115,7 +131,7 @@ class Simulator:
         else:
             ends = np.linspace(0, len(run), min(self.workers, len(run)) + 1).astype(int)
             with ThreadPoolExecutor(self.workers) as pool:
-                list(pool.map(some, [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]))
+                list(pool.map(some, [slice(a, b) for a, b in pairwise(ends)]))
         return reading, states
 
     def readings(self, shared: Array, local: Array) -> Array:
@@ -136,17 +152,13 @@ class Simulator:
         rows = np.concatenate([local[:, :2], local[:, self.layout.own_states]], axis=1)
         return np.ascontiguousarray(rows.swapaxes(1, 2).reshape(-1, rows.shape[1]))
 
-    def solve(self, shared: Array, local: Array, *, wanted: Mask | None = None, active: Mask | None = None) -> Solved | None:
+    def solve(self, shared: Array, local: Array) -> Solved | None:
         """Simulate all records for one plant.
 
         Parameters
         ----------
         shared : array, shape (P,)
         local : array, shape (Q, R)
-        wanted : array of bool, shape (P,), optional
-            Global parameters to which derivatives are wanted.
-        active : array of bool, shape (Q, R), optional
-            Per-run parameters to which derivatives are wanted.
 
         Returns
         -------
@@ -154,19 +166,32 @@ class Simulator:
             None where the plant runs away.
         """
         reading, states = self._every(shared[None], local[None], 2)
-        if not np.isfinite(reading).all():
-            return None
-        if wanted is None or active is None:
-            return Solved(states[:, 0], reading[0])
-        return Solved(states[:, 0], reading[0], *self._derivatives(shared, local, reading[0], wanted, active))
+        return Solved(states[:, 0], reading[0]) if np.isfinite(reading).all() else None
 
-    def _derivatives(
+    def start(self, shared: Array, local: Array) -> Array:
+        """State in which each record begins, shape (states, R)."""
+        n_states = 2 + self.layout.n_run - self.layout.own_states.start
+        out: Array = self._every(shared[None], local[None], n_states)[1][:, 0, self.records.first]
+        return out
+
+    def derivatives(
         self, shared: Array, local: Array, reading: Array, wanted: Mask, active: Mask
     ) -> tuple[Array, Array]:
+        """Derivatives of the reading by parameters, shapes (P, S) and (Q, S), zero by those that are not wanted.
+
+        Parameters
+        ----------
+        shared : array, shape (P,)
+        local : array, shape (Q, R)
+        reading : array, shape (S,)
+            m, of that plant.
+        wanted : array of bool, shape (P,)
+        active : array of bool, shape (Q, R)
+        """
         r, of = self.records, self.layout
         steps = self.steps(shared)
-        rows = [(p, of.touched(p)) for p in np.flatnonzero(wanted)]
-        rows += [(of.n_global + q, np.flatnonzero(active[q])) for q in np.flatnonzero(active.any(axis=1))]
+        rows = [(int(p), of.touched(int(p))) for p in np.flatnonzero(wanted)]
+        rows += [(of.n_global + int(q), np.flatnonzero(active[q])) for q in np.flatnonzero(active.any(axis=1))]
         moved = [np.repeat(a[None], len(rows), axis=0) for a in (shared, local)]
         for copy, (row, runs) in enumerate(rows):
             if row < of.n_global:
@@ -175,17 +200,22 @@ class Simulator:
                 moved[1][copy, row - of.n_global, runs] += steps[row]
         out = np.zeros((of.n_global + of.n_run, r.size))
         if rows:
-            copy = np.concatenate([np.full(runs.size, i) for i, (_, runs) in enumerate(rows)])
+            copies = np.concatenate([np.full(runs.size, i) for i, (_, runs) in enumerate(rows)])
             run = np.concatenate([runs for _, runs in rows])
-            lanes = copy * len(r.runs) + run
+            lanes = copies * len(r.runs) + run
             sizes = np.diff(r.bounds)[run]
             offset = np.concatenate([[0], np.cumsum(sizes)])
             values = of.plants(*moved)
             found, _ = self._run(
-                np.ascontiguousarray(values[copy, run]), self._starts(moved[1])[lanes], run, offset[:-1], int(offset[-1]), 0
+                np.ascontiguousarray(values[copies, run]),
+                self._starts(moved[1])[lanes],
+                run,
+                offset[:-1],
+                int(offset[-1]),
+                0,
             )
             pieces = r.pieces()
-            for i, (c, k) in enumerate(zip(copy, run, strict=True)):
+            for i, (c, k) in enumerate(zip(copies, run, strict=True)):
                 row = rows[c][0]
                 out[row, pieces[k]] = (found[offset[i] : offset[i + 1]] - reading[pieces[k]]) / steps[row]
         return out[: of.n_global], out[of.n_global :]

@@ -107,16 +107,15 @@ def _matrices(
         return matrix, np.array([[0.0], [source.static_gain[name] * k / m]]), name, ["displacement", "velocity"]
     plant = plant_of(source, run, catalogue=catalogue)
     refuse(
-        plant.law.effects,
+        plant.effects,
         why_not_linear,
         what=f"run {name!r}: a linear system",
         remedy="Use stepid.nonlinear_system or stepid.simulate, or the model without effects (diagnosis.linear_model).",
     )
-    unit = np.eye(plant.law.n_states)
-    still = plant.table(plant.parameters, time=0.0, volts=0.0)
-    driven = plant.table(plant.parameters, time=0.0, volts=1.0)
-    columns = [plant.rates(still, state) for state in unit]
-    return np.column_stack(columns), plant.rates(driven, 0.0 * unit[0])[:, None], name, plant.states
+    unit = np.eye(len(plant.states))
+    columns = [plant.rates(plant.parameters, state, time=0.0, volts=0.0) for state in unit]
+    driven = plant.rates(plant.parameters, 0.0 * unit[0], time=0.0, volts=1.0)
+    return np.column_stack(columns), driven[:, None], name, plant.states
 
 
 def _polynomials(a: Array, b: Array) -> tuple[Array, Array]:

@@ -52,17 +52,17 @@ def nonlinear_system(
 
     plant = plant_of(model, run, catalogue=catalogue)
     refuse(
-        plant.law.effects,
+        plant.effects,
         why_not_nonlinear,
         what=f"run {run.name!r}: a python-control system",
         remedy="stepid.simulate expresses every effect; or leave this one out of the model.",
     )
 
     def rates(time: float, state: Array, input: Array, params: dict[str, float]) -> Array:
-        return plant.rates(plant.table(params, time=time, volts=float(input[0])), state)
+        return plant.rates(params, state, time=time, volts=float(input[0]))
 
     def reading(time: float, state: Array, input: Array, params: dict[str, float]) -> list[float]:
-        return [plant.reading(plant.table(params, time=time, volts=0.0), params, state)]
+        return [plant.reading(params, state, time=time)]
 
     made: Any = control.nlsys(
         rates,

@@ -1,4 +1,4 @@
-"""One run's plant as numbers: the same law and tables that the simulator uses, on one lane."""
+"""One run's plant as numbers: the same laws that the simulator compiles, called as they are."""
 
 from __future__ import annotations
 
@@ -9,62 +9,67 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
 from stepid.effects import Effect, resolve
+from stepid.effects.base import Moment
 from stepid.errors import InputError
-from stepid.simulation.law import DAMPING, GAIN, MASS, STIFFNESS, TIME, VOLTS, Law
+from stepid.simulation.layout import own_state_names
 from stepid.simulation.model import PlantModel, RunState
 from stepid.simulation.records import lay_out
-from stepid.simulation.simulate import own_states, pack
-from stepid.simulation.tables import Point, Tables
+from stepid.simulation.simulate import pack
+from stepid.simulation.simulator import Simulator
 
-_ROWS = {"mass": MASS, "stiffness": STIFFNESS, "damping": DAMPING, "force_gain": GAIN}
+_LINEAR = ("mass", "stiffness", "damping", "force_gain")
 
 
 @dataclass(frozen=True)
 class Plant:
     """A plant model for one run.
 
-    `law` knows the equations; `parameters` maps the names that python-control's `params` use to values; `start` (d,) is
-    the state at the first sample at which the cart is free.
+    `parameters` maps the names that python-control's `params` use to values; `start` (d,) is the state at the first
+    sample at which the cart is free.
     """
 
-    law: Law
+    effects: tuple[Effect, ...]
     parameters: dict[str, float]
-    rows: dict[str, int]
     start: Array
 
     @property
     def states(self) -> list[str]:
         """Names of the states: displacement and velocity, then the effects' own."""
-        return ["displacement", "velocity", *own_states(self.law.effects)]
+        return ["displacement", "velocity", *own_state_names(self.effects)]
 
-    def table(self, parameters: dict[str, float], *, time: float, volts: float) -> Array:
-        """Lane table of one lane, shape (n_rows, 1)."""
-        out = np.zeros((self.law.n_rows, 1))
-        for name, row in self.rows.items():
-            out[row] = parameters[name]
-        out[TIME], out[VOLTS] = time, volts
+    def _values(self, effect: Effect, parameters: dict[str, float]) -> tuple[float, ...]:
+        return tuple(parameters[f"{effect.name}.{q.name}"] for q in (*effect.parameters, *effect.run_parameters))
+
+    def rates(self, parameters: dict[str, float], state: Array, *, time: float, volts: float) -> Array:
+        """Rates of all states, shape (d,)."""
+        mass, stiffness, damping, gain = (parameters[name] for name in _LINEAR)
+        x, v = float(state[0]), float(state[1])
+        out = np.zeros(len(state))
+        force, driven, at = -stiffness * x - damping * v, volts, {}
+        own = 2
+        for e in self.effects:
+            at[e.name], own = own, own + e.n_extra + e.n_memory
+        for e in sorted(self.effects, key=lambda e: e.drive_order):
+            first, middle = at[e.name], at[e.name] + e.n_extra
+            drives = type(e).drive is not Effect.drive
+            m = Moment(
+                x, v, -1.0 if v < 0 else 1.0, time, mass, stiffness, damping, driven if drives else volts,
+                (), tuple(state[first:middle].tolist()), tuple(state[middle : middle + e.n_memory].tolist()),
+            )  # fmt: skip
+            p = self._values(e, parameters)
+            m = m._replace(sides=tuple(-1.0 if s < 0 else 1.0 for s in e.switches(p, m)))
+            force += e.force(p, m) - m.sign * e.friction(p, m)
+            driven = e.drive(p, m) if drives else driven
+            out[first:middle] = e.rates(p, m)
+            if e.n_memory:
+                out[middle : middle + e.n_memory] = v * np.array(e.memory_slopes(p, m))
+        out[:2] = v, (force + gain * driven) / mass
         return out
 
-    def rates(self, table: Array, state: Array) -> Array:
-        """Rates of all states, shape (d,)."""
-        law, z = self.law, np.asarray(state, dtype=np.float64)[:, None]
-        sign = np.where(z[1] < 0, -1.0, 1.0) if law.reverses else np.ones(1)
-        sides = np.where(law.switches(table, z, 0.0) < 0, -1.0, 1.0)
-        out = np.empty((law.n_states, 1))
-        law.rates(table, z, sign, 0.0, sides, out)
-        for place in law.places:
-            if place.effect.n_memory:
-                m = law.motion(table, place, z, sign, 0.0, sides)
-                out[place.memory] = z[1] * np.array(place.effect.memory_slopes(law.values(table, place), m))
-        return out[:, 0]
-
-    def reading(self, table: Array, parameters: dict[str, float], state: Array) -> float:
+    def reading(self, parameters: dict[str, float], state: Array, *, time: float) -> float:
         """What the sensor reads, m: the displacement, the rest position and what the effects add."""
-        total = float(state[0]) + parameters["rest"]
-        for place in self.law.places:
-            if type(place.effect).reading is not Effect.reading:
-                total += float(np.sum(place.effect.reading(self.law.values(table, place), table[TIME])))
-        return total
+        added = sum(e.reading(self._values(e, parameters), time) for e in self.effects)
+        return float(state[0]) + parameters["rest"] + added
 
 
 def plant_of(model: PlantModel, run: Experiment | str, *, catalogue: tuple[Effect, ...]) -> Plant:
@@ -82,14 +87,10 @@ def plant_of(model: PlantModel, run: Experiment | str, *, catalogue: tuple[Effec
         )
     effects = resolve([e.name for e in model.effects], catalogue=catalogue)
     records = lay_out(Campaign(name=run.name, experiments=(run,)))
-    tables = Tables(records, effects)
     shared, local = pack(model, records, effects)
-    point = Point(shared[None], local[None])
-    column = tables.run_table(point)[:, 0, 0]
-    rows = dict(_ROWS)
-    for place in tables.law.places:
-        named = (*place.effect.parameters, *place.effect.run_parameters)
-        rows |= {f"{place.effect.name}.{q.name}": place.values.start + i for i, q in enumerate(named)}
-    parameters = {name: float(column[row]) for name, row in rows.items()}
+    sim = Simulator(records, effects)
+    names = [f"{e.name}.{q.name}" for e in effects for q in (*e.parameters, *e.run_parameters)]
+    values = sim.layout.plants(shared[None], local[None])[0, 0]
+    parameters = dict(zip([*_LINEAR, *names], map(float, values), strict=True))
     parameters["rest"] = model.runs.get(run.name, RunState()).rest
-    return Plant(tables.law, parameters, rows, tables.initial(point)[:, 0, 0])
+    return Plant(effects, parameters, sim.start(shared, local)[:, 0])

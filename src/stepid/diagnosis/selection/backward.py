@@ -73,13 +73,11 @@ def plainer(
             if effects in known:
                 continue
             problem = build(ground.records, effects)
-            sim, n_runs = problem.simulator, len(ground.records.runs)
-            local = np.zeros((sim.n_local, n_runs))
-            local[: sim.own_states.start] = found.optimum.local[: sim.own_states.start]
-            near = np.zeros((sim.law.n_states, ground.records.size))
-            near[:2] = found.optimum.solved.states[:2]
+            known_rows = problem.layout.own_states.start
+            local = np.zeros((problem.layout.n_run, len(ground.records.runs)))
+            local[:known_rows] = found.optimum.local[:known_rows]
             values = np.concatenate([shared[: own.start], [level], shared[own.stop :]])
-            fitted = minimize(problem, values, local, start=near, tolerance=ground.tolerance, iterations=30)
+            fitted = minimize(problem, values, local, tolerance=ground.tolerance, iterations=30)
             simpler = None if fitted is None else candidate(ground, effects, fitted)
             if simpler is not None and simpler.evidence < found.evidence + STRONG:
                 out.append(simpler)
@@ -88,8 +86,7 @@ def plainer(
 
 def _place(found: Candidate, number: int) -> slice:
     """Where an effect's parameters stand among the shared ones."""
-    at = found.optimum.problem.simulator.n_linear + sum(len(e.parameters) for e in found.effects[:number])
-    return slice(at, at + len(found.effects[number].parameters))
+    return found.optimum.problem.layout.values[number]
 
 
 def _fade(ground: Ground, found: Candidate, dropped: int) -> Candidate | None:
@@ -102,7 +99,7 @@ def _again(ground: Ground, found: Candidate, dropped: int) -> Candidate | None:
     own = _place(found, dropped)
     values = tuple(float(v) for v in found.optimum.shared[own])
     moved = _moved(found.optimum, own, np.array(found.effects[dropped].faint(values, 0.0))).shared
-    n = found.optimum.problem.simulator.n_linear
+    n = found.optimum.problem.layout.linear.stop
     rest = [(e, moved[_place(found, i)]) for i, e in enumerate(found.effects) if i != dropped]
     starts = []
     for turn in np.arange(_TURNS) * 2 * np.pi / _TURNS:
@@ -117,7 +114,7 @@ def _again(ground: Ground, found: Candidate, dropped: int) -> Candidate | None:
 def _drop(ground: Ground, found: Candidate, dropped: int, shares: tuple[float, ...] = ()) -> Candidate | None:
     """Fit a combination without one effect, which may first fade to `shares` of itself while the others adapt."""
     optimum = found.optimum
-    sim = optimum.problem.simulator
+    of = optimum.problem.layout
     own = _place(found, dropped)
     values = tuple(float(v) for v in optimum.shared[own])
     for share in shares:
@@ -125,25 +122,19 @@ def _drop(ground: Ground, found: Candidate, dropped: int, shares: tuple[float, .
         free = optimum.problem.free.copy()
         free[own] = False
         held = replace(optimum.problem, free=free)
-        start = optimum.solved.states
-        faded = minimize(held, shared, local, start=start, tolerance=ground.tolerance, iterations=8)
+        faded = minimize(held, shared, local, tolerance=ground.tolerance, iterations=8)
         if faded is None:
             return None
         optimum = faded
     shared, moved, _ = _moved(optimum, own, np.array(found.effects[dropped].faint(values, 0.0)))
     rest = tuple(e for place, e in enumerate(found.effects) if place != dropped)
     problem = build(ground.records, rest)
-    row = 2 + sum(len(e.run_parameters) for e in found.effects[:dropped])
-    gone = range(row, row + len(found.effects[dropped].run_parameters))
-    local = np.delete(moved[: sim.own_states.start], list(gone), axis=0)
-    own_states = np.zeros((problem.simulator.law.n_states - 2, local.shape[1]))  # begin anew
-    near = np.zeros((problem.simulator.law.n_states, ground.records.size))
-    near[:2] = optimum.solved.states[:2]
+    local = np.delete(moved[: of.own_states.start], of.run_values[dropped], axis=0)
+    own_states = np.zeros((problem.layout.n_run - len(local), local.shape[1]))  # begin anew
     fewer = minimize(
         problem,
         np.delete(shared, own),
         np.concatenate([local, own_states]),
-        start=near,
         tolerance=ground.tolerance,
         iterations=20,
     )

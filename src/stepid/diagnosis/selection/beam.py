@@ -181,7 +181,7 @@ def _without(ground: Ground, contender: Contender, place: int) -> Contender:
         q = len(effect.run_parameters)
         rows += range(at, at + q) if i != place else []
         at += q
-    local[2 : rest.coarse.simulator.own_states.start] = contender.best.local[rows]
+    local[2 : rest.coarse.layout.own_states.start] = contender.best.local[rows]
     rest.best = minimize(rest.coarse, shared, local, tolerance=ground.unit, iterations=_ADAPTED)
     return rest
 

@@ -44,7 +44,7 @@ class Candidate:
 def evidence(optimum: Optimum, floor: float) -> float:
     """χ² plus log(n) a shared parameter and log(n of the run) a parameter of a run (BIC)."""
     problem = optimum.problem
-    records = problem.simulator.records
+    records = problem.records
     counts = np.add.reduceat(records.weight**2, records.first)
     price = float(problem.free.sum()) * math.log(float(counts.sum()))
     price += float(np.sum(problem.active * np.log(np.maximum(counts, 2.0))))
@@ -102,7 +102,7 @@ def _simpler_start(ground: Ground, contender: Contender, best: Optimum, enough: 
     problem = best.problem
     active = problem.active.copy()
     active[:2] = ground.records.moving
-    active[problem.simulator.own_states] = False
+    active[problem.layout.own_states] = False
     if not np.array_equal(active, problem.active):
         if not _worth_holding(ground, best, active):
             return found
@@ -111,7 +111,6 @@ def _simpler_start(ground: Ground, contender: Contender, best: Optimum, enough: 
             replace(problem, active=active),
             best.shared,
             local,
-            start=best.solved.states,
             tolerance=enough * ground.floor**2,
             iterations=12,
         )

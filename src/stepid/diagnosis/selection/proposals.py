@@ -30,13 +30,9 @@ def related(one: Effect, other: Effect) -> bool:
 def standing(contender: Contender, shared: Array | None) -> Start:
     """Where a contender stands (or where `shared` says), as a start."""
     assert contender.best is not None
-    sim = contender.best.problem.simulator
+    of = contender.best.problem.layout
     shared = contender.best.shared if shared is None else shared
-    at, values = sim.n_linear, []
-    for effect in contender.effects:
-        values.append(tuple(float(v) for v in shared[at : at + len(effect.parameters)]))
-        at += len(effect.parameters)
-    return Start(shared[: sim.n_linear], tuple(values))
+    return Start(shared[of.linear], tuple(tuple(float(v) for v in shared[place]) for place in of.values))
 
 
 class Offer(NamedTuple):

@@ -123,15 +123,14 @@ def _release(ground: Ground, simple: Contender, general: Contender) -> None:
     """Fit a simple effect from where one that contains it ended: it may have been stuck where the other was not."""
     if general.best is None or simple.cost < general.cost + _STUCK * ground.unit:
         return
-    n = general.coarse.simulator.n_linear
+    n = general.coarse.layout.linear.stop
     level = level_within(general.effects[0], general.best.shared[n:], simple.effects[0])
     if level is None:
         return
     problem = simple.coarse
     local = start_local(problem, general.best)
     shared = np.append(general.best.shared[:n], level)
-    start = general.best.solved.states[: problem.simulator.law.n_states]
-    found = minimize(problem, shared, local, start=start, tolerance=ground.tolerance, iterations=30)
+    found = minimize(problem, shared, local, tolerance=ground.tolerance, iterations=30)
     if found is not None and found.cost < simple.cost:
         simple.best, simple.polished = found, None
 
@@ -170,7 +169,7 @@ def _grown(ground: Ground, effect: Effect, inner: Contender) -> list[Start]:
     """Starts of an effect that contains a simpler one, at the simpler one's optimum."""
     if inner.best is None:
         return []
-    n = inner.coarse.simulator.n_linear
+    n = inner.coarse.layout.linear.stop
     linear, values = inner.best.shared[:n], inner.best.shared[n:]
     return [Start(linear, (grown,)) for grown in grow(ground, effect, tuple(float(v) for v in values))]
 
@@ -200,7 +199,7 @@ def lags(ground: Ground, contender: Contender, others: list[Contender], *, begun
 
     One that has just begun may be worse for a while, unless the simpler one is at the floor.
     """
-    if contender.coarse.simulator.law.affine:
+    if all(e.linear or e.affine for e in contender.effects):
         return False
     least = _inside(contender, others)
     if least < ground.floored:

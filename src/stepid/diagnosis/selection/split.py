@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepid.core.base import Array
 from stepid.diagnosis.selection.candidate import Candidate, polish
 from stepid.diagnosis.selection.racing import Progress
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import Contender, Ground, Start
-from stepid.fitting.weak_form import motion_along
+from stepid.fitting.weak_form import force_along, motion_along
 
 _LEFT = 0.1  # share of the force that two simple effects may leave, beyond the plant's own
 _TRIED = 2
@@ -47,14 +46,11 @@ def _translations(ground: Ground, general: Contender, catalogue: tuple[Effect, .
     effect, best = general.effects[0], general.best
     if best is None or effect.affine or not effect.contains or effect.n_extra or effect.n_memory:
         return []  # a curved law of velocity or position may be two; others are seldom mistaken
-    n = general.coarse.simulator.n_linear
-    a, b, c = general.coarse.simulator.n_labels
-    motion = motion_along(general.coarse.simulator.records, best.shared[:n], *best.solved.states[:2])
+    of = general.coarse.layout
+    n = of.linear.stop
+    motion = motion_along(general.coarse.records, best.shared[:n], *best.solved.states[:2])
     seen = np.abs(motion.v) > _CREEP * np.abs(motion.v).max()
-    p = tuple(np.full(motion.v.size, v) for v in best.shared[n:])
-    force: Array = effect.force(p, motion) + np.zeros(motion.v.size)
-    if effect.dry:
-        force = force - motion.sign * np.asarray(effect.friction(p, motion))
+    force = force_along(effect, tuple(float(v) for v in best.shared[n:]), motion)
     out = []
     inside = [e for e in catalogue if e.name in effect.contains]
     for one, other in product(inside, [e for e in catalogue if not e.contains and not e.dry]):
@@ -73,7 +69,7 @@ def _translations(ground: Ground, general: Contender, catalogue: tuple[Effect, .
             if None in values or share > _LEFT:
                 continue
             linear = best.shared[:n].copy()
-            linear[a : a + b] -= found[0]
-            linear[a + b : a + b + c] -= found[1]
+            linear[of.stiffness] -= found[0]
+            linear[of.damping] -= found[1]
             out.append(_Words(share, (one, other), Start(linear, tuple(v for v in values if v is not None))))
     return sorted(out, key=lambda words: words.left)
