@@ -54,7 +54,8 @@ def _answers(records: Records, optimum: Optimum) -> Array:
     """What a fitted model reads in runs from rest, m, shape (S,); not finite where it runs away."""
     sim = Simulator(records, optimum.problem.simulator.effects)
     still = np.zeros((1, sim.layout.n_run, len(records.runs)))
-    return sim.readings(optimum.shared[None], still)[0]
+    out: Array = sim.readings(optimum.shared[None], still)[0]
+    return out
 
 
 def next_experiment(

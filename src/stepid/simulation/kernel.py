@@ -1,16 +1,16 @@
 """The kernel: one plant follows one record, step by step, event by event.
 
 Read it from the bottom: `simulate` takes lanes (one plant, one record) in turn, `_follow_record` goes from sample to
-sample, `_advance` from event to event, `_step` is one Runge-Kutta step, `_evaluate` the equation of motion. All of it is
-plain Python on floats and small arrays, compiled by numba where numba is there.
+sample, `_advance` from event to event, `_step` is one Runge-Kutta step, `_evaluate` the equation of motion. All of it
+is plain Python on floats and small arrays, compiled by numba where numba is there.
 
-A state `y` is position [m] from the spring's rest, velocity [m/s], then each effect's own states: first those with a rate
-in time, then its memories, which follow the displacement. Between events the law is smooth: the direction of motion,
-`m[SIGN]`, whether friction holds the cart, `m[HELD]`, and the side of every switch, `w.sides`, stay as they are.
+A state `y` is position [m] from the spring's rest, velocity [m/s], then each effect's own states: first those with a
+rate in time, then its memories, which follow the displacement. Between events the law is smooth: the direction of
+motion, `m[SIGN]`, whether friction holds the cart, `m[HELD]`, and the side of every switch, `w.sides`, stay as they are.
 
-The step is Dormand and Prince's of order five (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, table
-II.5.2); its embedded error chooses the step length, so that no law has to say how fast it is. A plant that is linear and
-whose input is held takes exact steps by the matrix exponential instead.
+The step is Dormand and Prince's of order five (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I,
+table II.5.2); its embedded error chooses the step length, so that no law has to say how fast it is. A plant that is
+linear and whose input is held takes exact steps by the matrix exponential instead.
 """
 
 from __future__ import annotations
@@ -177,7 +177,7 @@ def _own_states(w: Work, t: float, span: float, y: Array, after: Array) -> None:
 
 @compiled
 def _step(w: Work, t: float, h: float) -> float:
-    """Step from `w.y` to `w.stage`; the rates at its start are `w.k[0]`. Return its error in units of what is allowed."""
+    """Step from `w.y` to `w.stage`, the rates at its start being `w.k[0]`; return its error over what is allowed."""
     y, z, k = w.y, w.stage, w.k
     d = w.states
     known = w.known
@@ -331,7 +331,7 @@ def _stays(w: Work, t: float, until: float) -> bool:
 
 @compiled
 def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[float, bool]:
-    """Follow the plant to `until`, its input one polynomial. Return the length of the next step; whether rates are known."""
+    """Follow the plant to `until`, its input one polynomial; return the next step's length, whether `w.k[0]` is known."""
     shortest = _SHORTEST * (until - t)
     events = 0
     while t < until:
@@ -356,7 +356,10 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
         if events < _EVENTS and (w.reverses or w.switches > 0):
             which, share = _first_event(w, t, length)
         if which >= 0:
-            _step(w, t, share * length)
+            error = _step(w, t, share * length)
+            if error > 1.0 and share * length > shortest:  # what the law does next to an event can be narrow
+                h = share * length * max(0.1, 0.9 * error ** (-1.0 / _ORDER))
+                continue
             _copy(w.stage, w.y, w.states)
             t += share * length
             _happen(w, which, t)

@@ -55,6 +55,7 @@ def source(effect: Effect) -> str:
     def write(values: str, count: int, first: int = 0) -> list[str]:
         return [f"found = {values}", *(f"out[{first + j}] = found[{j}]" for j in range(count))]
 
+    breakaway = next((f"{name}(p, moment)" for name in ("breakaway", "friction") if has[name]), "0.0")
     extra, memory = row(own[: effect.n_extra]), row(own[effect.n_extra :])
     answers: list[list[str]] = [
         [
@@ -68,9 +69,7 @@ def source(effect: Effect) -> str:
             ),
         ],
         write("switches(p, moment)", effect.n_switches) if effect.n_switches else [],
-        [
-            f"return {'breakaway(p, moment)' if has['breakaway'] else 'friction(p, moment)' if has['friction'] else '0.0'}"
-        ],
+        [f"return {breakaway}"],
         write(f"remember(p, {memory}, m[7], m[0])", effect.n_memory) if effect.n_memory else [],
         write("relax(p, moment, m[7])", effect.n_extra) if has["relax"] else [],
         write("at_rest(p, y[0], m[5])", len(own)) if has["at_rest"] else [f"out[{j}] = 0.0" for j in range(len(own))],

@@ -116,5 +116,5 @@ class ParameterLayout:
 
 
 def own_state_names(effects: tuple[Effect, ...]) -> list[str]:
-    """Names of the effects' own states, in the order of `ParameterLayout.own_states`: ``"flexible_coupling.1"``, and so on."""
+    """Names of the effects' own states, in the order of `ParameterLayout.own_states`: effect and number."""
     return [f"{e.name}.{i + 1}" for e in effects for i in range(e.n_extra + e.n_memory)]

@@ -22,8 +22,8 @@ class Records:
     `runs` holds the experiments; arrays over samples have shape (S,), arrays over runs (R,). `bounds` (R + 1,) gives
     where each run begins and ends. `moving` marks runs whose record starts in motion, so that their initial state is
     a parameter. `begin` is the index within the experiment at which each run's samples begin. `weight` (S,) are the
-    square roots of the samples' weights. `coefficients` (S, 1), (S, 2) or (S, 4) are the polynomial of the input [V] from
-    each sample to the next: held, straight or cubic. Where samples were left out, these are the samples `at` (S,) of all.
+    square roots of the samples' weights. `coefficients` (S, 1), (S, 2) or (S, 4) are the polynomial of the input [V]
+    from each sample to the next: held, straight or cubic. Where samples were left out, these are the samples `at` (S,).
     """
 
     runs: tuple[Experiment, ...]
