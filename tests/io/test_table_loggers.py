@@ -6,7 +6,7 @@ import pytest
 from exports import write
 from stepid import read_campaign, read_table
 from stepid.errors import InputError
-from test_table import CM, T, U, text
+from table_text import CM, T, U, text
 
 NAMED = {"time": "t", "position": "x", "input": "u"}
 PREAMBLE = "Logger 3000;\nrecorded: 2026-03-02 14:05\n\n"

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "how-to" / "read-your-data.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "how-to" / "read-your-data.md"
 
 
 def test_every_block_runs_and_says_what_it_prints(tmp_path, monkeypatch, capsys):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 HEAVY = ["control", "matplotlib", "numpy", "scipy", "pydantic", "pandas", "plotly", "jinja2", "typer", "rich"]
 ONE_ROOM = {
     "control": "transfer",

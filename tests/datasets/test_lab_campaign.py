@@ -11,7 +11,7 @@ import pytest
 import stepid
 from hidden.linear_fit import linear_fit
 
-SCRIPT = Path(__file__).parents[1] / "benchmarks" / "make_lab_campaign.py"
+SCRIPT = Path(__file__).parents[2] / "benchmarks" / "make_lab_campaign.py"
 
 
 def test_the_script_makes_the_data_that_ship() -> None:

@@ -22,7 +22,7 @@ from nbclient import NotebookClient
 import stepid
 from stepid.cli import run
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
 DIAGNOSING = {"why-your-model-does-not-fit.ipynb", "your-own-rig.ipynb"}  # a diagnosis each: slow

@@ -17,7 +17,7 @@ from stepid.cli import app, run
 from stepid.effects import CATALOGUE
 from stepid.report.json_values import FORMAT
 
-DOCS = Path(__file__).resolve().parents[1] / "docs"
+DOCS = Path(__file__).resolve().parents[2] / "docs"
 COMMAND_LINE = (DOCS / "how-to" / "command-line.md").read_text(encoding="utf-8")
 
 

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stepid
+from made_up_runs import offset, run
 from stepid.errors import IdentificationError, InputError
-from test_stacked import offset, run
 
 SOLVERS = [stepid.OrdinaryLeastSquares(), stepid.WeightedLeastSquares()]
 Solver = stepid.OrdinaryLeastSquares | stepid.WeightedLeastSquares

@@ -5,21 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from exports import motion, write
+from exports import write
 from stepid import StepInput, read_table
 from stepid.errors import InputError
-
-X, U = motion(100)
-CM = X / 560  # cm
-T = 0.005 * np.arange(100)
-
-
-def lines(*columns, mark="\t"):
-    return [mark.join(repr(float(v)) for v in row) for row in zip(*columns, strict=True)]
-
-
-def text(*columns, mark="\t", head=None):
-    return "\n".join(([head] if head else []) + lines(*columns, mark=mark)) + "\n"
+from table_text import CM, T, U, X, lines, text
 
 
 def test_one_column_without_time_or_header(tmp_path):

@@ -13,7 +13,7 @@ from matplotlib.mathtext import MathTextParser
 
 from stepid.effects import CATALOGUE, Effect
 
-DOCS = Path(__file__).resolve().parents[1] / "docs"
+DOCS = Path(__file__).resolve().parents[2] / "docs"
 TEXT = (DOCS / "gallery.md").read_text(encoding="utf-8")
 MADE = runpy.run_path(str(DOCS / "make_gallery.py"))
 REMEDY = "run python docs/make_gallery.py"

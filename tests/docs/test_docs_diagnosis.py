@@ -9,7 +9,7 @@ from pathlib import Path
 from stepid.diagnosis.phases import PHASES
 from stepid.effects import CATALOGUE
 
-DOCS = Path(__file__).resolve().parents[1] / "docs"
+DOCS = Path(__file__).resolve().parents[2] / "docs"
 PAGE = DOCS / "diagnosis.md"
 
 

@@ -10,7 +10,7 @@ import pytest
 
 import stepid
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
 from accuracy import measure
 from coverage import z_scores

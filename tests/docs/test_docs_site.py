@@ -15,7 +15,7 @@ import pytest
 import stepid
 from stepid.effects import CATALOGUE
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 LINK = re.compile(r"\{py:(?:func|class|attr|meth)\}`([\w.]+)`")

@@ -9,7 +9,7 @@ from exports import write
 from stepid import Experiment, StepInput, read_table
 from stepid.core.units import check_speed
 from stepid.errors import InputError
-from test_table import CM, T, U, text
+from table_text import CM, T, U, text
 
 PLANT = Plant(base_mass=0.954, stiffness=216.2, damping=14.0)
 
