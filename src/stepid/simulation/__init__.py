@@ -1,1 +1,1 @@
-"""The batched simulator: one step of many plants at once, and whole records solved at once."""
+"""Plant models and the batched simulator: records as arrays, many plants one step at once, whole records at once."""
