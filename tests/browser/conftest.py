@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from visiting import Visit
+
+from browser.visiting import Visit
 
 CHROMIUM = Path("/usr/bin/chromium")
 

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from visiting import Visit
 
 import diagnosis_example as example
 import report_example
+from browser.visiting import Visit
 
 SIZES = [("light", 1280), ("light", 390), ("dark", 1280), ("dark", 390)]
 FIRST = [("light", 1280), ("dark", 390)]
