@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import stepid
 from stepid import lab
-from stepid.lab.answers import digest
+from stepid.lab import hashes
+from stepid.lab.hashes import answer_digest, digest
 
 SEALED = Path(__file__).parent / "golden" / "assignment-0.1.0"
 PASSPHRASE = "an old sentence that opens"
@@ -69,3 +73,70 @@ def test_odd_numbers_and_words_keep_their_hash():
     bare = run.model_copy(update={"name": "2", "counts_per_meter": None})
     campaign = stepid.Campaign(name="group Ä", experiments=(run, bare), weight_uncertainty=1e-5)
     assert digest(campaign) == "4f8d59b7256c4f06a28fb161b130b08dc35be4203ea2be025473b68d2747daf6"
+
+
+class LongerExperiment(stepid.Experiment):
+    """What an experiment may be one day."""
+
+    temperature: float = 20.0
+    remarks: tuple[str, ...] = ()
+
+
+class LongerCampaign(stepid.Campaign):
+    experiments: tuple[LongerExperiment, ...]
+    operator: str = ""
+
+
+class LongerAnswer(lab.Answer):
+    hints: tuple[str, ...] = ()
+
+
+def longer(campaign: stepid.Campaign) -> LongerCampaign:
+    runs = tuple(LongerExperiment(**{f: getattr(e, f) for f in hashes.EXPERIMENT}) for e in campaign.experiments)
+    return LongerCampaign(name=campaign.name, experiments=runs, weight_uncertainty=campaign.weight_uncertainty)
+
+
+def test_a_field_that_is_added_later_changes_no_hash(answers, monkeypatch):
+    answer, campaign = answers["A"], stepid.read_campaign(SEALED / "A")
+    more = longer(campaign)
+    assert "temperature" in more.model_dump_json()
+    assert digest(more) == digest(campaign) == answer.records
+    told = LongerAnswer(**{f: getattr(answer, f) for f in hashes.ANSWER})
+    assert "hints" in told.model_dump_json()
+    assert told.commitment == answer_digest(told) == answer.commitment
+    monkeypatch.setattr("stepid.lab.assignment.read_campaign", lambda folder: longer(stepid.read_campaign(folder)))
+    lab.confirm(told, SEALED / "A")
+
+
+def another(value: object) -> object:
+    if isinstance(value, str):
+        return value + "x"
+    if isinstance(value, tuple):
+        return value[:-1]
+    return {**value, "x": 1.0} if isinstance(value, Mapping) else value + 1.0
+
+
+def test_every_field_of_the_first_version_changes_the_hash(answers):
+    answer, campaign = answers["A"], stepid.read_campaign(SEALED / "A")
+    run = campaign.experiments[0]
+    for field in hashes.EXPERIMENT:
+        changed = run.model_copy(update={field: another(getattr(run, field))})
+        whole = campaign.model_copy(update={"experiments": (changed, *campaign.experiments[1:])})
+        assert digest(whole) != answer.records, field
+    for field in hashes.CAMPAIGN:
+        assert digest(campaign.model_copy(update={field: another(getattr(campaign, field))})) != answer.records, field
+    for field in hashes.ANSWER:
+        changed = answer.model_copy(update={field: another(getattr(answer, field))})
+        assert changed.commitment != answer.commitment, field
+
+
+@given(st.floats(-1e15, 1e15) | st.floats(-1e-3, 1e-3))
+def test_numbers_are_written_as_the_first_version_did(value):
+    estimate = stepid.Estimate(value=value, unit="é\n\x01")
+    assert hashes.written(estimate.to_dict()) == estimate.model_dump_json()
+    assert float(hashes.written(value)) == value
+
+
+def test_what_no_hash_covers_is_refused():
+    with pytest.raises(TypeError, match="set is nothing"):
+        hashes.written({1.0})

@@ -14,7 +14,8 @@ from stepid._base import Model
 from stepid.errors import InputError
 from stepid.experiment import Campaign
 from stepid.files import read_campaign, write_campaign
-from stepid.lab.answers import Answer, Answers, digest
+from stepid.lab.answers import Answer, Answers
+from stepid.lab.hashes import digest
 from stepid.lab.seal import seal, unseal
 from stepid.staging import staged
 from stepid.textfile import as_path, decode, read_bytes

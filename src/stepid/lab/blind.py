@@ -18,9 +18,10 @@ from stepid.engine.records import lay_out
 from stepid.errors import InputError
 from stepid.estimates import estimates
 from stepid.experiment import Campaign
-from stepid.lab.answers import Answer, Answers, digest
+from stepid.lab.answers import Answer, Answers
 from stepid.lab.assignment import SEALED, Assignment
 from stepid.lab.choice import Choice, Draw, chosen_for, stream
+from stepid.lab.hashes import digest
 from stepid.lab.hide import Start, campaign_of, linear_misfit, model_of, respond, sized
 from stepid.lab.rig import Plant, Rig, draw_plant
 from stepid.model import EffectModel, PlantModel
