@@ -113,7 +113,7 @@ def main() -> None:
         image.imsave(golden(name), pixels(figure).astype(np.uint8), pil_kwargs={"optimize": True})
         plt.close(figure)
     WORDS.write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    print(f"{len(CASES)} pictures, {sum(p.stat().st_size for p in FOLDER.iterdir()) / 1e3:.0f} kB")
+    print(f"{len(CASES)} pictures, {sum(p.stat().st_size for p in FOLDER.glob('*.png')) / 1e3:.0f} kB")
 
 
 if __name__ == "__main__":

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Mapping
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive
-from stepid.core.experiment import Campaign
 from stepid.core.tables import html_table, text_table
 from stepid.errors import InputError
+from stepid.lab.hashes import answer_digest
 
 _TITLE = "Answers"
 _HEADER = ("group", "hidden", "r0", "parameters")
-
-
-def digest(campaign: Campaign) -> str:
-    """SHA-256 of a campaign's records, hexadecimal; the same after writing and reading."""
-    return hashlib.sha256(campaign.model_dump_json().encode()).hexdigest()
 
 
 def in_words(effects: Iterable[str]) -> str:
@@ -61,7 +55,7 @@ class Answer(Model):
     @property
     def commitment(self) -> str:
         """SHA-256 of this answer in hexadecimal; students may have it, and it holds the instructor to the answer."""
-        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
+        return answer_digest(self)
 
     @property
     def names(self) -> str:

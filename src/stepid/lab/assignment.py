@@ -16,7 +16,8 @@ from stepid.core.experiment import Campaign
 from stepid.errors import InputError
 from stepid.io.campaign_files import read_campaign, write_campaign
 from stepid.io.textfile import as_path, decode, read_bytes
-from stepid.lab.answers import Answer, Answers, digest
+from stepid.lab.answers import Answer, Answers
+from stepid.lab.hashes import digest
 from stepid.lab.seal import seal, unseal
 
 SEALED, COMMITMENT = "answers.sealed", "commitment.txt"

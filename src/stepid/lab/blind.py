@@ -18,9 +18,10 @@ from stepid.errors import InputError
 from stepid.fitting.covariance import estimates
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.problem import build
-from stepid.lab.answers import Answer, Answers, digest
+from stepid.lab.answers import Answer, Answers
 from stepid.lab.assignment import SEALED, Assignment
 from stepid.lab.choice import Choice, Draw, chosen_for, stream
+from stepid.lab.hashes import digest
 from stepid.lab.hide import Start, campaign_of, linear_misfit, model_of, respond, sized
 from stepid.lab.rig import Plant, Rig, draw_plant
 from stepid.simulation.model import EffectModel, PlantModel
