@@ -32,6 +32,11 @@ EFFECTS: dict[str, dict[str, float]] = {
     "cogging": {"amplitude": 0.3, "pitch": 0.005, "phase": 1.0},
     "sensor_drift": {"rate": 3e-4},
 }
+NEW_EFFECTS: dict[str, dict[str, float]] = {
+    "sine_stiffness": {"curvature": 40.0},
+    "power_damping": {"coefficient": 0.6, "exponent": 0.5},
+    "actuator_rate_limit": {"rate": 5.0},
+}
 PROTOCOL = ((0.0, 0.5), (0.5, 0.5), (1.5, 0.5), (2.0, -0.5), (1.0, 0.3))  # added kg, V
 
 

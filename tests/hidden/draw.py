@@ -21,7 +21,7 @@ TABLE_1 = (
     (2, "half", "light", 0.8),
 )
 KINDS = ("four", "five", "nine", "release", "multi")
-DRIVE = ("actuator_lag", "input_delay", "actuator_dead_zone", "actuator_saturation")
+DRIVE = ("actuator_lag", "input_delay", "actuator_dead_zone", "actuator_saturation", "actuator_rate_limit")
 
 
 @dataclass(frozen=True)
@@ -68,8 +68,8 @@ def choose_kind(rng: np.random.Generator, effects: tuple[str, ...]) -> str:
     weights = dict(zip(KINDS, (0.22, 0.33, 0.28, 0.08, 0.09), strict=True))
     if any(e in DRIVE for e in effects):
         weights["release"] = 0.0
-    if "actuator_dead_zone" in effects or "actuator_saturation" in effects:
-        weights["four"] = 0.0  # with one step size both are only another gain
+    if {"actuator_dead_zone", "actuator_saturation", "actuator_rate_limit"} & set(effects):
+        weights["four"] = 0.0  # with one step size they are only another gain, or a delay
     values = np.array(list(weights.values()))
     return str(rng.choice(list(weights), p=values / values.sum()))
 
@@ -212,4 +212,22 @@ def draw_effect(rng: np.random.Generator, name: str, p: Setup, strength: float =
     if name == "sensor_drift":
         span = p.sample_time * float(np.mean([s.inputs.size for s in p.slots]))
         return {"rate": sign * min(0.5, strength * rng.uniform(0.02, 0.15)) * p.reach / span}
+    return _new_effect(rng, name, p, strength, friction)
+
+
+def _new_effect(rng: np.random.Generator, name: str, p: Setup, strength: float, friction: float) -> dict[str, float]:
+    """The same for the effects of the second round."""
+    if name == "sine_stiffness":
+        share = strength * rng.uniform(0.01, 0.06)  # of the spring force that is missing at the full step
+        return {"curvature": min(0.4 if p.kind == "multi" else 0.6, float(np.sqrt(6 * share))) / p.reach}
+    if name == "power_damping":
+        speed = p.reach * p.rate
+        if rng.random() < 0.5:  # nearly dry, or more than viscous
+            exponent, force = rng.uniform(0.3, 0.75), friction
+        else:
+            exponent = rng.uniform(1.5, 3.0)
+            force = min(6.0, strength * rng.uniform(0.2, 1.0)) * p.damping["half"] * speed
+        return {"coefficient": force / speed**exponent, "exponent": exponent}
+    if name == "actuator_rate_limit":
+        return {"rate": p.volts / min(0.12, strength * _log(rng, 0.006, 0.05))}
     raise KeyError(name)

@@ -1,20 +1,24 @@
 """Many runs at once: classical Runge-Kutta in micro-steps, each change of mode located by a bracketed secant.
 
 Another formulation than `reference`: the bristle force is the closed form along each branch between reversals, the
-lagged drive is the exact exponential, and a delayed input splits each sample in two.
+lagged drive is the exact exponential, and a delayed input splits each sample in two; a drive that changes within a
+sample splits it at each of its corners.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from .plant import Run
+from .drive import course, is_curved
+from .plant import SLOWEST, Run
 from .rows import Rows, V, X
 
 FINENESS = 0.05  # micro-step times the fastest rate of the run
 EDGE = 1e-13  # m past the edge of the play or the stop, where a mode begins
+SHARP = 32  # parts of a micro-step in which a cart under a power law may stop
+Stretch = tuple[np.ndarray, np.ndarray | float, np.ndarray]  # target, when its curve began, length
 
 
 def micro_steps(run: Run, fineness: float = FINENESS) -> int:
@@ -47,6 +51,12 @@ def micro_steps(run: Run, fineness: float = FINENESS) -> int:
         turn = 2 * np.pi / run.get("cogging", "pitch")
         stiff += run.get("cogging", "amplitude") * turn
         rates.append(0.12 * speed * turn)
+    if "sine_stiffness" in run.effects:
+        rates.append(speed * run.get("sine_stiffness", "curvature"))
+    if "power_damping" in run.effects:
+        p, drag = run.get("power_damping", "exponent"), run.get("power_damping", "coefficient") / m
+        slowest = 0.03 * drag * SLOWEST ** (p - 1) if p < 1 else p * drag * speed ** (p - 1)
+        rates.append(max(slowest, 0.05 * 64 / run.sample_time if p < 2 else 0.0))
     if run.sticky is not None:
         rates.append(speed / run.sticky[2])
     if "actuator_lag" in run.effects:
@@ -57,7 +67,21 @@ def micro_steps(run: Run, fineness: float = FINENESS) -> int:
 
 
 def _advance(rows: Rows, h: np.ndarray) -> None:
-    """One micro-step of all rows, with every change of mode inside it."""
+    """One micro-step of all rows, in parts for those that a power law may stop."""
+    sharp = rows.sharp(h)
+    if not sharp.any():
+        _step(rows, h)
+        return
+    for where, parts in ((np.flatnonzero(sharp), SHARP), (np.flatnonzero(~sharp), 1)):
+        if where.size:
+            some = rows.pick(where)
+            for _ in range(parts):
+                _step(some, h[where] / parts)
+            rows.put(where, some)
+
+
+def _step(rows: Rows, h: np.ndarray) -> None:
+    """One micro-step, with every change of mode inside it."""
     y, drive = rows.stepped(h)
     watch = rows.signed.any() or "free_play" in rows.has or "end_stop" in rows.has
     late = (rows.guard(y, rows.t + h, drive) < 0).any(axis=0) if watch else np.zeros(0, bool)
@@ -125,19 +149,55 @@ def _to_event(some: Rows, left: np.ndarray) -> np.ndarray:
     return np.where(hit, left - guess, 0.0)
 
 
-def _bucket(runs: Sequence[Run], steps: int) -> list[np.ndarray]:
-    rows = Rows(runs)
-    longest = max(r.size for r in runs)
+def _table(values: Sequence[np.ndarray], longest: int) -> np.ndarray:
+    return np.array([np.concatenate([v, np.full(longest - v.size, v[-1])]) for v in values])
+
+
+def _held(runs: Sequence[Run], longest: int) -> Iterator[list[Stretch]]:
+    """For each sample, the targets that hold in it."""
     period = np.array([r.sample_time for r in runs])
     delay = np.array([r.get("input_delay", "delay") for r in runs])
     whole = np.floor(delay / period + 1e-12).astype(int)
     part = np.clip(delay - whole * period, 0.0, None)
+    before = [float(r.drive[-1]) for r in runs]
+    drive = np.column_stack([before, _table([r.drive[:-1] for r in runs], longest)])
+    every, split = np.arange(len(runs)), bool((part > 0).any())
+    for i in range(longest - 1):
+        pieces = [(i - whole - 1, part), (i - whole, period - part)] if split else [(i - whole, period)]
+        yield [(drive[every, np.maximum(index + 1, 0)], 0.0, length) for index, length in pieces]
 
-    def table(values: list[np.ndarray], before: list[float]) -> np.ndarray:
-        padded = [np.concatenate([v, np.full(longest - v.size, v[-1])]) for v in values]
-        return np.column_stack([before, np.array(padded)])
 
-    drive = table([r.drive[:-1] for r in runs], [float(r.drive[-1]) for r in runs])
+def _curved(runs: Sequence[Run], longest: int) -> Iterator[list[Stretch]]:
+    """The same for drives that are curves within a sample; runs with fewer corners wait for the others."""
+    courses = []
+    for run in runs:
+        before, pieces = course(run)
+        courses.append([(-np.inf, np.array([before, 0.0, 0.0, 0.0])), *pieces])
+    at = [0] * len(runs)
+    for i in range(longest - 1):
+        plans: list[list[tuple[np.ndarray, float, float]]] = []
+        for j, run in enumerate(runs):
+            now, end, plan = i * run.sample_time, (i + 1) * run.sample_time, []
+            while now < end:
+                while at[j] + 1 < len(courses[j]) and courses[j][at[j] + 1][0] <= now + 1e-12:
+                    at[j] += 1
+                begin, curve = courses[j][at[j]]
+                upto = min(end, courses[j][at[j] + 1][0]) if at[j] + 1 < len(courses[j]) else end
+                plan.append((curve, max(begin, -1.0), upto - now))
+                now = upto
+            plans.append(plan)
+        most = max(len(plan) for plan in plans)
+        plans = [plan + [(plan[-1][0], plan[-1][1], 0.0)] * (most - len(plan)) for plan in plans]
+        yield [
+            (np.column_stack([curve for curve, _, _ in some]), np.array([s for _, s, _ in some]), np.array(lengths))
+            for some in zip(*plans, strict=True)
+            for lengths in [[length for _, _, length in some]]
+        ]
+
+
+def _bucket(runs: Sequence[Run], steps: int) -> list[np.ndarray]:
+    rows = Rows(runs)
+    longest = max(r.size for r in runs)
     extras = {}
     for name, blank, into in (
         ("held_force", 0.0, "held"),
@@ -145,28 +205,26 @@ def _bucket(runs: Sequence[Run], steps: int) -> list[np.ndarray]:
         ("mass_scale", 1.0, "scale_m"),
     ):
         if any(getattr(r, name) is not None for r in runs):
-            extras[into] = table(
-                [np.full(r.size, blank) if (v := getattr(r, name)) is None else v for r in runs], [blank] * len(runs)
+            extras[into] = _table(
+                [np.full(r.size, blank) if (v := getattr(r, name)) is None else v for r in runs], longest
             )
     out = np.empty((longest, len(runs)))
-    every = np.arange(len(runs))
-    split = bool((part > 0).any())
-    for i in range(longest):
-        out[i] = rows.y[X]
-        if i == longest - 1:
-            break
+    out[0] = rows.y[X]
+    stretches = (_curved if is_curved(runs[0]) else _held)(runs, longest)
+    for i, some in enumerate(stretches):
         for into, values in extras.items():
-            setattr(rows, into, values[:, i + 1])
-        pieces = [(i - whole - 1, part), (i - whole, period - part)] if split else [(i - whole, period)]
-        for index, length in pieces:
-            rows.target = drive[every, np.maximum(index + 1, 0)]
+            setattr(rows, into, values[:, i])
+        for target, since, length in some:
+            rows.target, rows.since = target, rows.since * 0 + since
+            if target.ndim == 2:
+                rows.drive = rows.lagged(0 * rows.t)
             if rows.signed.any():
                 still = rows.signed & (rows.sign == 0)
                 if still.any():
                     rows.choose_sign(still)
-            count = steps
-            for _ in range(count):
-                _advance(rows, length / count)
+            for _ in range(steps):
+                _advance(rows, length / steps)
+        out[i + 1] = rows.y[X]
     return [
         out[: r.size, j] + r.get("sensor_drift", "rate") * np.arange(r.size) * r.sample_time for j, r in enumerate(runs)
     ]
@@ -177,12 +235,12 @@ def fast(runs: Sequence[Run], *, fineness: float = FINENESS) -> list[np.ndarray]
 
     A run's result does not depend on the company it is simulated in (but for rounding).
     """
-    buckets: dict[tuple[int, bool], list[int]] = {}
+    buckets: dict[tuple[int, bool, bool], list[int]] = {}
     for j, run in enumerate(runs):
-        key = (micro_steps(run, fineness), "input_delay" in run.effects)
+        key = (micro_steps(run, fineness), "input_delay" in run.effects, is_curved(run))
         buckets.setdefault(key, []).append(j)
     results: list[np.ndarray] = [np.empty(0)] * len(runs)
-    for (steps, _), members in buckets.items():
+    for (steps, _, _), members in buckets.items():
         for j, x in zip(members, _bucket([runs[j] for j in members], steps), strict=True):
             results[j] = x
     return results

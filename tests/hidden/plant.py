@@ -38,16 +38,20 @@ NAMES = (
     "cogging",
     "sensor_drift",
 )
+NEW = ("sine_stiffness", "power_damping", "actuator_rate_limit")  # of the second round, with a set of their own
+EVERY = (*NAMES, *NEW)
 DRY = NAMES[:4]
+SLOWEST = 1e-6  # m/s, below which a power law of damping is viscous
 
 
 @dataclass(frozen=True)
 class Run:
     """One record to be simulated; SI units throughout.
 
-    `inputs[i]` is held from sample i to i+1. `position` is counted from where the plant rests under `input_before`
-    (with `settled`, motor ripple included; without, the spring's own rest). The last four fields are outside the
-    catalogue: a force held over each sample, factors on stiffness and mass by sample, a patch of sticky guide.
+    `inputs[i]` is held from sample i to i+1, or joined to the next one by a line ("straight") or by the cubic spline
+    through all of them ("smooth"). `position` is counted from where the plant rests under `input_before` (with
+    `settled`, motor ripple included; without, the spring's own rest). Four fields are outside the catalogue: a force
+    held over each sample, factors on stiffness and mass by sample, a patch of sticky guide.
     """
 
     mass: float
@@ -66,6 +70,7 @@ class Run:
     stiffness_scale: np.ndarray | None = None
     mass_scale: np.ndarray | None = None
     sticky: tuple[float, float, float] | None = None  # extra level N, center m, half width m
+    input_between: str = "held"
 
     def get(self, effect: str, parameter: str, default: float = 0.0) -> float:
         return float(self.effects.get(effect, {}).get(parameter, default))
@@ -114,6 +119,11 @@ class Run:
         ]
         return min(roots, key=abs) + self.position
 
+    def sine(self, x: float) -> float:
+        """What a pendulum's spring force lacks to a straight one, N."""
+        a = self.get("sine_stiffness", "curvature")
+        return self.stiffness * (x - math.sin(a * x) / a) if a else 0.0
+
     def static(self, x: float) -> float:
         """Force of springs, stop and motor ripple at rest, N."""
         gap = self.get("free_play", "gap")
@@ -121,6 +131,8 @@ class Run:
         force -= (
             self.get("cubic_stiffness", "coefficient") * x**3 + self.get("quadratic_stiffness", "coefficient") * x**2
         )
+        if "sine_stiffness" in self.effects:
+            force += self.sine(x)
         stop = self.get("end_stop", "position")
         if stop and (x - stop) * stop > 0:
             force -= self.get("end_stop", "stiffness") * (x - stop)

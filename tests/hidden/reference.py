@@ -1,7 +1,7 @@
 """Tight-tolerance, event-located integration of one run with `scipy.integrate.solve_ivp` (DOP853).
 
 Between events the right-hand side is smooth: dry friction has a fixed sign or holds the cart, the spring is on one side
-of its play, the stop is touched or not. Every change of these is an event; every change of the input is a restart.
+of its play, the stop is touched or not. Every change of these is an event; every corner of the drive is a restart.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from .plant import Run
+from .drive import Curve, course, is_curved, value
+from .plant import SLOWEST, Run
 
 State = np.ndarray  # x, v, x2, v2, dashpot joint, bristle z, drive force
 
@@ -28,8 +29,8 @@ class _Mode:
 
 
 class _Scalar:
-    def __init__(self, run: Run) -> None:
-        self.run = run
+    def __init__(self, run: Run, fineness: float) -> None:
+        self.run, self.fineness = run, fineness
         self.forward, self.backward, self.extra, self.vs = run.levels
         self.gap = run.get("free_play", "gap")
         self.stop = run.get("end_stop", "position")
@@ -39,6 +40,10 @@ class _Scalar:
         self.dry = self.forward > 0 or self.backward > 0 or self.extra > 0 or run.sticky is not None
         self.signed = self.dry or self.bristles
         self.target = self.held = 0.0
+        self.curve: Curve | None = None  # of the force from `since` on, where it is not constant
+        self.since = 0.0
+        self.longest = 0.001 if is_curved(run) else 0.005  # step while events are watched, s
+        self.exponent = run.get("power_damping", "exponent")
         self.scale_k = self.scale_m = 1.0
         start = run.start
         self.state = np.array([start, run.velocity, start, run.velocity, start, 0.0, run.drive[-1]])
@@ -52,11 +57,19 @@ class _Scalar:
         self.mode.stopped = bool(self.stop and (x - self.stop) * self.stop > 0)
         self.mode.sign = 1 if v > 0 else -1 if v < 0 else 0
 
+    def follow(self, begin: float, curve: Curve) -> None:
+        self.target, self.since = float(curve[0]), begin
+        self.curve = curve if curve[1:].any() else None
+
+    def wanted(self, t: float) -> float:
+        """Drive force before its lag, N."""
+        return self.target if self.curve is None else value(self.curve, t - self.since)
+
     def push(self, t: float, y: State) -> float:
         """Every force on the carriage but dry friction."""
         run, x, v = self.run, float(y[0]), float(y[1])
         k = run.stiffness * self.scale_k
-        drive = float(y[6]) if self.tau else self.target
+        drive = float(y[6]) if self.tau else self.wanted(t)
         force = drive + self.held - run.damping * v * (1 + run.get("position_dependent_damping", "slope") * x)
         force -= run.get("quadratic_damping", "coefficient") * v * abs(v)
         force -= k * (x - self.mode.side * self.gap) if self.mode.side or not self.gap else 0.0
@@ -64,6 +77,11 @@ class _Scalar:
             run.get("cubic_stiffness", "coefficient") * x * x * x
             + run.get("quadratic_stiffness", "coefficient") * x * x
         )
+        if self.exponent:
+            slope = run.get("power_damping", "coefficient") * (v * v + SLOWEST**2) ** ((self.exponent - 1) / 2)
+            force -= slope * v
+        if "sine_stiffness" in run.effects:
+            force += run.sine(x) * self.scale_k
         if self.mode.stopped:
             force -= run.get("end_stop", "stiffness") * (x - self.stop)
         if "viscoelastic_spring" in run.effects:
@@ -109,7 +127,7 @@ class _Scalar:
             loaded = self.mode.sign * self.mode.bristle > 0
             out[5] = v * (1 - (self.mode.sign * float(y[5]) / self.distance if loaded else 0.0))
         if self.tau:
-            out[6] = (self.target - float(y[6])) / self.tau
+            out[6] = (self.wanted(t) - float(y[6])) / self.tau
         return out
 
     def guards(self) -> list[tuple[str, Callable[[float, State], float]]]:
@@ -184,11 +202,12 @@ class _Scalar:
                 (self.now, end),
                 self.state,
                 method="DOP853",
-                rtol=1e-11,
-                atol=[1e-13, 1e-12, 1e-13, 1e-12, 1e-13, 1e-15, 1e-11],
+                rtol=1e-11 * self.fineness,
+                atol=self.fineness * np.array([1e-13, 1e-12, 1e-13, 1e-12, 1e-13, 1e-15, 1e-11]),
                 events=events or None,
                 dense_output=True,
-                max_step=0.005 if events else 0.02,  # no mode comes and goes inside a step
+                max_step=self.fineness**0.125
+                * (self.longest if events else 0.02),  # no mode comes and goes inside a step
             )
             stop = float(out.t[-1])
             upto = int(np.searchsorted(wanted, stop, side="right"))
@@ -205,27 +224,26 @@ class _Scalar:
         return got
 
 
-def reference(run: Run) -> np.ndarray:
-    """Reading at each sample, m, from the spring's rest position; shape (n,)."""
-    cart = _Scalar(run)
+def reference(run: Run, *, fineness: float = 1.0) -> np.ndarray:
+    """Reading at each sample, m, from the spring's rest position; shape (n,). Tolerances go with `fineness`."""
+    cart = _Scalar(run, fineness)
     n, period = run.size, run.sample_time
-    delay = run.get("input_delay", "delay")
     times = np.arange(n) * period
-    drive = run.drive
+    before, pieces = course(run)
     # change times of everything that is held from sample to sample
     breaks = {0.0, float(times[-1])}
-    steps = [(i * period + delay, float(drive[i])) for i in range(n) if drive[i] != drive[i - 1]]
-    breaks.update(t for t, _ in steps)
+    breaks.update(t for t, _ in pieces)
     for held in (run.held_force, run.stiffness_scale, run.mass_scale):
         if held is not None:
             breaks.update(float(times[i]) for i in range(1, n) if held[i] != held[i - 1])
     marks = sorted(t for t in breaks if t <= times[-1])
-    cart.target = float(drive[-1])
+    cart.target = before
     position = np.empty(n)
+    upcoming = 0
     for begin, end in pairwise(marks):
-        for t, value in steps:
-            if t <= begin + 1e-12:
-                cart.target = value
+        while upcoming < len(pieces) and pieces[upcoming][0] <= begin + 1e-12:
+            cart.follow(*pieces[upcoming])
+            upcoming += 1
         i = round(begin / period) if abs(begin / period - round(begin / period)) < 1e-9 else int(begin / period)
         cart.held = 0.0 if run.held_force is None else float(run.held_force[i])
         cart.scale_k = 1.0 if run.stiffness_scale is None else float(run.stiffness_scale[i])

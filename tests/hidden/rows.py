@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .plant import Run
+from .plant import SLOWEST, Run
 
 X, V, X2, V2, W = range(5)  # W: the joint between spring and dashpot of the viscoelastic branch
 
@@ -32,6 +32,8 @@ class Rows:
             each("periodic_disturbance", "amplitude"),
             each("periodic_disturbance", "frequency") * 2 * np.pi,
         )
+        self.bend = each("sine_stiffness", "curvature")
+        self.cp, self.exponent = each("power_damping", "coefficient"), each("power_damping", "exponent", 1.0)
         self.phase = np.array([r.phase for r in runs])
         self.cog, self.angle = each("cogging", "amplitude"), each("cogging", "phase")
         self.wave = 2 * np.pi / each("cogging", "pitch", 1.0)
@@ -54,6 +56,7 @@ class Rows:
             np.zeros(n),
             np.zeros(n),
         )
+        self.since = np.zeros(n)  # when the target's curve began, where it has one
         self.scale_k, self.scale_m = np.ones(n), np.ones(n)
         # modes: sign of the motion (0 stuck), side of the play, stop touched; bristle branch since the last reversal
         x, v = self.y[X], self.y[V]
@@ -94,6 +97,11 @@ class Rows:
             force -= self.c2 * v * np.abs(v)
         if "cubic_stiffness" in has or "quadratic_stiffness" in has:
             force -= (self.k3 * x + self.k2) * x * x
+        if "power_damping" in has:
+            force -= self.cp * v * (v * v + SLOWEST**2) ** (self.exponent / 2 - 0.5)
+        if "sine_stiffness" in has:
+            a = np.where(self.bend > 0, self.bend, 1.0)
+            force += np.where(self.bend > 0, k * (x - np.sin(a * x) / a), 0.0)
         if "end_stop" in has:
             force -= self.touch * self.kstop * (x - self.stop)
         if "viscoelastic_spring" in has:
@@ -118,10 +126,29 @@ class Rows:
         return level
 
     def lagged(self, h: np.ndarray) -> np.ndarray:
+        if self.target.ndim == 2:
+            return self.along(h)
         if "actuator_lag" not in self.has:
             return self.target
         tau = np.where(self.tau > 0, self.tau, 1.0)
         return np.where(self.tau > 0, self.target + (self.drive - self.target) * np.exp(-h / tau), self.target)
+
+    def along(self, h: np.ndarray) -> np.ndarray:
+        """The same for targets that are cubics: a lag follows a polynomial of its own, and what it is off fades."""
+        tau, s = self.tau, self.t - self.since
+        a, b, c, d = self.target
+        b, c = b - 2 * tau * (c - 3 * tau * d), c - 3 * tau * d
+        a = a - tau * b
+        off = np.where(tau > 0, self.drive - (((d * s + c) * s + b) * s + a), 0.0)
+        s = s + h
+        return ((d * s + c) * s + b) * s + a + off * np.exp(-h / np.where(tau > 0, tau, 1.0))
+
+    def sharp(self, h: np.ndarray) -> np.ndarray:
+        """Rows whose power law bends within h of here: so slow that they may stop."""
+        if "power_damping" not in self.has:
+            return np.zeros(h.size, bool)
+        pull = np.abs(self.rates(self.y, self.t, self.lagged(0 * h))[V])
+        return (self.cp > 0) & (self.exponent < 2) & (np.abs(self.y[V]) < 4 * h * pull)
 
     def rates(self, y: np.ndarray, t: np.ndarray, drive: np.ndarray) -> np.ndarray:
         out = np.zeros_like(y)

@@ -1,4 +1,4 @@
-"""The standing sets of campaigns: every effect in turn, none, pairs, and what is outside the catalogue."""
+"""The standing sets: every effect in turn, none, pairs, what is outside the catalogue, the new effects in turn."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from .campaigns import Request, make_campaigns
 from .outside import OUTSIDE
-from .plant import NAMES
+from .plant import NAMES, NEW
 
 PAIRS = (
     ("coulomb_friction", "cubic_stiffness"),
@@ -36,8 +36,8 @@ PAIRS = (
     ("viscoelastic_spring", "sensor_drift"),
     ("stribeck_friction", "flexible_coupling"),
 )
-SETS = ("single", "none", "pairs", "outside")
-_FIRST_SEED = {"single": 10_000, "none": 40_000, "pairs": 60_000, "outside": 80_000}
+SETS = ("single", "none", "pairs", "outside", "new")
+_FIRST_SEED = {"single": 10_000, "none": 40_000, "pairs": 60_000, "outside": 80_000, "new": 120_000}
 # bands of r0 that each effect goes through in turn; None is whatever a natural strength gives
 _BANDS = ((2, 10), (1.1, 2), (10, 100), (1.0, 1.05), (5, 30), None, (1.1, 2), (2, 100))
 Found = tuple[Any, dict[str, Any]]
@@ -57,6 +57,8 @@ def requests(which: str, count: int, *, skip: int = 0) -> list[Request]:
     first = _FIRST_SEED[which]
     if which == "single":
         return [Request(first + i, (NAMES[i % len(NAMES)],), r0=_visibility(first + i, i // len(NAMES))) for i in seeds]
+    if which == "new":
+        return [Request(first + i, (NEW[i % len(NEW)],), r0=_visibility(first + i, i // len(NEW))) for i in seeds]
     if which == "none":
         return [Request(first + i) for i in seeds]
     if which == "pairs":

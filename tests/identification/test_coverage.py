@@ -13,7 +13,7 @@ import stepid
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
 from accuracy import measure
-from coverage import z_scores
+from paper_coverage import z_scores
 
 
 def test_noise_free_accuracy() -> None:

@@ -1,7 +1,7 @@
 """Coverage of the 95 % intervals of the paper's method: sampled peaks, both solvers, with and without noise.
 
-Run `python benchmarks/coverage.py [campaigns]`. Each campaign draws its plant, its four weights (5 g each) and its
-noise anew; steps of 18 mm, sample time 8.8542 ms. A figure is right when it lies within 92 to 98 %.
+Run `python benchmarks/paper_coverage.py [campaigns]`. Each campaign draws its plant, its four weights (5 g each) and
+its noise anew; steps of 18 mm, sample time 8.8542 ms. A figure is right when it lies within 92 to 98 %.
 """
 
 from __future__ import annotations
