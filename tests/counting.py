@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-SIMULATOR = "stepid.engine.trajectory", "Simulator"  # its solve counts one copy of the records a call, its march each
-FIT = "stepid.engine.least_squares", "minimize"
+SIMULATOR = "stepid.simulation.simulator", "Simulator"  # all it simulates goes through its _run
+FIT = "stepid.fitting.levenberg_marquardt", "minimize"
 
 
 @dataclass
 class Counts:
-    """Samples that were simulated, whole records solved at once and sample by sample together; and fits."""
+    """Samples that were simulated, every copy of a plant counted; and fits."""
 
     samples: int = 0
     fits: int = 0
@@ -27,15 +27,11 @@ def counting() -> Iterator[Counts]:
     counts = Counts()
     simulator = getattr(import_module(SIMULATOR[0]), SIMULATOR[1])
     minimize = getattr(import_module(FIT[0]), FIT[1])
-    solve, march = simulator.solve, simulator.march
+    run = simulator._run
 
-    def solve_counted(self: Any, *args: Any, **options: Any) -> Any:
-        counts.samples += self.records.size
-        return solve(self, *args, **options)
-
-    def march_counted(self: Any, shared: Any, *args: Any, **options: Any) -> Any:
-        counts.samples += len(shared) * self.records.size
-        return march(self, shared, *args, **options)
+    def run_counted(self: Any, values: Any, start: Any, which: Any, offset: Any, size: int, n_states: int) -> Any:
+        counts.samples += size
+        return run(self, values, start, which, offset, size, n_states)
 
     def minimize_counted(*args: Any, **options: Any) -> Any:
         counts.fits += 1
@@ -43,13 +39,13 @@ def counting() -> Iterator[Counts]:
 
     _load()
     holders = [m for name, m in list(sys.modules.items()) if _ours(name) and vars(m).get(FIT[1]) is minimize]
-    simulator.solve, simulator.march = solve_counted, march_counted
+    simulator._run = run_counted
     for module in holders:
         setattr(module, FIT[1], minimize_counted)
     try:
         yield counts
     finally:
-        simulator.solve, simulator.march = solve, march
+        simulator._run = run
         for module in holders:
             setattr(module, FIT[1], minimize)
 

@@ -6,7 +6,8 @@ is plain Python on floats and small arrays, compiled by numba where numba is the
 
 A state `y` is position [m] from the spring's rest, velocity [m/s], then each effect's own states: first those with a
 rate in time, then its memories, which follow the displacement. Between events the law is smooth: the direction of
-motion, `m[SIGN]`, whether friction holds the cart, `m[HELD]`, and the side of every switch, `w.sides`, stay as they are.
+motion, `m[SIGN]`, whether friction holds the cart, `m[HELD]`, and the sides of the switches, `w.sides`, stay as they
+are.
 
 The step is Dormand and Prince's of order five (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I,
 table II.5.2); its embedded error chooses the step length, so that no law has to say how fast it is. A plant that is
@@ -331,7 +332,7 @@ def _stays(w: Work, t: float, until: float) -> bool:
 
 @compiled
 def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[float, bool]:
-    """Follow the plant to `until`, its input one polynomial; return the next step's length, whether `w.k[0]` is known."""
+    """Follow the plant to `until`, its input one polynomial; return the next step's length, if `w.k[0]` is known."""
     shortest = _SHORTEST * (until - t)
     events = 0
     while t < until:
