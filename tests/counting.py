@@ -56,5 +56,5 @@ def _ours(name: str) -> bool:
 
 def _load() -> None:
     """Load all that may hold the fit by name before it is replaced: the package loads its parts when they are asked."""
-    for module in ("stepid.fit", "stepid.diagnose.diagnosis"):
+    for module in ("stepid.fitting.fit", "stepid.diagnosis.diagnose"):
         import_module(module)
