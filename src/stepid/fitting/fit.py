@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from stepid.core.frames import DataFrame
 
 _NOISY = 0.05  # of the cost of noise, within which a start need not be bettered
+_AGREE = 2  # further starts that end at the same cost, for it to be taken as the least
+_SAME = 1e-3  # relative difference of costs that are the same
 _MISFIT = 1.1  # times the floor, beyond which a run may be to blame
 NOT_CONVERGED = "The fit did not converge; what is shown is the best so far."
 
@@ -165,20 +167,20 @@ def fit_effects(ground: Ground, effects: tuple[Effect, ...]) -> Optimum | None:
 
 
 def _raced(ground: Ground, effects: tuple[Effect, ...], starts: list[Start], like: Optimum) -> Contender:
-    """Race the starts; where the winner leaves more than noise, run each of them to its end."""
+    """Race the starts; where the winner leaves more than noise, run them to their ends until some agree on the best."""
     best = Contender(ground, effects)
     best.begin(starts, like=like)
     best.run(laps=40)
-    if best.excess < _NOISY * ground.noise_cost:
-        return best
+    agree = 0
     for start in starts:
+        if best.excess < _NOISY * ground.noise_cost or agree == _AGREE:
+            break
         other = Contender(ground, effects)
         other.begin([start], like=like)
         other.run(laps=40)
-        if other.cost < best.cost:
-            best = other
-        if best.excess < _NOISY * ground.noise_cost:
-            break
+        agree = agree + 1 if abs(other.cost - best.cost) < _SAME * best.cost else agree
+        if other.cost < (1 - _SAME) * best.cost:
+            best, agree = other, 0
     return best
 
 
