@@ -19,7 +19,7 @@ from stepid.simulation.records import Records
 Mask = npt.NDArray[np.bool_]
 Index = npt.NDArray[np.intp]
 
-FINE = 5e-8  # of the typical displacement, error of one step: well below a thousandth of a count on a 1 cm swing
+FINE = 1e-8  # of the typical displacement, error of one step: RMS errors below a thousandth of a count on a 2 cm swing
 COARSE = 1e-6  # the same while searching
 _DIFFERENCE = 1e-5  # relative step of a forward difference
 
