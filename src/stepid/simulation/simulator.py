@@ -58,6 +58,7 @@ class Simulator:
     def __init__(
         self, records: Records, effects: tuple[Effect, ...], tolerance: float = FINE, *, workers: int = 1
     ) -> None:
+        check_size(effects)
         self.records, self.effects, self.tolerance, self.workers = records, effects, tolerance, workers
         self.layout = ParameterLayout(records, effects)
         self.linear = all(e.linear for e in effects)
