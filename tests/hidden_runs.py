@@ -29,7 +29,7 @@ def polynomials(time: np.ndarray, volts: np.ndarray, between: str) -> np.ndarray
 def records_of(told: Run) -> Records:
     time = told.sample_time * np.arange(told.size)
     volts = np.asarray(told.inputs, float)
-    travel = max(abs(told.position), told.gain * float(np.abs(volts).max()) / told.stiffness)
+    travel = max(abs(told.position), told.gain * float(np.abs(volts).max()) / told.stiffness) or 0.01
     whole = stepid.Experiment(
         name="run",
         time=time,

@@ -55,6 +55,7 @@ _STILL = 1e-7  # m/s, slower than this is at rest where dry friction acts
 _CROSSED = 1e-13  # m or m/s, by which a margin must be past zero
 _EVENTS = 64  # between two changes of the input, at most; the rest of such a sample is followed without
 _SHORTEST = 1e-7  # of a sample, to which a step may shrink
+_STEPS = 5000  # between two changes of the input, at most; a plant that needs more is given up as a runaway
 _LOCATE = 60  # tries to locate an event
 _FAR = 1e3  # positions this many times larger than the scale are a runaway
 _TERMS = 16  # of the exponential's series, for a matrix of norm 1/2
@@ -84,6 +85,7 @@ WORK = np.dtype(
         ("y", np.float64, MOST_STATES),  # the state
         ("stage", np.float64, MOST_STATES),  # the state at a stage; after a step, where it leads
         ("margin", np.float64, 1 + MOST_SWITCHES),  # how far each event is
+        ("far", np.float64),  # m, from where on it is a runaway
         ("net", np.float64),  # force on a held cart, N, when it was last looked at
         ("begins", np.float64, 1 + MOST_SWITCHES),  # the same where a step begins
         ("ends", np.float64, 1 + MOST_SWITCHES),  # and where it ends
@@ -345,7 +347,7 @@ def _stays(w: Work, t: float, until: float) -> bool:
 def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[float, bool]:
     """Follow the plant to `until`, its input one polynomial; return the next step's length, if `w.k[0]` is known."""
     shortest = _SHORTEST * (until - t)
-    events = 0
+    events, steps = 0, 0
     while t < until:
         left = until - t
         held = w.m[HELD] > 0.0
@@ -382,8 +384,11 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
         t = until if last else t + length
         _copy(w.k[_STAGES - 1], w.k[0], w.states)
         h = max(h if last else 0.0, length * min(5.0, 0.9 * max(error, 1e-4) ** (-1.0 / _ORDER)))
-        if not abs(w.y[0]) < np.inf:
-            return h, fresh
+        steps += 1
+        if steps > _STEPS:
+            w.y[0] = np.nan
+        if not abs(w.y[0]) < w.far:
+            return h, False
     return h, fresh
 
 
@@ -520,7 +525,7 @@ def _follow_record(
     """Follow one record, sample by sample; what comes after a runaway is not a number."""
     n, d, degree = time.size, w.states, coefficients.shape[1]
     _clear(w.u, 5)
-    w.u[1] = before
+    w.u[1], w.far = before, _FAR * scale
     _begin(w, time[0], start, moving, scale)
     delay = 0.0
     for e in range(w.effects):
@@ -574,7 +579,7 @@ def _follow_record(
             else:
                 h, fresh = _advance(w, t, until, h, fresh)
             t = until
-        if not abs(w.y[0]) < _FAR * scale:
+        if not abs(w.y[0]) < w.far:
             for later in range(i + 1, n):
                 reading[later] = np.nan
                 for r in range(states.shape[0]):
