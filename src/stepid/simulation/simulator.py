@@ -21,6 +21,7 @@ Index = npt.NDArray[np.intp]
 
 FINE = 1e-8  # of the typical displacement, error of one step: RMS errors below a thousandth of a count on a 2 cm swing
 COARSE = 1e-6  # the same while searching
+_TRAVEL = 1e-3  # m, typical displacement where the records show none
 _DIFFERENCE = 1e-5  # relative step of a forward difference
 
 
@@ -62,7 +63,7 @@ class Simulator:
         self.records, self.effects, self.tolerance, self.workers = records, effects, tolerance, workers
         self.layout = ParameterLayout(records, effects)
         self.linear = all(e.linear for e in effects)
-        self.scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), 1e-9)
+        self.scale = float(np.abs(records.centered(records.position)).max(initial=0.0)) or _TRAVEL
         self._powers = exponents(tuple(q for e in effects for q in e.parameters))
         self._work: Any = None
 
