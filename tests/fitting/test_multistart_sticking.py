@@ -8,7 +8,7 @@ import pytest
 import stepid
 from stepid.core.base import Array
 from stepid.effects import resolve
-from stepid.fitting import levenberg_marquardt, multistart_sticking
+from stepid.fitting import multistart_sticking
 from stepid.fitting.levenberg_marquardt import Problem, minimize
 from stepid.fitting.multistart_sticking import resettle, scan_starts
 from stepid.fitting.problem import build, fit_linear, start_local
@@ -50,14 +50,11 @@ def test_a_kick_leaves_a_minimum_where_no_displacement_would(monkeypatch: pytest
     assert resettle(stuck, tolerance=0.0).rms < 1.015 * TRUTH.noise_rms
 
 
-def test_a_marched_trial_leads_to_another_pattern_of_sticking(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_trial_finds_its_own_pattern_of_sticking() -> None:
+    """From too strong a friction the descent passes other patterns of sticking and reaches the noise."""
     found = minimize(*_held(0.35))
     assert found is not None
     assert found.rms < 1.015 * TRUTH.noise_rms
-    monkeypatch.setattr(levenberg_marquardt, "_MARCHES", 0)
-    stuck = minimize(*_held(0.35))
-    assert stuck is not None
-    assert stuck.rms > 2 * TRUTH.noise_rms
 
 
 def test_a_linear_plant_comes_back_as_it_is() -> None:

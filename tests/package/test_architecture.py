@@ -55,6 +55,21 @@ def test_the_core_loads_no_optional_package() -> None:
     assert not {"control", "matplotlib", "pandas", "plotly", "jinja2", "typer", "rich"} & set(loaded)
 
 
+@pytest.mark.parametrize(
+    "use",
+    [
+        "import stepid",
+        "import stepid; stepid.diagnose",
+        "import stepid; stepid.fit, stepid.simulate",
+        "from stepid.cli import run; run(['--version'])",
+    ],
+)
+def test_the_compiler_comes_with_the_first_simulation(use: str) -> None:
+    loaded = python(f"{use}; import sys; print(*sys.modules)").split()
+    assert "stepid" in loaded
+    assert not {"numba", "llvmlite", "control", "scipy.optimize"} & set(loaded)
+
+
 @pytest.mark.parametrize("package", ONE_ROOM)
 def test_each_outside_package_has_one_room(package: str) -> None:
     source = ROOT / "src" / "stepid"

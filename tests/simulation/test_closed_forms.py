@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import control
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk
 
 import stepid
@@ -117,13 +118,13 @@ def test_coulomb_friction_takes_four_levels_over_stiffness_a_cycle() -> None:
     moving = half < last
     turn = (-1.0) ** half
     closed = turn * (off + (start - (2 * half + 1) * off) * np.cos(RATE * time - np.pi * half))
-    np.testing.assert_allclose(ours[moving], closed[moving], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(ours[moving], closed[moving], rtol=0, atol=2e-10)
     stop = (-1.0) ** last * (start - 2 * last * off)
     assert abs(stop) <= off
-    np.testing.assert_allclose(ours[~moving], stop, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(ours[~moving], stop, rtol=0, atol=2e-10)
     assert np.ptp(ours[last * samples + 1 :]) == 0.0  # sticking is exact, not a creep
     tops = ours[: last * samples : 2 * samples]
-    np.testing.assert_allclose(np.diff(tops), -4 * off, rtol=0, atol=2e-9)
+    np.testing.assert_allclose(np.diff(tops), -4 * off, rtol=0, atol=4e-10)
 
 
 def test_friction_holds_against_less_than_its_level() -> None:
@@ -155,5 +156,67 @@ def test_duffing_oscillator_swings_as_jacobis_functions(strength: float) -> None
         period=period,
     )
     closed = ellipj(rate * time, modulus)[1] if cubic > 0 else ellipj(rate * time + ellipk(modulus), modulus)[0]
-    np.testing.assert_allclose(ours, start * closed, rtol=0, atol=1e-7)  # a count is 4.4e-6 m
-    np.testing.assert_allclose(ours[::64], start, rtol=0, atol=1e-7)  # a count is 4.4e-6 m
+    np.testing.assert_allclose(ours, start * closed, rtol=0, atol=2e-8)  # a count is 4.4e-6 m
+    np.testing.assert_allclose(ours[::64], start, rtol=0, atol=2e-8)  # a count is 4.4e-6 m
+
+
+@pytest.mark.parametrize("angle", [0.2, 1.0, 2.5])
+def test_a_pendulum_swings_as_jacobis_functions(angle: float) -> None:
+    """sin(a x/2) = sin(angle/2) sn(ω t + K): the spring force is k sin(a x)/a."""
+    start = 0.012
+    curvature, modulus = angle / start, np.sin(angle / 2) ** 2
+    period = 4 * ellipk(modulus) / RATE / 64
+    time = period * np.arange(6 * 64 + 1)
+    ours = simulated(
+        np.zeros(time.size),
+        damping=0.0,
+        effects={"sine_stiffness": {"curvature": curvature}},
+        start=start,
+        period=period,
+    )
+    closed = 2 / curvature * np.arcsin(np.sqrt(modulus) * ellipj(RATE * time + ellipk(modulus), modulus)[0])
+    np.testing.assert_allclose(ours, closed, rtol=0, atol=2e-8)
+    np.testing.assert_allclose(ours[::64], start, rtol=0, atol=2e-8)
+
+
+def test_two_levels_of_friction_take_their_own_share_of_each_half_swing() -> None:
+    """The way forward is centered on minus its level over k, the way back on plus its own: 2(F⁺ + F⁻)/k a cycle."""
+    forward, backward, start, samples = 0.09, 0.16, 0.0125, 40
+    period = np.pi / RATE / samples
+    ours = simulated(
+        np.zeros(10 * samples + 1),
+        damping=0.0,
+        effects={"asymmetric_friction": {"level_forward": forward, "level_backward": backward}},
+        start=start,
+        period=period,
+    )
+    turns = [start]
+    for half in range(10):
+        turns.append(-turns[-1] + 2 * (backward if half % 2 == 0 else -forward) / STIFFNESS)
+    np.testing.assert_allclose(ours[::samples], turns, rtol=0, atol=1e-9)
+    cycles = ours[:: 2 * samples]
+    np.testing.assert_allclose(np.diff(cycles), -2 * (forward + backward) / STIFFNESS, rtol=0, atol=1e-9)
+
+
+def test_quadratic_damping_loses_what_its_first_integral_says() -> None:
+    """On each half swing E(x) exp(±2 c₂ x/m) is known in closed form, so that the next turn is a root."""
+    drag, start, samples = 40.0, 0.0125, 64
+    ours = simulated(
+        np.zeros(400),
+        damping=0.0,
+        effects={"quadratic_damping": {"coefficient": drag}},
+        start=start,
+        period=np.pi / RATE / samples,
+    )
+    b = 2 * drag / MASS
+
+    def potential(x: float) -> float:
+        """With v² = −(2k/m) e^(bx) ∫ x e^(−bx) dx on the way back: zero at both turns."""
+        return float(np.exp(-b * x) * (x / b + 1 / b**2))
+
+    end = brentq(lambda x: potential(x) - potential(start), -start, -1e-5, xtol=1e-14)
+    low = int(np.argmin(ours[: 2 * samples]))
+    cubic = np.polynomial.Polynomial.fit(np.arange(-4, 5), ours[low - 4 : low + 5], 6)
+    turns = cubic.deriv().roots()
+    turn = cubic(min(turns[np.abs(turns.imag) < 1e-9].real, key=abs))
+    assert turn == pytest.approx(end, abs=1e-9)

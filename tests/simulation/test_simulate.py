@@ -10,8 +10,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stepid
-from stepid.core.base import Array
-from stepid.effects import CATALOGUE, Effect, Motion, Parameter, Scales
+from stepid.effects import CATALOGUE, Effect, Moment, Parameter, Scales
+from stepid.effects.base import Values
 from stepid.errors import ConvergenceError, InputError
 
 PERIOD, MASS, STIFFNESS, DAMPING, GAIN, DRAG = 0.01, 1.0, 216.0, 4.0, 7.8, 300.0
@@ -29,7 +29,8 @@ class CubicDamping(Effect):
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.damping / scales.velocity**2,) for share in (0.1, 1.0)]
 
-    def force(self, p: tuple[np.ndarray, ...], m: Motion) -> np.ndarray:
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
         return -p[0] * m.v**3
 
 
@@ -177,7 +178,8 @@ class RisingFriction(Effect):
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(0.02 * scales.force, share * scales.force / scales.velocity**2) for share in (0.01, 0.1)]
 
-    def friction(self, p: tuple[Array, ...], m: Motion) -> Array:
+    @staticmethod
+    def friction(p: Values, m: Moment) -> float:
         return p[0] + p[1] * m.v**2
 
 
@@ -197,8 +199,9 @@ class PowerDamping(CubicDamping):
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.damping / scales.velocity**2, 2.8) for share in (0.1, 1.0)]
 
-    def force(self, p: tuple[np.ndarray, ...], m: Motion) -> np.ndarray:
-        return -p[0] * np.abs(m.v) ** (p[1] - 1) * m.v
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
+        return -p[0] * abs(m.v) ** (p[1] - 1) * m.v
 
 
 @pytest.mark.parametrize("inner", [(), (CubicDamping(),)])

@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import savgol_filter
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Moment, Motion
@@ -159,6 +158,8 @@ def measured_motion(records: Records, linear: Array, floor: float, period: float
     period : float
         s, of the strongest oscillation.
     """
+    from scipy.signal import savgol_filter  # slow to load
+
     x, v = np.empty(records.size), np.empty(records.size)
     for r, piece in enumerate(records.pieces()):
         y = records.position[piece]

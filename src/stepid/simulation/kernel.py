@@ -74,6 +74,7 @@ WORK = np.dtype(
         ("reverses", np.int64),  # whether the law changes where the velocity changes sign
         ("dry", np.int64),  # whether friction can hold the cart
         ("known", np.int64),  # whether own states are known in closed form
+        ("relaxing", np.int64),  # how many effects until the last one whose states follow the drive in closed form
         ("rated", np.int64),  # whether own states have a rate
         ("restless", np.int64),  # whether the cart may be in motion at the start of any record
         ("m", np.float64, MOMENT),
@@ -84,6 +85,10 @@ WORK = np.dtype(
         ("y", np.float64, MOST_STATES),  # the state
         ("stage", np.float64, MOST_STATES),  # the state at a stage; after a step, where it leads
         ("margin", np.float64, 1 + MOST_SWITCHES),  # how far each event is
+        ("far", np.float64),  # m, from where on it is a runaway
+        ("net", np.float64),  # force on a held cart, N, when it was last looked at
+        ("begins", np.float64, 1 + MOST_SWITCHES),  # the same where a step begins
+        ("ends", np.float64, 1 + MOST_SWITCHES),  # and where it ends
         ("allowed", np.float64, MOST_STATES),  # error of each state that a step may make; below 0 relative to its size
     ]
 )
@@ -157,12 +162,13 @@ def _own_states(w: Work, t: float, span: float, y: Array, after: Array) -> None:
     volts, slope = _input(w, t), _slope(w, t)
     for e in range(w.effects):
         own = w.places[e, OWN]
-        if w.places[e, DRIVES]:
+        if w.places[e, DRIVES] and e < w.relaxing:
             m[TIME], m[VOLTS], m[SLOPE], m[SPAN] = t, volts, slope, span
             if w.places[e, RELAXES]:
                 _ask(w, RELAX, e, y)
                 for j in range(w.places[e, N_EXTRA]):
                     after[own + j] = out[j]
+        if w.places[e, DRIVES] and e + 1 < w.relaxing:
             _ask(w, EVALUATE, e, y)
             before = out[DRIVEN]
             if slope != 0.0 or w.places[e, RELAXES]:  # what the next one in the chain sees, as a straight line
@@ -261,12 +267,17 @@ def _choose_direction(w: Work, t: float) -> None:
     m[SIGN] = -1.0 if net < 0.0 else 1.0
     if w.dry and abs(net) <= _hold(w, y):
         m[HELD] = 1.0
+        w.net = net
 
 
 @compiled
 def _locate(w: Work, t: float, h: float, which: int, before: float, after: float) -> float:
-    """Share of a step at which an event happens, by bracketing secants (Illinois); `w.stage` is the state there."""
-    low, high, there = 0.0, 1.0, 1.0
+    """Share of a step at which an event happens, by bracketing secants; `w.stage` is the state there.
+
+    Where the same end stays twice, its margin is made smaller as Anderson and Bjorck do (BIT 13, 1973), or it would
+    stay for long.
+    """
+    low, high, there, moved = 0.0, 1.0, 1.0, 0
     for _ in range(_LOCATE):
         there = 0.5 * (low + high) if before <= 0.0 else low + (high - low) * before / (before - after)
         _step(w, t, there * h)
@@ -275,11 +286,13 @@ def _locate(w: Work, t: float, h: float, which: int, before: float, after: float
         if abs(g) <= _CROSSED or high - low < _SHORTEST * _SHORTEST:
             break
         if g < 0.0:
-            high, after = there, g
-            before *= 0.5
+            if moved < 0:
+                before *= 1.0 - g / after if g > after else 0.5
+            high, after, moved = there, g, -1
         else:
-            low, before = there, g
-            after *= 0.5
+            if moved > 0:
+                after *= 1.0 - g / before if g < before else 0.5
+            low, before, moved = there, g, 1
     return there
 
 
@@ -293,14 +306,14 @@ def _first_event(w: Work, t: float, h: float) -> tuple[int, float]:
         passed = passed or g[j] < -_CROSSED
     if not passed:
         return -1, 1.0
-    ends, starts = np.empty(1 + MOST_SWITCHES), np.empty(1 + MOST_SWITCHES)
+    ends, begins = w.ends, w.begins
     _copy(g, ends, 1 + w.switches)
     _margins(w, t, w.y)
-    _copy(g, starts, 1 + w.switches)
+    _copy(g, begins, 1 + w.switches)
     first, share = -1, 2.0
     for j in range(1 + w.switches):
         if ends[j] < -_CROSSED:
-            there = _locate(w, t, h, j, max(starts[j], 0.0), ends[j])
+            there = _locate(w, t, h, j, max(begins[j], 0.0), ends[j])
             if there < share:
                 first, share = j, there
     return first, share
@@ -325,10 +338,9 @@ def _stays(w: Work, t: float, until: float) -> bool:
     """Whether a held cart stays where it is because nothing changes."""
     if w.rated:
         return False
-    net = _evaluate(w, t, w.y, w.k[_STAGES])
-    middle = _evaluate(w, 0.5 * (t + until), w.y, w.k[_STAGES])
-    end = _evaluate(w, until, w.y, w.k[_STAGES])
-    return net == middle and net == end
+    before = w.net
+    w.net = _evaluate(w, until, w.y, w.k[_STAGES])
+    return w.net == before and _evaluate(w, 0.5 * (t + until), w.y, w.k[_STAGES]) == before
 
 
 @compiled
@@ -376,8 +388,8 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
         t = until if last else t + length
         _copy(w.k[_STAGES - 1], w.k[0], w.states)
         h = max(h if last else 0.0, length * min(5.0, 0.9 * max(error, 1e-4) ** (-1.0 / _ORDER)))
-        if not abs(w.y[0]) < np.inf:
-            return h, fresh
+        if not abs(w.y[0]) < w.far:
+            return h, False
     return h, fresh
 
 
@@ -514,7 +526,7 @@ def _follow_record(
     """Follow one record, sample by sample; what comes after a runaway is not a number."""
     n, d, degree = time.size, w.states, coefficients.shape[1]
     _clear(w.u, 5)
-    w.u[1] = before
+    w.u[1], w.far = before, _FAR * scale
     _begin(w, time[0], start, moving, scale)
     delay = 0.0
     for e in range(w.effects):
@@ -568,7 +580,7 @@ def _follow_record(
             else:
                 h, fresh = _advance(w, t, until, h, fresh)
             t = until
-        if not abs(w.y[0]) < _FAR * scale:
+        if not abs(w.y[0]) < w.far:
             for later in range(i + 1, n):
                 reading[later] = np.nan
                 for r in range(states.shape[0]):

@@ -19,7 +19,7 @@ from stepid.simulation.records import Records
 Mask = npt.NDArray[np.bool_]
 Index = npt.NDArray[np.intp]
 
-FINE = 5e-8  # of the typical displacement, error of one step: well below a thousandth of a count on a 1 cm swing
+FINE = 1e-8  # of the typical displacement, error of one step: RMS errors below a thousandth of a count on a 2 cm swing
 COARSE = 1e-6  # the same while searching
 _STILL = 1e-9  # m, a record that moves less does not move
 _DIFFERENCE = 1e-5  # relative step of a forward difference
@@ -59,6 +59,7 @@ class Simulator:
     def __init__(
         self, records: Records, effects: tuple[Effect, ...], tolerance: float = FINE, *, workers: int = 1
     ) -> None:
+        check_size(effects)
         self.records, self.effects, self.tolerance, self.workers = records, effects, tolerance, workers
         self.layout = ParameterLayout(records, effects)
         self.linear = all(e.linear for e in effects)

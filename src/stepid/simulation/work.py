@@ -31,6 +31,7 @@ def structure(effects: tuple[Effect, ...]) -> Any:
     work.reverses = any(e.reverses or e.n_switches for e in effects)
     work.dry = any(e.dry for e in effects)
     work.known = any(changes(e, "relax") or e.n_memory for e in effects)
+    work.relaxing = max((row + 1 for row, i in enumerate(order) if changes(effects[i], "relax")), default=0)
     work.rated = any(e.n_extra for e in effects)
     work.restless = any(e.never_rests for e in effects)
     return work
