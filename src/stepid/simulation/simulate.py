@@ -12,7 +12,7 @@ from stepid.errors import ConvergenceError, InputError
 from stepid.simulation.layout import own_state_names
 from stepid.simulation.model import PlantModel, RunState
 from stepid.simulation.records import Records, lay_out
-from stepid.simulation.simulator import FINE, Simulator, Solved
+from stepid.simulation.simulator import FINE, Simulator, Solved, reach
 
 
 def pack(model: PlantModel, records: Records, effects: tuple[Effect, ...]) -> tuple[Array, Array]:
@@ -56,8 +56,8 @@ def solve_model(
     """Simulate all records; see `simulate`."""
     effects = resolve([e.name for e in model.effects], catalogue=catalogue)
     records = lay_out(as_campaign(campaign))
-    sim = Simulator(records, effects, tolerance)
     shared, local = pack(model, records, effects)
+    sim = Simulator(records, effects, tolerance, scale=reach(records, effects, shared, local))
     solved = sim.solve(shared, local)
     if solved is None:
         raise ConvergenceError(

@@ -51,17 +51,25 @@ class Simulator:
     effects : tuple of Effect
     tolerance : float
         Error of one step, as a share of the typical displacement.
+    scale : float
+        m, typical displacement where the records, of inputs alone, show less; see `reach`.
     workers : int
         Threads.
     """
 
     def __init__(
-        self, records: Records, effects: tuple[Effect, ...], tolerance: float = FINE, *, workers: int = 1
+        self,
+        records: Records,
+        effects: tuple[Effect, ...],
+        tolerance: float = FINE,
+        *,
+        scale: float = 1e-9,
+        workers: int = 1,
     ) -> None:
         self.records, self.effects, self.tolerance, self.workers = records, effects, tolerance, workers
         self.layout = ParameterLayout(records, effects)
         self.linear = all(e.linear for e in effects)
-        self.scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), 1e-9)
+        self.scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), scale)
         self._powers = exponents(tuple(q for e in effects for q in e.parameters))
         self._work: Any = None
 
@@ -219,6 +227,28 @@ class Simulator:
                 row = rows[c][0]
                 out[row, pieces[k]] = (found[offset[i] : offset[i + 1]] - reading[pieces[k]]) / steps[row]
         return out[: of.n_global], out[of.n_global :]
+
+
+def reach(records: Records, effects: tuple[Effect, ...], shared: Array, local: Array) -> float:
+    """How far a plant's runs go, as far as its springs tell, m.
+
+    Parameters
+    ----------
+    records : Records
+        Their inputs; their positions may all be zero.
+    effects : tuple of Effect
+    shared : array, shape (P,)
+    local : array, shape (Q, R)
+
+    Returns
+    -------
+    float
+    """
+    of = ParameterLayout(records, effects)
+    stiffness, volts = np.abs(shared[of.stiffness]).min(), np.abs(records.volts).max(initial=0.0)
+    slowest = np.sqrt(np.abs(of.mass(shared)).max() / stiffness)
+    still = np.abs(local[0]).max(initial=0.0) + slowest * np.abs(local[1]).max(initial=0.0)
+    return float(max(abs(shared[of.force_gain]) * volts / stiffness + still, 1e-9))
 
 
 def check_size(effects: tuple[Effect, ...]) -> None:
