@@ -119,6 +119,12 @@ def test_too_few_numbers_are_refused() -> None:
         simulated(Short())
 
 
+def test_more_than_a_simulation_holds_is_refused() -> None:
+    many = tuple(type("Many", (Own,), {"name": f"many_{i}"})() for i in range(9))
+    with pytest.raises(InputError, match=r"9 effects are more than a simulation holds \(8\)"):
+        stepid.fit(exact_campaign({}, SHORT), effects=many)
+
+
 @pytest.mark.parametrize("kind", [Own, Inheriting])
 def test_an_effect_from_outside_is_simulated_and_fitted(kind: type[Effect]) -> None:
     plain = exact_campaign({}, SHORT)

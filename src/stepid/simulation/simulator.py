@@ -102,6 +102,7 @@ class Simulator:
         from stepid.simulation.work import structure
 
         if self._work is None:
+            check_size(self.effects)
             self._work = structure(self.effects)
         return self._work.copy()
 
