@@ -331,8 +331,11 @@ def _stays(w: Work, t: float, until: float) -> bool:
 
 
 @compiled
-def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[float, bool]:
-    """Follow the plant to `until`, its input one polynomial; return the next step's length, if `w.k[0]` is known."""
+def _advance(w: Work, t: float, until: float, h: float, fresh: bool, far: float) -> tuple[float, bool]:
+    """Follow the plant to `until`, or beyond `far`, its input one polynomial.
+
+    Return the next step's length, and whether `w.k[0]` is known.
+    """
     shortest = _SHORTEST * (until - t)
     events = 0
     while t < until:
@@ -371,7 +374,7 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
         t = until if last else t + length
         _copy(w.k[_STAGES - 1], w.k[0], w.states)
         h = max(h if last else 0.0, length * min(5.0, 0.9 * max(error, 1e-4) ** (-1.0 / _ORDER)))
-        if not abs(w.y[0]) < np.inf:
+        if not abs(w.y[0]) < far:
             return h, fresh
     return h, fresh
 
@@ -561,7 +564,7 @@ def _follow_record(
                     w.stage[r] = total
                 _copy(w.stage, w.y, w.states)
             else:
-                h, fresh = _advance(w, t, until, h, fresh)
+                h, fresh = _advance(w, t, until, h, fresh, _FAR * scale)
             t = until
         if not abs(w.y[0]) < _FAR * scale:
             for later in range(i + 1, n):
