@@ -10,7 +10,7 @@ import pytest
 
 import control_example as example
 import stepid
-from stepid.effects import CATALOGUE, Effect, Motion, Parameter
+from stepid.effects import CATALOGUE, Effect, Moment, Parameter
 from stepid.errors import ConvergenceError, InputError
 from stepid.transfer.express import why_not_nonlinear
 
@@ -31,8 +31,8 @@ def off(model: stepid.PlantModel, run: stepid.Experiment) -> float:
 
 def test_every_effect_is_either_expressed_or_refused() -> None:
     refused = {effect.name for effect in CATALOGUE} - set(EXPRESSED)
-    assert refused == DRY | {"input_delay"}
-    assert len(EXPRESSED) == 15
+    assert refused == DRY | {"input_delay", "actuator_rate_limit"}
+    assert len(EXPRESSED) == 17
     assert set(example.VALUES) == {effect.name for effect in CATALOGUE}
 
 
@@ -138,7 +138,8 @@ class _Outside(Effect):
     name = "cubic_damping"
     parameters = (Parameter("coefficient", "N·s³/m³"),)
 
-    def force(self, p: tuple[np.ndarray, ...], m: Motion) -> np.ndarray:
+    @staticmethod
+    def force(p: tuple[float, ...], m: Moment) -> float:
         return -p[0] * m.v**3
 
 
@@ -152,7 +153,7 @@ def test_an_effect_from_outside_is_expressed() -> None:
     run = example.step_run()
     model = example.model().model_copy(
         update={"effects": (stepid.EffectModel(name="cubic_damping", values={"coefficient": 100.0}),)}
-    )  # a stronger one asks stepid.simulate for substeps (Effect.pieces), which this effect does not say
+    )
     wanted = stepid.simulate(model, stepid.Campaign(name="one", experiments=(run,)), catalogue=catalogue)["steps"]
     system = stepid.nonlinear_system(model, run, catalogue=catalogue)
     np.testing.assert_allclose(stepid.simulate_system(system, run).outputs, wanted, atol=CLOSE * np.ptp(wanted))
