@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, TypeVar
 
+from stepid.core.samples import WAYS
 from stepid.errors import InputError
 from stepid.io.step_input import StepInput
 
@@ -86,6 +87,12 @@ def _decimal(value: object) -> str:
     return str(value)
 
 
+def _between(value: object) -> str:
+    if value not in WAYS:
+        raise _WantedError('"held" (the default), "lines" (joined by straight lines) or "smooth" (a cubic spline)')
+    return str(value)
+
+
 def _step(value: object) -> StepInput:
     if not isinstance(value, dict) or "level" not in value or not value.keys() <= {"level", "start", "end"}:
         raise _WantedError("a table like { level = 0.5, start = 0.0 }, in V and s (end is optional)")
@@ -108,6 +115,7 @@ _SHARED: Mapping[str, Check] = {
     "base": _text,
     "counts_per_meter": _scale,
     "input_before": _number,
+    "input_between": _between,
     "sample_time": _positive,
     "step": _step,
 }
