@@ -11,7 +11,7 @@ from stepid.core.experiment import Campaign, Experiment
 from stepid.diagnosis.wording import length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.simulation.records import Records, lay_out
-from stepid.simulation.simulator import Simulator, reach
+from stepid.simulation.simulator import Simulator
 
 _SAMPLES = 400
 
@@ -52,10 +52,9 @@ def _proposals(campaign: Campaign) -> list[tuple[str, Experiment]]:
 
 def _answers(records: Records, optimum: Optimum) -> Array:
     """What a fitted model reads in runs from rest, m, shape (S,); not finite where it runs away."""
-    effects = optimum.problem.simulator.effects
-    still = np.zeros((optimum.problem.layout.n_run, len(records.runs)))
-    sim = Simulator(records, effects, scale=reach(records, effects, optimum.shared, still))
-    out: Array = sim.readings(optimum.shared[None], still[None])[0]
+    sim = Simulator(records, optimum.problem.simulator.effects)
+    still = np.zeros((1, sim.layout.n_run, len(records.runs)))
+    out: Array = sim.readings(optimum.shared[None], still)[0]
     return out
 
 

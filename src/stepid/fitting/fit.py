@@ -16,6 +16,7 @@ from stepid.core.noise import rms
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
 from stepid.fitting.covariance import estimates
+from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import Contender, Ground, Start, race_starts
 from stepid.fitting.multistart_cogging import well_starts
@@ -58,7 +59,8 @@ class Fit(Model):
         Of the free shared parameters, in the order of `parameters`.
     converged : bool
     notes : tuple of str
-        What was left out, which run disagrees with the others, that the fit did not converge.
+        What was left out, which run disagrees with the others, whose input is not what the record says, that the fit
+        did not converge.
     """
 
     parameters: Mapping[str, Estimate]
@@ -186,7 +188,11 @@ def _raced(ground: Ground, effects: tuple[Effect, ...], starts: list[Start], lik
 
 def _remarks(campaign: Campaign, ground: Ground, optimum: Optimum) -> tuple[str, ...]:
     out = [*screen(campaign).notes, *repeat_notes(ground.records)]
-    suspect = find_suspect(ground, [optimum]) if optimum.rms > _MISFIT * ground.floor else None
+    fault = find_input_fault(ground)
+    if fault is not None:
+        out.append(fault.words)
+    wrong = fault is None and optimum.rms > _MISFIT * ground.floor
+    suspect = find_suspect(ground, [optimum]) if wrong else None
     if suspect is not None and suspect.mistake is not None:
         out.append(suspect.words)
     if not optimum.converged:

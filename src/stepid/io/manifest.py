@@ -12,6 +12,7 @@ from stepid.errors import InputError
 from stepid.io.manifest_values import (
     Check,
     WantedError,
+    check_between,
     check_mass,
     check_number,
     check_positive,
@@ -33,6 +34,7 @@ SHARED: Mapping[str, Check] = {
     "base": check_text,
     "counts_per_meter": check_scale,
     "input_before": check_number,
+    "input_between": check_between,
     "sample_time": check_positive,
     "step": check_step,
     "file": check_text,

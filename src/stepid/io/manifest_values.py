@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from stepid.core.samples import WAYS
 from stepid.io.step_input import StepInput
 
 Check = Callable[[object], object]
@@ -95,3 +96,10 @@ def check_step(value: object) -> StepInput:
     except WantedError:
         raise WantedError("a table of numbers like { level = 0.5, start = 0.0 }") from None
     return StepInput(**numbers)
+
+
+def check_between(value: object) -> str:
+    """What an input does between two samples."""
+    if value not in WAYS:
+        raise WantedError('"held" (the default), "lines" (joined by straight lines) or "smooth" (a cubic spline)')
+    return str(value)

@@ -58,6 +58,7 @@ _SHORTEST = 1e-7  # of a sample, to which a step may shrink
 _MOST_STEPS = 500  # between two samples: a plant that needs more is too stiff to follow, and left like a runaway
 _LOCATE = 60  # tries to locate an event
 _FAR = 1e3  # positions this many times larger than the scale are a runaway
+_PACE = 1 / 16  # of a sample, a step of effects that follow what bends
 _TERMS = 16  # of the exponential's series, for a matrix of norm 1/2
 
 
@@ -159,7 +160,8 @@ def _evaluate(w: Work, t: float, y: Array, dy: Array) -> float:
 def _own_states(w: Work, t: float, span: float, y: Array, after: Array) -> None:
     """Write into `after` the states that are known in closed form `span` [s] after `y`: lags and memories."""
     m, out = w.m, w.out
-    volts, slope = _input(w, t), _slope(w, t)
+    volts = _input(w, t)
+    slope = (_input(w, t + span) - volts) / span if span > 0.0 else _slope(w, t)
     for e in range(w.effects):
         own = w.places[e, OWN]
         if w.places[e, DRIVES] and e < w.relaxing:
@@ -528,10 +530,15 @@ def _follow_record(
     _clear(w.u, 5)
     w.u[1], w.far = before, _FAR * scale
     _begin(w, time[0], start, moving, scale)
-    delay = 0.0
+    delay, drives, relaxes = 0.0, 0, 0
     for e in range(w.effects):
         if w.places[e, DELAYS]:
             delay += max(0.0, _ask(w, DELAY, e, w.y))
+        drives += w.places[e, DRIVES]
+        relaxes += w.places[e, RELAXES]
+    pace = np.inf  # each of the drive's chain takes what it follows as straight over a step
+    if relaxes > 0 and (degree > 2 or (drives > 1 and (degree > 1 or relaxes > 1))):
+        pace = _PACE * (time[1] - time[0])
     a, phi, psi, lengths = np.zeros((d, d)), np.zeros((2, d, d)), np.zeros((2, d, d)), np.zeros(2)
     slot, constant = 0, np.zeros(d)
     if exact:
@@ -564,6 +571,8 @@ def _follow_record(
             until = time[i + 1]
             if j + 1 < n:
                 until = min(until, time[j + 1] + delay)
+            if t + 1.5 * pace < until:
+                until = t + pace
             if exact:
                 length = until - t
                 if abs(lengths[slot] - length) > 1e-12 * length:

@@ -67,7 +67,7 @@ def solve_model(
 
 
 def simulate(model: PlantModel, campaign: Campaign, *, catalogue: tuple[Effect, ...] = CATALOGUE) -> dict[str, Array]:
-    """Simulate a plant model on a campaign's measured inputs, each held from its sample to the next.
+    """Simulate a plant model on a campaign's measured inputs, between the samples as each run's `input_between` says.
 
     Parameters
     ----------

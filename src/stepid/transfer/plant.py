@@ -15,7 +15,7 @@ from stepid.simulation.layout import own_state_names
 from stepid.simulation.model import PlantModel, RunState
 from stepid.simulation.records import lay_out
 from stepid.simulation.simulate import pack
-from stepid.simulation.simulator import Simulator, reach
+from stepid.simulation.simulator import Simulator
 
 _LINEAR = ("mass", "stiffness", "damping", "force_gain")
 
@@ -88,7 +88,7 @@ def plant_of(model: PlantModel, run: Experiment | str, *, catalogue: tuple[Effec
     effects = resolve([e.name for e in model.effects], catalogue=catalogue)
     records = lay_out(Campaign(name=run.name, experiments=(run,)))
     shared, local = pack(model, records, effects)
-    sim = Simulator(records, effects, scale=reach(records, effects, shared, local))
+    sim = Simulator(records, effects)
     names = [f"{e.name}.{q.name}" for e in effects for q in (*e.parameters, *e.run_parameters)]
     values = sim.layout.plants(shared[None], local[None])[0, 0]
     parameters = dict(zip([*_LINEAR, *names], map(float, values), strict=True))
