@@ -29,9 +29,9 @@ def counting() -> Iterator[Counts]:
     minimize = getattr(import_module(FIT[0]), FIT[1])
     run = simulator._run
 
-    def run_counted(self: Any, values: Any, start: Any, which: Any, offset: Any, size: int, n_states: int) -> Any:
-        counts.samples += size
-        return run(self, values, start, which, offset, size, n_states)
+    def run_counted(self: Any, values: Any, start: Any, which: Any, *room: Any) -> Any:
+        counts.samples += int((self.records.bounds[1:] - self.records.bounds[:-1])[which].sum())
+        return run(self, values, start, which, *room)
 
     def minimize_counted(*args: Any, **options: Any) -> Any:
         counts.fits += 1

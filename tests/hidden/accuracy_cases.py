@@ -46,6 +46,13 @@ ALONE: dict[str, dict[str, float]] = {
     "power_damping": {"coefficient": 0.8, "exponent": 0.6},
     "actuator_rate_limit": {"rate": 4.0},
 }
+RELEASED = {**ALONE, "end_stop": {"stiffness": 4000.0, "position": -0.009}}  # on the side that is swung to
+COMBINED = {
+    **ALONE,
+    "end_stop": {"stiffness": 4000.0, "position": 0.006},
+    "sine_stiffness": {"curvature": 20.0},
+    "actuator_saturation": {"level": 0.28},
+}
 FAMILIES = (  # at most one of each in a combination, but for the drive's
     ("coulomb_friction", "load_proportional_friction", "stribeck_friction", "asymmetric_friction"),
     ("presliding_hysteresis",),
@@ -71,7 +78,7 @@ def _step() -> dict[str, Any]:
 
 def _release(name: str) -> dict[str, Any]:
     """Free from 15 mm; with a step in the second half where the effect is the drive's."""
-    later = 0.4 if name in DRIVE else 0.0
+    later = 0.5 if name in DRIVE else 0.0
     return _settings(np.repeat([0.0, later], [150, 110]), 2.0, position=0.015)
 
 
@@ -89,7 +96,7 @@ def _combination(number: int) -> Case:
         chosen.append(str(rng.choice(FAMILIES[i])))
     effects = {}
     for name in chosen:
-        values = dict(ALONE[name])
+        values = dict(COMBINED[name])
         scale = float(rng.uniform(0.6, 1.3))
         for parameter in values:
             if parameter not in ("exponent", "phase", "position", "frequency", "pitch"):
@@ -97,7 +104,8 @@ def _combination(number: int) -> Case:
         effects[name] = values
     damping = float(rng.choice([2.0, 6.0, 14.0]))
     if number % 3 == 2 and not DRIVE & set(chosen):
-        return effects, _settings(np.zeros(220), damping, position=float(rng.choice([-1, 1])) * 0.014)
+        start = -0.014 if "end_stop" in effects else float(rng.choice([-1, 1])) * 0.014
+        return effects, _settings(np.zeros(220), damping, position=start)
     volts = rng.choice([0.5, -0.5, 0.35, 0.2, 0.0], size=3, replace=False)
     return effects, _settings(
         np.repeat([0.0, *volts], [4, 80, 80, 76]), damping, mass=float(rng.choice([1.0, 1.5, 3.0]))
@@ -117,7 +125,7 @@ CASES: dict[str, Case] = {
     "linear step": ({}, _step()),
     "linear release": ({}, _release("")),
     **{f"{name} step": ({name: values}, _step()) for name, values in ALONE.items()},
-    **{f"{name} release": ({name: values}, _release(name)) for name, values in ALONE.items()},
+    **{f"{name} release": ({name: values}, _release(name)) for name, values in RELEASED.items()},
     **_powers(),
     **{f"combination {i}": _combination(i) for i in range(30)},
     **_between(),

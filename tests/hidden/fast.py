@@ -56,7 +56,7 @@ def micro_steps(run: Run, fineness: float = FINENESS) -> int:
     if "power_damping" in run.effects:
         p, drag = run.get("power_damping", "exponent"), run.get("power_damping", "coefficient") / m
         slowest = 0.03 * drag * SLOWEST ** (p - 1) if p < 1 else p * drag * speed ** (p - 1)
-        rates.append(max(slowest, 0.05 * 64 / run.sample_time if p < 2 else 0.0))
+        rates.append(max(slowest, 0.05 * 32 / run.sample_time if p < 2 else 0.0))
     if run.sticky is not None:
         rates.append(speed / run.sticky[2])
     if "actuator_lag" in run.effects:

@@ -10,7 +10,7 @@ import pytest
 
 import control_example as example
 import stepid
-from stepid.effects import CATALOGUE, Effect, Motion, Parameter
+from stepid.effects import CATALOGUE, Effect, Moment, Parameter
 from stepid.errors import ConvergenceError, InputError
 from stepid.transfer.express import why_not_nonlinear
 
@@ -31,8 +31,8 @@ def off(model: stepid.PlantModel, run: stepid.Experiment) -> float:
 
 def test_every_effect_is_either_expressed_or_refused() -> None:
     refused = {effect.name for effect in CATALOGUE} - set(EXPRESSED)
-    assert refused == DRY | {"input_delay"}
-    assert len(EXPRESSED) == 15
+    assert refused == DRY | {"input_delay", "actuator_rate_limit"}
+    assert len(EXPRESSED) == 17
     assert set(example.VALUES) == {effect.name for effect in CATALOGUE}
 
 
@@ -125,9 +125,10 @@ def test_a_linearization_is_the_linear_plant() -> None:
     np.testing.assert_allclose(near.A, stepid.state_space(example.model(), run).A, rtol=1e-5, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", sorted(DRY | {"input_delay"}))
+@pytest.mark.parametrize("name", sorted(DRY | {"input_delay", "actuator_rate_limit"}))
 def test_what_cannot_be_expressed_is_refused_with_the_reason(name: str) -> None:
-    reason = "dry friction holds the cart at rest" if name in DRY else "a delay needs the input's past"
+    others = {"input_delay": "a delay needs the input's past", "actuator_rate_limit": "its state follows the input"}
+    reason = others.get(name, "dry friction holds the cart at rest")
     with pytest.raises(InputError, match=rf"cannot express {name} \({reason}.*stepid.simulate expresses every effect"):
         stepid.nonlinear_system(example.model("cubic_stiffness", name), example.step_run())
 
@@ -138,7 +139,8 @@ class _Outside(Effect):
     name = "cubic_damping"
     parameters = (Parameter("coefficient", "N·s³/m³"),)
 
-    def force(self, p: tuple[np.ndarray, ...], m: Motion) -> np.ndarray:
+    @staticmethod
+    def force(p: tuple[float, ...], m: Moment) -> float:
         return -p[0] * m.v**3
 
 
@@ -152,7 +154,7 @@ def test_an_effect_from_outside_is_expressed() -> None:
     run = example.step_run()
     model = example.model().model_copy(
         update={"effects": (stepid.EffectModel(name="cubic_damping", values={"coefficient": 100.0}),)}
-    )  # a stronger one asks stepid.simulate for substeps (Effect.pieces), which this effect does not say
+    )
     wanted = stepid.simulate(model, stepid.Campaign(name="one", experiments=(run,)), catalogue=catalogue)["steps"]
     system = stepid.nonlinear_system(model, run, catalogue=catalogue)
     np.testing.assert_allclose(stepid.simulate_system(system, run).outputs, wanted, atol=CLOSE * np.ptp(wanted))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -73,12 +74,20 @@ class Problem:
             block[pieces[run], column] = local[q, pieces[run]]
         return np.concatenate([shared.T, block], axis=1)
 
-    def blocks(self, solved: Solved, residual: Array) -> Iterator[tuple[int, Array]]:
-        """Each run's own columns, its part of the global columns and of the residual, side by side: (samples, ·)."""
+    def blocks(self, solved: Solved, residual: Array) -> Iterator[tuple[list[int], Array]]:
+        """Runs, and their own columns, global columns and residual side by side: (samples, ·).
+
+        One block for each run with parameters of its own, one for all the others together.
+        """
         shared, local = self._weighted(solved)
-        for run, piece in enumerate(self.records.pieces()):
-            parts = [local[self.active[:, run], piece].T, shared[:, piece].T, residual[piece, None]]
-            yield int(self.active[:, run].sum()), np.concatenate(parts, axis=1)
+        common = np.concatenate([shared, residual[None]])
+        apart = np.any(self.active, axis=0)
+        if not apart.all():
+            yield np.flatnonzero(~apart).tolist(), common[:, ~apart[self.records.run]].T
+        pieces = self.records.pieces()
+        for run in np.flatnonzero(apart):
+            piece = pieces[run]
+            yield [int(run)], np.concatenate([local[self.active[:, run], piece], common[:, piece]]).T
 
 
 @dataclass(frozen=True)
@@ -105,55 +114,76 @@ class Optimum:
         return float(np.sqrt(np.mean(self.residual**2)))
 
 
+class _Group(NamedTuple):
+    """Blocks with as many parameters of their own: their triangles of [own | global | residual], (blocks, m, m)."""
+
+    runs: list[int]
+    own: int
+    triangles: Array
+    size: Array  # of the own columns, (runs, own)
+
+
 class _Linearized:
     """The fit to first order about a point, each run reduced to a triangle: parameters of a run enter that run only."""
 
     def __init__(self, problem: Problem, solved: Solved, residual: Array) -> None:
-        self.n_shared = int(problem.free.sum())
-        self._runs: list[tuple[int, Array]] = []
+        self.n_shared = n = int(problem.free.sum())
+        found: dict[int, list[tuple[int, Array]]] = {}
         self.finite = True
-        for own, block in problem.blocks(solved, residual):
+        for (run, *_), block in problem.blocks(solved, residual):
+            own = block.shape[1] - n - 1
             if not np.isfinite(block).all():
                 self.finite = False
                 return
-            self._runs.append((own, np.asarray(np.linalg.qr(block, mode="r"))))
-        size = np.sqrt(sum(np.sum(t[:, own:-1] ** 2, axis=0) for own, t in self._runs) + np.zeros(self.n_shared))
-        self._size = self._usable(size)
-        self._own_size = [self._usable(np.linalg.norm(t[:, :own], axis=0)) for own, t in self._runs]
+            triangle = np.zeros((own + n + 1, own + n + 1))
+            r = np.asarray(np.linalg.qr(block, mode="r"))
+            triangle[: len(r)] = r
+            found.setdefault(own, []).append((run, triangle))
+        self._groups = []
+        square = np.zeros(n)
+        for own, members in found.items():
+            triangles = np.array([t for _, t in members])
+            columns = np.sum(triangles**2, axis=1)
+            square += columns[:, own:-1].sum(axis=0)
+            size = self._usable(np.sqrt(columns[:, :own]))
+            self._groups.append(_Group([run for run, _ in members], own, triangles, size))
+        self._size = self._usable(np.sqrt(square))
+        pulls = (np.einsum("rij,ri->j", g.triangles[:, :, g.own : -1], g.triangles[:, :, -1]) for g in self._groups)
+        self.pull = sum(pulls, np.zeros(n))  # half of the cost's decrease by each free global parameter
 
     @staticmethod
     def _usable(size: Array) -> Array:
         return np.where(size > 1e-14 * size.max(initial=1e-300), size, np.inf)
 
-    @property
-    def pull(self) -> Array:
-        """Half of the cost's decrease by each free global parameter, to first order."""
-        return np.asarray(sum(t[:, own:-1].T @ t[:, -1] for own, t in self._runs)) + np.zeros(self.n_shared)
-
-    def step(self, damping: float, blocked: npt.NDArray[np.bool_]) -> tuple[Array, list[Array], float]:
+    def step(self, damping: float, blocked: npt.NDArray[np.bool_]) -> tuple[Array, dict[int, Array], float]:
         """Damped step of the global parameters and of each run's, and the decrease of the cost that it promises."""
+        n, root = self.n_shared, np.sqrt(damping)
         size = np.where(blocked, np.inf, self._size)
-        tops, rest = [], [np.concatenate([np.sqrt(damping) * np.eye(self.n_shared), np.zeros((self.n_shared, 1))], 1)]
-        for (own, t), own_size in zip(self._runs, self._own_size, strict=True):
-            scaled = t / np.concatenate([own_size, size, [1.0]])
-            if own:
-                held = np.zeros((own, scaled.shape[1]))
-                held[:, :own] = np.sqrt(damping) * np.eye(own)
-                scaled = np.asarray(np.linalg.qr(np.concatenate([scaled, held]), mode="r"))
-            tops.append(scaled[:own])
-            rest.append(scaled[own:, own:])
-        left = np.concatenate(rest)
-        shared = np.linalg.lstsq(left[:, :-1], left[:, -1], rcond=None)[0]
-        locals_ = [
-            np.linalg.lstsq(top[:, :own], top[:, -1] - top[:, own:-1] @ shared, rcond=None)[0] / own_size
-            for (own, _), top, own_size in zip(self._runs, tops, self._own_size, strict=True)
-        ]
-        shared = shared / size
+        held = np.zeros((n, n + 1))
+        held[:, :n] = root * np.eye(n)
+        tops, rest = [], [held]
+        for g in self._groups:
+            common = np.broadcast_to(np.append(size, 1.0), (len(g.runs), n + 1))
+            scaled = g.triangles / np.concatenate([g.size, common], axis=1)[:, None]
+            if g.own:
+                below = np.zeros((len(g.runs), g.own, scaled.shape[2]))
+                below[:, :, : g.own] = root * np.eye(g.own)
+                scaled = np.asarray(np.linalg.qr(np.concatenate([scaled, below], axis=1), mode="r"))
+            tops.append(scaled[:, : g.own])
+            rest.append(scaled[:, g.own :, g.own :].reshape(-1, n + 1))
+        r = np.asarray(np.linalg.qr(np.concatenate(rest), mode="r"))
+        shared = np.linalg.solve(r[:n, :n], r[:n, n]) if n else np.zeros(0)
+        own_steps: dict[int, Array] = {}
         gain = 0.0
-        for (own, t), local in zip(self._runs, locals_, strict=True):
-            after = t[:, -1] - t[:, :own] @ local - t[:, own:-1] @ shared
-            gain += float(t[:, -1] @ t[:, -1] - after @ after)
-        return shared, locals_, gain
+        for g, top in zip(self._groups, tops, strict=True):
+            local = np.linalg.solve(top[:, :, : g.own], (top[:, :, -1] - top[:, :, g.own : -1] @ shared)[..., None])
+            local = local[..., 0] / g.size
+            own_steps |= dict(zip(g.runs, local, strict=True))
+            before = g.triangles[:, :, -1]
+            after = before - np.einsum("rij,rj->ri", g.triangles[:, :, : g.own], local)
+            after = after - g.triangles[:, :, g.own : -1] @ (shared / size)
+            gain += float(np.sum(before**2) - np.sum(after**2))
+        return shared / size, own_steps, gain
 
 
 def minimize(
@@ -201,7 +231,7 @@ def minimize(
         trial, trial_local = shared.copy(), local.copy()
         trial[free] += delta
         trial = np.clip(trial, problem.lower, problem.upper)
-        for run, change in enumerate(own):
+        for run, change in own.items():
             trial_local[active[:, run], run] += change
         new = problem.simulator.solve(trial, trial_local)
         fresh = problem.residual(new) if new is not None else None

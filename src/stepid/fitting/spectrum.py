@@ -12,17 +12,25 @@ _FINE = 4  # bins of the padded spectrum to one of the record's own
 _AROUND = 20  # bins of the record's own around a line, with which its height is compared
 _BESIDE = 3  # of the shortest record's own bins: beside the peak of a line, whatever the record
 _LINE = 30.0  # times that a line stands out; noise reached 11 in 300 draws of three runs, 54 of one: one start more
+_HEARD = 30.0  # times the noise that a swing stands out; noise alone reaches ln(bins), 11 for 10⁵ samples
 _APART = 0.15  # of a frequency: what is nearer is the same
 
 
 def strongest_period(records: Records) -> float:
-    """Period [s] of the strongest oscillation over all records."""
+    """Period [s] of the strongest oscillation over all records.
+
+    The velocity swings as strongly as the position, but white noise in the readings grows with frequency in it: a swing
+    has to stand out from what the upper half of the band says that noise does at its own frequency.
+    """
     best, power = 0.5, 0.0
     for r, piece in enumerate(records.pieces()):
         y = np.diff(records.position[piece])
         spectrum = np.abs(np.fft.rfft(y * np.hanning(y.size), 4 * y.size)) ** 2
         frequency = np.fft.rfftfreq(4 * y.size, float(records.sample_time[r]))
-        usable = frequency > 1.5 / (y.size * records.sample_time[r])
+        noise = np.sin(np.pi * frequency * records.sample_time[r]) ** 2  # of differences of white readings
+        upper = spectrum.size // 2
+        level = np.median(spectrum[upper:] / noise[upper:])
+        usable = (frequency > 1.5 / (y.size * records.sample_time[r])) & (spectrum > _HEARD * level * noise)
         k = int(np.argmax(np.where(usable, spectrum, 0.0)))
         if spectrum[k] > power:
             best, power = 1.0 / float(frequency[k]), float(spectrum[k])

@@ -55,7 +55,7 @@ _STILL = 1e-7  # m/s, slower than this is at rest where dry friction acts
 _CROSSED = 1e-13  # m or m/s, by which a margin must be past zero
 _EVENTS = 64  # between two changes of the input, at most; the rest of such a sample is followed without
 _SHORTEST = 1e-7  # of a sample, to which a step may shrink
-_STEPS = 5000  # between two changes of the input, at most; a plant that needs more is given up as a runaway
+_MOST_STEPS = 500  # between two samples: a plant that needs more is too stiff to follow, and left like a runaway
 _LOCATE = 60  # tries to locate an event
 _FAR = 1e3  # positions this many times larger than the scale are a runaway
 _TERMS = 16  # of the exponential's series, for a matrix of norm 1/2
@@ -349,6 +349,10 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
     shortest = _SHORTEST * (until - t)
     events, steps = 0, 0
     while t < until:
+        steps += 1
+        if steps > _MOST_STEPS:
+            w.y[0] = np.inf
+            return h, fresh
         left = until - t
         held = w.m[HELD] > 0.0
         if held and _stays(w, t, until):
@@ -384,9 +388,6 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
         t = until if last else t + length
         _copy(w.k[_STAGES - 1], w.k[0], w.states)
         h = max(h if last else 0.0, length * min(5.0, 0.9 * max(error, 1e-4) ** (-1.0 / _ORDER)))
-        steps += 1
-        if steps > _STEPS:
-            w.y[0] = np.nan
         if not abs(w.y[0]) < w.far:
             return h, False
     return h, fresh

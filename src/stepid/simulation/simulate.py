@@ -50,14 +50,6 @@ def pack(model: PlantModel, records: Records, effects: tuple[Effect, ...]) -> tu
     return np.array(shared), np.array(local)
 
 
-def _travel(sim: Simulator, shared: Array, local: Array) -> float:
-    """Displacement that the model's input and starts lead to, m: the records need not show any."""
-    of, volts = sim.layout, float(np.abs(sim.records.volts).max(initial=0.0))
-    stiffness = float(np.abs(shared[of.stiffness]).min())
-    pushed = abs(float(shared[of.force_gain])) * volts / stiffness if stiffness else 0.0
-    return max(pushed, float(np.abs(local[0]).max(initial=0.0)))
-
-
 def solve_model(
     model: PlantModel, campaign: Campaign, *, catalogue: tuple[Effect, ...] = CATALOGUE, tolerance: float = FINE
 ) -> tuple[Records, Solved]:
@@ -66,7 +58,6 @@ def solve_model(
     records = lay_out(as_campaign(campaign))
     sim = Simulator(records, effects, tolerance)
     shared, local = pack(model, records, effects)
-    sim.scale = max(sim.scale, _travel(sim, shared, local))
     solved = sim.solve(shared, local)
     if solved is None:
         raise ConvergenceError(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +21,7 @@ Index = npt.NDArray[np.intp]
 
 FINE = 1e-8  # of the typical displacement, error of one step: RMS errors below a thousandth of a count on a 2 cm swing
 COARSE = 1e-6  # the same while searching
-_TRAVEL = 1e-3  # m, typical displacement where the records show none
+_STILL = 1e-9  # m, a record that moves less does not move
 _DIFFERENCE = 1e-5  # relative step of a forward difference
 
 
@@ -63,9 +63,9 @@ class Simulator:
         self.records, self.effects, self.tolerance, self.workers = records, effects, tolerance, workers
         self.layout = ParameterLayout(records, effects)
         self.linear = all(e.linear for e in effects)
-        self.scale = float(np.abs(records.centered(records.position)).max(initial=0.0)) or _TRAVEL
+        self.scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), _STILL)
         self._powers = exponents(tuple(q for e in effects for q in e.parameters))
-        self._work: Any = None
+        self._planned: tuple[bytes, tuple[Index, Index, Index]] | None = None
 
     # ---- magnitudes -----------------------------------------------------------------------------------------------
 
@@ -91,50 +91,32 @@ class Simulator:
 
     # ---- the kernel -----------------------------------------------------------------------------------------------
 
-    def _structure(self) -> Any:
-        """Record of the plant's structure, as the kernel takes it; the first one compiles the effects' laws."""
-        from stepid.simulation.work import structure
-
-        if self._work is None:
-            self._work = structure(self.effects)
-        return self._work.copy()
-
-    def _run(
-        self, values: Array, start: Array, run: Index, offset: Index, size: int, n_states: int
-    ) -> tuple[Array, Array]:
+    def _run(self, values: Array, start: Array, run: Index, offset: Index, reading: Array, states: Array) -> None:
         """Simulate lanes: plants `values` (L, ·), beginning as `start` (L, ·) says, on runs `run` (L,)."""
         from stepid.simulation import kernel
+        from stepid.simulation.work import structure
 
         r = self.records
-        reading, states = np.empty(size), np.empty((n_states, size))
         exact = self.linear and r.coefficients.shape[1] == 1
+        values, start = np.ascontiguousarray(values), np.ascontiguousarray(start)
+        scale = self.scale
+        if scale <= _STILL:  # records without motion, of a plant that is to be simulated only
+            answer = np.abs(values[:, 3]) * np.abs(np.append(r.volts, r.before)).max() / np.abs(values[:, 1])
+            scale = max(float(answer.max()), float(np.abs(start[:, 0]).max()), _STILL)
 
         def some(lanes: slice) -> None:
+            work = structure(self.effects).copy()
             kernel.simulate(
-                self._structure(),
-                values[lanes],
-                start[lanes],
-                run[lanes],
-                r.bounds,
-                r.time,
-                r.coefficients,
-                r.before,
-                r.moving,
-                self.tolerance * self.scale,
-                self.scale,
-                exact,
-                offset[lanes],
-                reading,
-                states,
-            )
+                work, values[lanes], start[lanes], run[lanes], r.bounds, r.time, r.coefficients, r.before, r.moving,
+                self.tolerance * scale, scale, exact, offset[lanes], reading, states,
+            )  # fmt: skip
 
-        if self.workers == 1 or len(run) == 1:
+        if self.workers == 1 or len(run) <= 1:
             some(slice(None))
         else:
             ends = np.linspace(0, len(run), min(self.workers, len(run)) + 1).astype(int)
             with ThreadPoolExecutor(self.workers) as pool:
                 list(pool.map(some, [slice(a, b) for a, b in pairwise(ends)]))
-        return reading, states
 
     def readings(self, shared: Array, local: Array) -> Array:
         """Readings of C plants, m, shape (C, S), for parameters (C, P) and (C, Q, R); NaN after a runaway."""
@@ -143,10 +125,10 @@ class Simulator:
     def _every(self, shared: Array, local: Array, n_states: int) -> tuple[Array, Array]:
         r, copies = self.records, len(shared)
         values = self.layout.plants(shared, local)
-        values = np.ascontiguousarray(values.reshape(-1, values.shape[-1]))
         run = np.tile(np.arange(len(r.runs)), copies)
         offset = (np.arange(copies)[:, None] * r.size + r.first).ravel()
-        reading, states = self._run(values, self._starts(local), run, offset, copies * r.size, n_states)
+        reading, states = np.empty(copies * r.size), np.empty((n_states, copies * r.size))
+        self._run(values.reshape(-1, values.shape[-1]), self._starts(local), run, offset, reading, states)
         return reading.reshape(copies, r.size), states.reshape(n_states, copies, r.size)
 
     def _starts(self, local: Array) -> Array:
@@ -191,36 +173,35 @@ class Simulator:
         active : array of bool, shape (Q, R)
         """
         r, of = self.records, self.layout
-        steps = self.steps(shared)
-        rows = [(int(p), of.touched(int(p))) for p in np.flatnonzero(wanted)]
-        rows += [(of.n_global + int(q), np.flatnonzero(active[q])) for q in np.flatnonzero(active.any(axis=1))]
-        moved = [np.repeat(a[None], len(rows), axis=0) for a in (shared, local)]
-        for copy, (row, runs) in enumerate(rows):
-            if row < of.n_global:
-                moved[0][copy, row] += steps[row]
-            else:
-                moved[1][copy, row - of.n_global, runs] += steps[row]
+        row, copies, run = self._lanes(wanted, active)
+        steps = self.steps(shared)[row]
+        moved = [np.repeat(a[None], row.size, axis=0) for a in (shared, local)]
+        here = np.arange(row.size)
+        first = int(np.sum(row < of.n_global))
+        moved[0][here[:first], row[:first]] += steps[:first]
+        moved[1][here[first:], row[first:] - of.n_global] += steps[first:, None]
+        found = np.repeat(reading[None], row.size, axis=0)
+        self._run(
+            of.plants(*moved)[copies, run], self._starts(moved[1])[copies * len(r.runs) + run], run,
+            copies * r.size + r.first[run], found.ravel(), np.empty((0, 0)),
+        )  # fmt: skip
         out = np.zeros((of.n_global + of.n_run, r.size))
-        if rows:
-            copies = np.concatenate([np.full(runs.size, i) for i, (_, runs) in enumerate(rows)])
-            run = np.concatenate([runs for _, runs in rows])
-            lanes = copies * len(r.runs) + run
-            sizes = np.diff(r.bounds)[run]
-            offset = np.concatenate([[0], np.cumsum(sizes)])
-            values = of.plants(*moved)
-            found, _ = self._run(
-                np.ascontiguousarray(values[copies, run]),
-                self._starts(moved[1])[lanes],
-                run,
-                offset[:-1],
-                int(offset[-1]),
-                0,
-            )
-            pieces = r.pieces()
-            for i, (c, k) in enumerate(zip(copies, run, strict=True)):
-                row = rows[c][0]
-                out[row, pieces[k]] = (found[offset[i] : offset[i + 1]] - reading[pieces[k]]) / steps[row]
+        with np.errstate(all="ignore"):
+            out[row] = (found - reading) / steps[:, None]
         return out[: of.n_global], out[of.n_global :]
+
+    def _lanes(self, wanted: Mask, active: Mask) -> tuple[Index, Index, Index]:
+        """Parameters to move, and which run has to be simulated for which of them: the last call's are kept."""
+        key = wanted.tobytes() + active.tobytes()
+        if self._planned is None or self._planned[0] != key:
+            of = self.layout
+            touched = [(int(p), of.touched(int(p))) for p in np.flatnonzero(wanted)]
+            touched += [(of.n_global + int(q), np.flatnonzero(active[q])) for q in np.flatnonzero(active.any(axis=1))]
+            row = np.array([p for p, _ in touched], dtype=np.intp)
+            run = np.concatenate([np.zeros(0, dtype=np.intp), *(runs for _, runs in touched)])
+            copies = np.repeat(np.arange(row.size), [runs.size for _, runs in touched])
+            self._planned = key, (row, copies, run)
+        return self._planned[1]
 
 
 def check_size(effects: tuple[Effect, ...]) -> None:

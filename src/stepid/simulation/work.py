@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from stepid.simulation import kernel
 from stepid.simulation.laws import changes, law
 
 
+@lru_cache(maxsize=1024)
 def structure(effects: tuple[Effect, ...]) -> Any:
     """Record of `kernel.WORK`: the effects in the order of the drive's chain, where their values and states stand."""
     work = np.rec.array(np.zeros(1, kernel.WORK))[0]
