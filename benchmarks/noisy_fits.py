@@ -23,9 +23,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-import stepid  # noqa: E402
-from hidden.fast import fast  # noqa: E402
-from hidden.plant import Run  # noqa: E402
+import stepid
+from hidden.fast import fast
+from hidden.plant import Run
 
 SAMPLE_TIMES = (0.5e-3, 0.885e-3, 1.77e-3, 4.427e-3, 8.854e-3, 18e-3)
 NOISES = (5e-6, 20e-6, 50e-6, 100e-6, 200e-6, 500e-6)

@@ -27,7 +27,7 @@ Array = Any  # numba knows the types
 # what a law is asked for (`stepid.simulation.laws` writes the answers)
 EVALUATE, SWITCHES, BREAKAWAY, REMEMBER, RELAX, AT_REST, DELAY, READING = range(8)
 # the moment, as laws see it beside the state
-SIGN, TIME, MASS, STIFFNESS, DAMPING, VOLTS, SLOPE, SPAN, HELD, MOMENT = range(10)
+SIGN, TIME, MASS, STIFFNESS, DAMPING, VOLTS, SLOPE, SPAN, HELD, BEND, JERK, MOMENT = range(12)
 # a plant's values: these, then the effects' parameters
 Q_MASS, Q_STIFFNESS, Q_DAMPING, Q_GAIN, Q_FIRST = range(5)
 # an effect's place: where its values, states and sides begin, how many there are, what it does
@@ -87,6 +87,7 @@ WORK = np.dtype(
         ("margin", np.float64, 1 + MOST_SWITCHES),  # how far each event is
         ("far", np.float64),  # m, from where on it is a runaway
         ("net", np.float64),  # force on a held cart, N, when it was last looked at
+        ("chain", np.float64, (MOST_EFFECTS, 4)),  # volts that reach each effect of the drive in a step, a cubic
         ("begins", np.float64, 1 + MOST_SWITCHES),  # the same where a step begins
         ("ends", np.float64, 1 + MOST_SWITCHES),  # and where it ends
         ("allowed", np.float64, MOST_STATES),  # error of each state that a step may make; below 0 relative to its size
@@ -156,31 +157,92 @@ def _evaluate(w: Work, t: float, y: Array, dy: Array) -> float:
 
 
 @compiled
+def _see(w: Work, e: int, s: float) -> None:
+    """Put the volts that reach an effect of the drive `s` [s] after the start of a step, and their derivatives."""
+    m, c = w.m, w.chain
+    m[VOLTS] = c[e, 0] + s * (c[e, 1] + s * (c[e, 2] + s * c[e, 3]))
+    m[SLOPE] = c[e, 1] + s * (2.0 * c[e, 2] + s * 3.0 * c[e, 3])
+    m[BEND] = 2.0 * c[e, 2] + s * 6.0 * c[e, 3]
+    m[JERK] = 6.0 * c[e, 3]
+
+
+@compiled
+def _relax(w: Work, e: int, t: float, s: float, span: float, y: Array, after: Array) -> None:
+    """Write the own states of an effect of the drive `span` [s] after `y`, `s` [s] after the start of a step."""
+    _see(w, e, s)
+    w.m[TIME], w.m[SPAN] = t + s, span
+    _ask(w, RELAX, e, y)
+    for j in range(w.places[e, OWN], w.places[e, OWN] + w.places[e, N_EXTRA]):
+        after[j] = w.out[j - w.places[e, OWN]]
+
+
+@compiled
+def _handed_on(w: Work, e: int, t: float, s: float) -> float:
+    """Volts that an effect of the drive hands on `s` [s] after the start of a step."""
+    if w.places[e, RELAXES]:
+        _relax(w, e, t, 0.0, s, w.y, w.stage)
+    _see(w, e, s)
+    w.m[TIME] = t + s
+    _ask(w, EVALUATE, e, w.stage)
+    return w.out[DRIVEN]
+
+
+@compiled
+def _follow_drive(w: Work, t: float, h: float) -> float:
+    """Write `w.chain` for a step, through four moments; return its error over what is allowed.
+
+    A cubic that misses what is handed on gives the cart a wrong push for the length of the step; a law that leads
+    elsewhere in one step than in two leaves a wrong force behind.
+    """
+    c, q = w.chain, w.q
+    s = t - w.u[0]
+    c0, c1, c2, c3 = _input(w, t), _slope(w, t), w.u[3] + 3.0 * s * w.u[4], w.u[4]
+    missed, apart = 0.0, 0.0
+    if w.relaxing > 1:
+        _copy(w.y, w.stage, w.states)
+    for e in range(w.relaxing):
+        if not w.places[e, DRIVES]:
+            continue
+        c[e, 0], c[e, 1], c[e, 2], c[e, 3] = c0, c1, c2, c3
+        own, changing = w.places[e, OWN], c1 != 0.0 or c2 != 0.0 or c3 != 0.0
+        if w.places[e, RELAXES] and changing:
+            spare = w.k[_STAGES]
+            _relax(w, e, t, 0.0, 0.5 * h, w.y, w.stage)
+            _relax(w, e, t, 0.5 * h, 0.5 * h, w.stage, spare)
+            _relax(w, e, t, 0.0, h, w.y, w.stage)
+            for j in range(own, own + w.places[e, N_EXTRA]):
+                apart = max(apart, abs(spare[j] - w.stage[j]) - 1e-14 * abs(spare[j]))
+        if e + 1 == w.relaxing:
+            break
+        c0 = _handed_on(w, e, t, 0.0)
+        if w.places[e, RELAXES] or changing:
+            one, two, end = _handed_on(w, e, t, h / 3.0), _handed_on(w, e, t, h / 1.5), _handed_on(w, e, t, h)
+            middle = _handed_on(w, e, t, 0.5 * h)
+            missed = max(missed, abs(middle - (9.0 * (one + two) - c0 - end) / 16.0))
+            one, two, end = one - c0, two - c0, end - c0
+            c1, c2, c3 = end / h, 0.0, 0.0
+            if abs(3.0 * one - end) + abs(1.5 * two - end) > 1e-12 * abs(c0):  # or rounding would look like a curve
+                c1 = (9.0 * one - 4.5 * two + end) / h
+                c2 = (-22.5 * one + 18.0 * two - 4.5 * end) / (h * h)
+                c3 = (13.5 * (one - two) + 4.5 * end) / (h * h * h)
+        else:
+            c1, c2, c3 = 0.0, 0.0, 0.0
+    push, force = missed * h / (q[Q_MASS] * w.allowed[1]), apart / (abs(q[Q_STIFFNESS]) * w.allowed[0])
+    return abs(q[Q_GAIN]) * max(push, force)
+
+
+@compiled
 def _own_states(w: Work, t: float, span: float, y: Array, after: Array) -> None:
     """Write into `after` the states that are known in closed form `span` [s] after `y`: lags and memories."""
-    m, out = w.m, w.out
-    volts, slope = _input(w, t), _slope(w, t)
     for e in range(w.effects):
-        own = w.places[e, OWN]
-        if w.places[e, DRIVES] and e < w.relaxing:
-            m[TIME], m[VOLTS], m[SLOPE], m[SPAN] = t, volts, slope, span
-            if w.places[e, RELAXES]:
-                _ask(w, RELAX, e, y)
-                for j in range(w.places[e, N_EXTRA]):
-                    after[own + j] = out[j]
-        if w.places[e, DRIVES] and e + 1 < w.relaxing:
-            _ask(w, EVALUATE, e, y)
-            before = out[DRIVEN]
-            if slope != 0.0 or w.places[e, RELAXES]:  # what the next one in the chain sees, as a straight line
-                m[TIME], m[VOLTS] = t + span, volts + slope * span
-                _ask(w, EVALUATE, e, after)
-                slope = (out[DRIVEN] - before) / span if span > 0.0 else 0.0
-            volts = before
+        if w.places[e, RELAXES]:
+            _relax(w, e, t, 0.0, span, y, after)
         if w.places[e, N_MEMORY]:
-            m[SPAN] = after[0] - y[0]
+            w.m[SPAN] = after[0] - y[0]
             _ask(w, REMEMBER, e, y)
+            own = w.places[e, OWN] + w.places[e, N_EXTRA]
             for j in range(w.places[e, N_MEMORY]):
-                after[own + w.places[e, N_EXTRA] + j] = out[j]
+                after[own + j] = w.out[j]
 
 
 @compiled
@@ -189,6 +251,7 @@ def _step(w: Work, t: float, h: float) -> float:
     y, z, k = w.y, w.stage, w.k
     d = w.states
     known = w.known
+    worst = _follow_drive(w, t, h) if w.relaxing else 0.0
     for s in range(1, _STAGES):
         for j in range(d):
             total = 0.0
@@ -198,13 +261,13 @@ def _step(w: Work, t: float, h: float) -> float:
         if known:
             _own_states(w, t, _C[s] * h, y, z)
         _evaluate(w, t + _C[s] * h, z, k[s])
-    worst = 0.0
     for j in range(d):
         total = 0.0
         for i in range(_STAGES):
             total += _E[i] * k[i, j]
-        size = max(abs(y[j]), abs(z[j]))
-        allowed = w.allowed[j] if w.allowed[j] > 0.0 else -w.allowed[j] * size
+        allowed = w.allowed[j]
+        if allowed < 0.0:  # what has only just left zero is judged by where it goes
+            allowed *= -max(abs(y[j]), abs(z[j]), abs(k[_STAGES - 1, j]) * w.allowed[0] / w.allowed[1])
         if allowed > 0.0:
             worst = max(worst, abs(h * total) / allowed)
         if z[j] != z[j]:
