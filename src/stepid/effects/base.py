@@ -56,8 +56,8 @@ class Moment(NamedTuple):
         The effect's own states.
     memory : tuple of float
         The effect's own states that follow the displacement, not time.
-    slope : float
-        V/s, change of `volts`.
+    slope, bend, jerk : float
+        V/s, V/s², V/s³: derivatives of `volts` in time.
     """
 
     x: float
@@ -72,6 +72,8 @@ class Moment(NamedTuple):
     extra: tuple[float, ...] = ()
     memory: tuple[float, ...] = ()
     slope: float = 0.0
+    bend: float = 0.0
+    jerk: float = 0.0
 
 
 class Motion(NamedTuple):
@@ -258,7 +260,8 @@ class Effect:
     def relax(p: Values, m: Moment, time: float) -> tuple[float, ...]:
         """Own states `time` [s] after `m` in closed form, for effects of the drive whose states follow `m.volts` alone.
 
-        The input changes by `m.slope` a second meanwhile.
+        The input is a cubic in time meanwhile: `m.slope`, `m.bend` and `m.jerk` are its derivatives at the start. Where
+        a law is not exact for a cubic, steps are chosen so short that its halves agree.
         """
         return ()
 

@@ -44,8 +44,11 @@ class ActuatorLag(Effect):
 
     @staticmethod
     def relax(p: Values, m: Moment, time: float) -> tuple[float, ...]:
-        behind = m.volts - m.slope * p[0]  # where it has settled to behind a steady change
-        return (behind + m.slope * time + (m.extra[0] - behind) * math.exp(-time / p[0]),)
+        lag = p[0]  # long after the start it follows the cubic u as u − τ u′ + τ² u″ − τ³ u‴
+        value = m.volts - lag * (m.slope - lag * (m.bend - lag * m.jerk))
+        slope, bend = m.slope - lag * (m.bend - lag * m.jerk), m.bend - lag * m.jerk
+        later = value + time * (slope + time * (bend / 2.0 + time * m.jerk / 6.0))
+        return (later + (m.extra[0] - value) * math.exp(-time / lag),)
 
 
 class InputDelay(Effect):
@@ -143,17 +146,22 @@ class ActuatorRateLimit(Effect):
 
     @staticmethod
     def relax(p: Values, m: Moment, time: float) -> tuple[float, ...]:
-        behind = m.volts - m.extra[0]
-        if behind == 0.0 and abs(m.slope) <= p[0]:
-            return (m.volts + m.slope * time,)
-        speed = math.copysign(p[0], behind if behind != 0.0 else m.slope)
-        closing = speed - m.slope
-        if behind * closing <= 0.0 or time * abs(closing) < abs(behind):
-            return (m.extra[0] + speed * time,)
-        if abs(m.slope) <= p[0]:
-            return (m.volts + m.slope * time,)
-        met = behind / closing
-        return (m.volts + m.slope * met + math.copysign(p[0], m.slope) * (time - met),)
+        rate, now = p[0], m.extra[0]
+        slope = m.slope + time * (m.bend / 2.0 + time * m.jerk / 6.0)  # of the chord
+        last = m.slope + time * (m.bend + time * m.jerk / 2.0)
+        behind, target = m.volts - now, m.volts + slope * time
+        if abs(behind) > 1e-12 * (abs(m.volts) + rate * time):
+            closing = math.copysign(rate, behind) - slope
+            if behind * closing <= 0.0 or time * abs(closing) < abs(behind):
+                return (now + math.copysign(rate, behind) * time,)
+            if abs(slope) > rate:  # met, and left behind the other way
+                since = behind / closing
+                return (m.volts + slope * since + math.copysign(rate, slope) * (time - since),)
+        elif abs(m.slope) > rate and abs(slope) > rate:
+            return (now + math.copysign(rate, m.slope) * time,)
+        if abs(m.slope) <= rate < abs(last):  # the command has become too fast on the way
+            return (target - math.copysign(0.5 * (abs(last) - rate) ** 2 * time / abs(last - m.slope), last),)
+        return (target,)
 
 
 class PeriodicDisturbance(Effect):

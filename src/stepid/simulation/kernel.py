@@ -27,7 +27,7 @@ Array = Any  # numba knows the types
 # what a law is asked for (`stepid.simulation.laws` writes the answers)
 EVALUATE, SWITCHES, BREAKAWAY, REMEMBER, RELAX, AT_REST, DELAY, READING = range(8)
 # the moment, as laws see it beside the state
-SIGN, TIME, MASS, STIFFNESS, DAMPING, VOLTS, SLOPE, SPAN, HELD, MOMENT = range(10)
+SIGN, TIME, MASS, STIFFNESS, DAMPING, VOLTS, SLOPE, SPAN, HELD, BEND, JERK, MOMENT = range(12)
 # a plant's values: these, then the effects' parameters
 Q_MASS, Q_STIFFNESS, Q_DAMPING, Q_GAIN, Q_FIRST = range(5)
 # an effect's place: where its values, states and sides begin, how many there are, what it does
@@ -58,7 +58,6 @@ _SHORTEST = 1e-7  # of a sample, to which a step may shrink
 _MOST_STEPS = 2000  # between two samples: a plant that needs more is too stiff to follow, and left like a runaway
 _LOCATE = 60  # tries to locate an event
 _FAR = 1e3  # positions this many times larger than the scale are a runaway
-_PACE = 1 / 16  # of a sample, a step of effects that follow what bends
 _TERMS = 16  # of the exponential's series, for a matrix of norm 1/2
 
 
@@ -74,6 +73,7 @@ WORK = np.dtype(
         ("q", np.float64, MOST_VALUES),  # values of the plant
         ("reverses", np.int64),  # whether the law changes where the velocity changes sign
         ("dry", np.int64),  # whether friction can hold the cart
+        ("exact", np.int64),  # whether steps are exact: the law is linear, the input held
         ("known", np.int64),  # whether own states are known in closed form
         ("relaxing", np.int64),  # how many effects until the last one whose states follow the drive in closed form
         ("rated", np.int64),  # whether own states have a rate
@@ -88,9 +88,17 @@ WORK = np.dtype(
         ("margin", np.float64, 1 + MOST_SWITCHES),  # how far each event is
         ("far", np.float64),  # m, from where on it is a runaway
         ("net", np.float64),  # force on a held cart, N, when it was last looked at
+        ("chain", np.float64, (MOST_EFFECTS, 4)),  # volts that reach each effect of the drive in a step, a cubic
         ("begins", np.float64, 1 + MOST_SWITCHES),  # the same where a step begins
         ("ends", np.float64, 1 + MOST_SWITCHES),  # and where it ends
         ("allowed", np.float64, MOST_STATES),  # error of each state that a step may make; below 0 relative to its size
+        ("matrix", np.float64, (MOST_STATES, MOST_STATES)),  # of a linear law, and its constant
+        ("constant", np.float64, MOST_STATES),
+        ("leap", np.float64),  # s, for which there are the exponential and its integral
+        ("phi", np.float64, (MOST_STATES, MOST_STATES)),
+        ("psi", np.float64, (MOST_STATES, MOST_STATES)),
+        ("term", np.float64, (MOST_STATES, MOST_STATES)),  # room
+        ("new", np.float64, (MOST_STATES, MOST_STATES)),
     ]
 )
 """A plant and the room to follow it in."""
@@ -157,32 +165,92 @@ def _evaluate(w: Work, t: float, y: Array, dy: Array) -> float:
 
 
 @compiled
+def _see(w: Work, e: int, s: float) -> None:
+    """Put the volts that reach an effect of the drive `s` [s] after the start of a step, and their derivatives."""
+    m, c = w.m, w.chain
+    m[VOLTS] = c[e, 0] + s * (c[e, 1] + s * (c[e, 2] + s * c[e, 3]))
+    m[SLOPE] = c[e, 1] + s * (2.0 * c[e, 2] + s * 3.0 * c[e, 3])
+    m[BEND] = 2.0 * c[e, 2] + s * 6.0 * c[e, 3]
+    m[JERK] = 6.0 * c[e, 3]
+
+
+@compiled
+def _relax(w: Work, e: int, t: float, s: float, span: float, y: Array, after: Array) -> None:
+    """Write the own states of an effect of the drive `span` [s] after `y`, `s` [s] after the start of a step."""
+    _see(w, e, s)
+    w.m[TIME], w.m[SPAN] = t + s, span
+    _ask(w, RELAX, e, y)
+    for j in range(w.places[e, OWN], w.places[e, OWN] + w.places[e, N_EXTRA]):
+        after[j] = w.out[j - w.places[e, OWN]]
+
+
+@compiled
+def _handed_on(w: Work, e: int, t: float, s: float) -> float:
+    """Volts that an effect of the drive hands on `s` [s] after the start of a step."""
+    if w.places[e, RELAXES]:
+        _relax(w, e, t, 0.0, s, w.y, w.stage)
+    _see(w, e, s)
+    w.m[TIME] = t + s
+    _ask(w, EVALUATE, e, w.stage)
+    return w.out[DRIVEN]
+
+
+@compiled
+def _follow_drive(w: Work, t: float, h: float) -> float:
+    """Write `w.chain` for a step, through four moments; return its error over what is allowed.
+
+    A cubic that misses what is handed on gives the cart a wrong push for the length of the step; a law that leads
+    elsewhere in one step than in two leaves a wrong force behind.
+    """
+    c, q = w.chain, w.q
+    s = t - w.u[0]
+    c0, c1, c2, c3 = _input(w, t), _slope(w, t), w.u[3] + 3.0 * s * w.u[4], w.u[4]
+    missed, apart = 0.0, 0.0
+    if w.relaxing > 1:
+        _copy(w.y, w.stage, w.states)
+    for e in range(w.relaxing):
+        if not w.places[e, DRIVES]:
+            continue
+        c[e, 0], c[e, 1], c[e, 2], c[e, 3] = c0, c1, c2, c3
+        own, changing = w.places[e, OWN], c1 != 0.0 or c2 != 0.0 or c3 != 0.0
+        if w.places[e, RELAXES] and changing:
+            spare = w.k[_STAGES]
+            _relax(w, e, t, 0.0, 0.5 * h, w.y, w.stage)
+            _relax(w, e, t, 0.5 * h, 0.5 * h, w.stage, spare)
+            _relax(w, e, t, 0.0, h, w.y, w.stage)
+            for j in range(own, own + w.places[e, N_EXTRA]):
+                apart = max(apart, abs(spare[j] - w.stage[j]) - 1e-14 * abs(spare[j]))
+        if e + 1 == w.relaxing:
+            break
+        c0 = _handed_on(w, e, t, 0.0)
+        if w.places[e, RELAXES] or changing:
+            one, two, end = _handed_on(w, e, t, h / 3.0), _handed_on(w, e, t, h / 1.5), _handed_on(w, e, t, h)
+            middle = _handed_on(w, e, t, 0.5 * h)
+            missed = max(missed, abs(middle - (9.0 * (one + two) - c0 - end) / 16.0))
+            one, two, end = one - c0, two - c0, end - c0
+            c1, c2, c3 = end / h, 0.0, 0.0
+            if abs(3.0 * one - end) + abs(1.5 * two - end) > 1e-12 * abs(c0):  # or rounding would look like a curve
+                c1 = (9.0 * one - 4.5 * two + end) / h
+                c2 = (-22.5 * one + 18.0 * two - 4.5 * end) / (h * h)
+                c3 = (13.5 * (one - two) + 4.5 * end) / (h * h * h)
+        else:
+            c1, c2, c3 = 0.0, 0.0, 0.0
+    push, force = missed * h / (q[Q_MASS] * w.allowed[1]), apart / (abs(q[Q_STIFFNESS]) * w.allowed[0])
+    return abs(q[Q_GAIN]) * max(push, force)
+
+
+@compiled
 def _own_states(w: Work, t: float, span: float, y: Array, after: Array) -> None:
     """Write into `after` the states that are known in closed form `span` [s] after `y`: lags and memories."""
-    m, out = w.m, w.out
-    volts = _input(w, t)
-    slope = (_input(w, t + span) - volts) / span if span > 0.0 else _slope(w, t)
     for e in range(w.effects):
-        own = w.places[e, OWN]
-        if w.places[e, DRIVES] and e < w.relaxing:
-            m[TIME], m[VOLTS], m[SLOPE], m[SPAN] = t, volts, slope, span
-            if w.places[e, RELAXES]:
-                _ask(w, RELAX, e, y)
-                for j in range(w.places[e, N_EXTRA]):
-                    after[own + j] = out[j]
-        if w.places[e, DRIVES] and e + 1 < w.relaxing:
-            _ask(w, EVALUATE, e, y)
-            before = out[DRIVEN]
-            if slope != 0.0 or w.places[e, RELAXES]:  # what the next one in the chain sees, as a straight line
-                m[TIME], m[VOLTS] = t + span, volts + slope * span
-                _ask(w, EVALUATE, e, after)
-                slope = (out[DRIVEN] - before) / span if span > 0.0 else 0.0
-            volts = before
+        if w.places[e, RELAXES]:
+            _relax(w, e, t, 0.0, span, y, after)
         if w.places[e, N_MEMORY]:
-            m[SPAN] = after[0] - y[0]
+            w.m[SPAN] = after[0] - y[0]
             _ask(w, REMEMBER, e, y)
+            own = w.places[e, OWN] + w.places[e, N_EXTRA]
             for j in range(w.places[e, N_MEMORY]):
-                after[own + w.places[e, N_EXTRA] + j] = out[j]
+                after[own + j] = w.out[j]
 
 
 @compiled
@@ -191,6 +259,7 @@ def _step(w: Work, t: float, h: float) -> float:
     y, z, k = w.y, w.stage, w.k
     d = w.states
     known = w.known
+    worst = _follow_drive(w, t, h) if w.relaxing else 0.0
     for s in range(1, _STAGES):
         for j in range(d):
             total = 0.0
@@ -200,13 +269,13 @@ def _step(w: Work, t: float, h: float) -> float:
         if known:
             _own_states(w, t, _C[s] * h, y, z)
         _evaluate(w, t + _C[s] * h, z, k[s])
-    worst = 0.0
     for j in range(d):
         total = 0.0
         for i in range(_STAGES):
             total += _E[i] * k[i, j]
-        size = max(abs(y[j]), abs(z[j]))
-        allowed = w.allowed[j] if w.allowed[j] > 0.0 else -w.allowed[j] * size
+        allowed = w.allowed[j]
+        if allowed < 0.0:  # what has only just left zero is judged by where it goes
+            allowed *= -max(abs(y[j]), abs(z[j]), abs(k[_STAGES - 1, j]) * w.allowed[0] / w.allowed[1])
         if allowed > 0.0:
             worst = max(worst, abs(h * total) / allowed)
         if z[j] != z[j]:
@@ -396,21 +465,20 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
 
 
 @compiled
-def _times(left: Array, right: Array, out: Array, factor: float) -> None:
+def _times(left: Array, right: Array, out: Array, factor: float, size: int) -> None:
     """Write a product of two square matrices, times a factor."""
-    d = out.shape[0]
-    for i in range(d):
-        for j in range(d):
+    for i in range(size):
+        for j in range(size):
             total = 0.0
-            for r in range(d):
+            for r in range(size):
                 total += left[i, r] * right[r, j]
             out[i, j] = factor * total
 
 
 @compiled
-def _exponential(a: Array, h: float, phi: Array, psi: Array) -> None:
-    """Write exp(a h) and the integral of exp(a s) over s from 0 to h, by a scaled and squared series."""
-    d = a.shape[0]
+def _exponential(w: Work, h: float) -> None:
+    """Write exp(A h) and the integral of exp(A s) over s from 0 to h, by a scaled and squared series."""
+    d, a, phi, psi, term, new = w.states, w.matrix, w.phi, w.psi, w.term, w.new
     norm = 0.0
     for i in range(d):
         row = 0.0
@@ -422,39 +490,52 @@ def _exponential(a: Array, h: float, phi: Array, psi: Array) -> None:
         norm *= 0.5
         halvings += 1
     s = h / 2.0**halvings
-    term, new = np.zeros((d, d)), np.zeros((d, d))
     for i in range(d):
         for j in range(d):
             term[i, j] = 1.0 if i == j else 0.0
             phi[i, j], psi[i, j] = term[i, j], s * term[i, j]
     for n in range(1, _TERMS):
-        _times(term, a, new, s / n)
+        _times(term, a, new, s / n, d)
         for i in range(d):
             for j in range(d):
                 term[i, j] = new[i, j]
                 phi[i, j] += term[i, j]
                 psi[i, j] += term[i, j] * s / (n + 1)
     for _ in range(halvings):
-        _times(phi, psi, new, 1.0)
-        _times(phi, phi, term, 1.0)
+        _times(phi, psi, new, 1.0, d)
+        _times(phi, phi, term, 1.0, d)
         for i in range(d):
             for j in range(d):
                 psi[i, j] += new[i, j]
                 phi[i, j] = term[i, j]
+    w.leap = h
 
 
 @compiled
-def _matrix(w: Work, t: float, a: Array) -> None:
-    """Write the matrix of a linear law, column by column."""
-    d = w.states
+def _linear_law(w: Work, t: float) -> None:
+    """Write the matrix of a linear law, column by column, and its constant under the input."""
     _clear(w.stage, w.states)
-    _evaluate(w, t, w.stage, w.k[0])
-    for j in range(d):
+    _evaluate(w, t, w.stage, w.constant)
+    for j in range(w.states):
         w.stage[j] = 1.0
         _evaluate(w, t, w.stage, w.k[1])
-        for i in range(d):
-            a[i, j] = w.k[1, i] - w.k[0, i]
+        for i in range(w.states):
+            w.matrix[i, j] = w.k[1, i] - w.constant[i]
         w.stage[j] = 0.0
+    w.leap = 0.0
+
+
+@compiled
+def _leap(w: Work, length: float) -> None:
+    """Step exactly: the plant is linear, its input held."""
+    if abs(w.leap - length) > 1e-12 * length:
+        _exponential(w, length)
+    for i in range(w.states):
+        total = 0.0
+        for j in range(w.states):
+            total += w.phi[i, j] * w.y[j] + w.psi[i, j] * w.constant[j]
+        w.stage[i] = total
+    _copy(w.stage, w.y, w.states)
 
 
 @compiled
@@ -513,88 +594,55 @@ def _seen(w: Work, t: float) -> float:
 
 
 @compiled
-def _follow_record(
-    w: Work,
-    time: Array,
-    coefficients: Array,
-    before: float,
-    start: Array,
-    moving: bool,
-    scale: float,
-    exact: bool,
-    reading: Array,
-    states: Array,
-) -> None:
-    """Follow one record, sample by sample; what comes after a runaway is not a number."""
-    n, d, degree = time.size, w.states, coefficients.shape[1]
-    _clear(w.u, 5)
-    w.u[1], w.far = before, _FAR * scale
-    _begin(w, time[0], start, moving, scale)
-    delay, drives, relaxes = 0.0, 0, 0
+def _delay(w: Work) -> float:
+    total = 0.0
     for e in range(w.effects):
         if w.places[e, DELAYS]:
-            delay += max(0.0, _ask(w, DELAY, e, w.y))
-        drives += w.places[e, DRIVES]
-        relaxes += w.places[e, RELAXES]
-    pace = np.inf  # each of the drive's chain takes what it follows as straight over a step
-    if relaxes > 0 and (degree > 2 or (drives > 1 and (degree > 1 or relaxes > 1))):
-        pace = _PACE * (time[1] - time[0])
-    a, phi, psi, lengths = np.zeros((d, d)), np.zeros((2, d, d)), np.zeros((2, d, d)), np.zeros(2)
-    slot, constant = 0, np.zeros(d)
-    if exact:
-        _matrix(w, time[0], a)
-        _copy(w.k[0], constant, d)
-    t, j = time[0], -1
+            total += max(0.0, _ask(w, DELAY, e, w.y))
+    return total
+
+
+@compiled
+def _change_input(w: Work, t: float, since: float, polynomial: Array) -> None:
+    """Let another piece of the input act from now on."""
+    w.u[0] = since
+    for r in range(polynomial.size):
+        w.u[1 + r] = polynomial[r]
+    if w.exact:
+        _clear(w.stage, w.states)
+        _evaluate(w, t, w.stage, w.constant)
+    elif w.m[HELD] > 0.0 or w.y[1] == 0.0:
+        _choose_direction(w, t)
+
+
+@compiled
+def _follow_record(w: Work, time: Array, coefficients: Array, delay: float, reading: Array, states: Array) -> None:
+    """Follow one record from where it begins, sample by sample; what comes after a runaway is not a number."""
+    n, t, piece, fresh = time.size, time[0], -1, False
     h = time[1] - t if n > 1 else 1.0
-    fresh = False
     for i in range(n):
-        reading[i] = _seen(w, t)
+        runaway = not abs(w.y[0]) < w.far
+        reading[i] = np.nan if runaway else _seen(w, t)
         for r in range(states.shape[0]):
-            states[r, i] = w.y[r]
+            states[r, i] = np.nan if runaway else w.y[r]
         if i == n - 1:
             break
-        while t < time[i + 1]:
+        while t < time[i + 1] and not runaway:
             changed = False
-            while j + 1 < n and time[j + 1] + delay <= t:
-                j += 1
-                changed = changed or degree > 1 or coefficients[j, 0] != w.u[1]
+            while piece + 1 < n and time[piece + 1] + delay <= t:
+                piece += 1
+                changed = changed or coefficients.shape[1] > 1 or coefficients[piece, 0] != w.u[1]
             if changed:
-                w.u[0] = time[j] + delay
-                for r in range(degree):
-                    w.u[1 + r] = coefficients[j, r]
+                _change_input(w, t, time[piece] + delay, coefficients[piece])
                 fresh = False
-                if exact:
-                    _clear(w.stage, w.states)
-                    _evaluate(w, t, w.stage, constant)
-                elif w.m[HELD] > 0.0 or w.y[1] == 0.0:
-                    _choose_direction(w, t)
             until = time[i + 1]
-            if j + 1 < n:
-                until = min(until, time[j + 1] + delay)
-            if t + 1.5 * pace < until:
-                until = t + pace
-            if exact:
-                length = until - t
-                if abs(lengths[slot] - length) > 1e-12 * length:
-                    slot = 1 - slot
-                    if abs(lengths[slot] - length) > 1e-12 * length:
-                        _exponential(a, length, phi[slot], psi[slot])
-                        lengths[slot] = length
-                for r in range(d):
-                    total = 0.0
-                    for c in range(d):
-                        total += phi[slot, r, c] * w.y[c] + psi[slot, r, c] * constant[c]
-                    w.stage[r] = total
-                _copy(w.stage, w.y, w.states)
+            if piece + 1 < n:
+                until = min(until, time[piece + 1] + delay)
+            if w.exact:
+                _leap(w, until - t)
             else:
                 h, fresh = _advance(w, t, until, h, fresh)
             t = until
-        if not abs(w.y[0]) < w.far:
-            for later in range(i + 1, n):
-                reading[later] = np.nan
-                for r in range(states.shape[0]):
-                    states[r, later] = np.nan
-            break
 
 
 @compiled
@@ -662,18 +710,13 @@ def simulate(
                 for j in range(w.places[e, N_EXTRA]):
                     allowed[w.places[e, OWN] + j] = 0.0
         r = run[lane]
-        first, last = bounds[r], bounds[r + 1]
-        at = offset[lane]
-        n = last - first
+        first, at, n = bounds[r], offset[lane], bounds[r + 1] - bounds[r]
+        _clear(w.u, 5)
+        w.u[1], w.far, w.exact = before[r], _FAR * scale, exact
+        _begin(w, time[first], start[lane], moving[r], scale)
+        if exact:
+            _linear_law(w, time[first])
         _follow_record(
-            w,
-            time[first:last],
-            coefficients[first:last],
-            before[r],
-            start[lane],
-            moving[r],
-            scale,
-            exact,
-            reading[at : at + n],
+            w, time[first : first + n], coefficients[first : first + n], _delay(w), reading[at : at + n],
             states[:, at : at + n],
-        )
+        )  # fmt: skip

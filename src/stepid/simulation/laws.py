@@ -99,7 +99,8 @@ def source(effect: Effect, methods: Iterable[str]) -> str:
     lines = [
         "def law(kind, values, m, y, own, sides, out):",
         f"    p = {row([f'values[{j}]' for j in range(n_values)])}",
-        f"    moment = Moment(y[0], y[1], m[0], m[1], m[2], m[3], m[4], m[5], {row(sides)}, {extra}, {memory}, m[6])",
+        f"    moment = Moment(y[0], y[1], m[0], m[1], m[2], m[3], m[4], m[5], "
+        f"{row(sides)}, {extra}, {memory}, m[6], m[9], m[10])",
     ]
     for kind, answer in enumerate(answers):
         if answer:
