@@ -2,10 +2,10 @@
 
     python benchmarks/noisy_fits.py [campaigns]
 
-The paper's plant (base mass 0.95 kg, 216 N/m, 12 N·s/m), linear and with 0.3 N of Coulomb friction, four masses, steps
-of 0.5 V up and back. The sample time goes from 0.5 to 18 ms, white noise from 5 to 500 µm; the true effects are given. Listed
-are campaigns off by more than five standard errors, those in which something is not determined, and those that say
-that they converged with more than twice the noise left.
+The paper's plant (base mass 0.95 kg, 216 N/m, 12 N·s/m), linear and with 0.3 N of Coulomb friction, four masses,
+steps of 0.5 V up and back. The sample time goes from 0.5 to 18 ms, white noise from 5 to 500 µm; the true effects are
+given. Listed are campaigns off by more than five standard errors, those in which something is not determined, and
+those that say that they converged with more than twice the noise left.
 """
 
 from __future__ import annotations
@@ -43,7 +43,10 @@ def clean(sample_time: float, effects: dict[str, dict[str, float]]) -> list[tupl
     return [(added, inputs, x) for added, x in zip(masses, fast(runs), strict=True)]
 
 
-def campaign(records: list[tuple[float, np.ndarray, np.ndarray]], sample_time: float, noise: float, seed: int):
+Records = list[tuple[float, np.ndarray, np.ndarray]]
+
+
+def campaign(records: Records, sample_time: float, noise: float, seed: int) -> stepid.Campaign:
     rng = np.random.default_rng([seed, 12])
     return stepid.Campaign(
         name=f"noisy {seed}",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from importlib.metadata import version as _version
 from typing import Any
 
@@ -18,6 +19,16 @@ extensions = [
     "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
 ]
+if os.environ.get("STEPID_DOCS_LINKS"):  # needs the network: links from types and functions to other projects' pages
+    extensions.append("sphinx.ext.intersphinx")
+    intersphinx_mapping = {
+        "python": ("https://docs.python.org/3", None),
+        "numpy": ("https://numpy.org/doc/stable", None),
+        "scipy": ("https://docs.scipy.org/doc/scipy", None),
+        "control": ("https://python-control.readthedocs.io/en/stable", None),
+        "pandas": ("https://pandas.pydata.org/docs", None),
+        "matplotlib": ("https://matplotlib.org/stable", None),
+    }
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 exclude_patterns = ["_build", "jupyter_execute"]
@@ -38,7 +49,7 @@ nitpicky = True
 add_module_names = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # types and units stand in the numpydoc sections
-autodoc_preserve_defaults = True  # a default is shown as it is written, CATALOGUE and not its twenty effects
+autodoc_preserve_defaults = True  # a default is shown as it is written, CATALOGUE and not all its effects
 autodoc_default_options = {"members": True, "exclude-members": "model_config, model_fields, model_computed_fields"}
 napoleon_google_docstring = False
 napoleon_use_param = False

@@ -29,8 +29,8 @@ VALUES = {
     "periodic_disturbance": (0.3, 7.0),
     "cogging": (0.4, 0.012, 0.5),
     "sensor_drift": (1e-3,),
-    "sine_stiffness": (40.0,),
-    "power_damping": (4.0, 1.5),
+    "sine_stiffness": (25.0,),
+    "power_damping": (0.5, 0.6),
     "actuator_rate_limit": (8.0,),
 }
 

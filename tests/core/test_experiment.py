@@ -81,6 +81,7 @@ def test_release_means_no_input_at_all():
         ({"counts_per_meter": 0.0}, "counts_per_meter is zero"),
         ({"counts_per_meter": np.nan}, "counts_per_meter"),
         ({"input_before": np.nan}, "input_before"),
+        ({"input_between": "straight"}, "input_between"),
         ({"mass": 1.0}, "mass: Extra"),
     ],
 )
@@ -212,6 +213,7 @@ def test_equality_sees_every_field():
     others = {
         "name": "x", "time": T + 1, "position": T, "input": T, "added_mass": 1.0, "spring": "x", "damper": "x",
         "counts_per_meter": 1.0, "input_before": 1.0, "base": "x",
+        "input_between": "lines",
     }  # fmt: skip
     assert others.keys() == Experiment.model_fields.keys()
     for field, value in others.items():

@@ -179,8 +179,8 @@ def test_which_tool_says_where_others_are_better() -> None:
     for i in range(1, len(tools) + 1):
         assert any("**" in row[i] for row in cells), f"{tools[i - 1]} is nowhere best"
     assert sum("**" in row[1] for row in cells) < sum(any("**" in cell for cell in row[2:]) for row in cells)
-    assert len(CATALOGUE) == 20
-    assert "the twenty\neffects of its" in page
+    assert len(CATALOGUE) == 23
+    assert "the twenty-three\neffects of its" in page
 
 
 def test_limits_page_gives_the_numbers_of_the_tutorial() -> None:

@@ -28,6 +28,7 @@ added_mass = 0.5
 spring = "medium"
 damper = "1/2 turn"
 encoder = 2
+input_between = "smooth"
 sample_time = 0.0088542
 base = "cart and damper"
 counts_per_meter = -28000
@@ -48,6 +49,7 @@ files = ["data0000.txt", "data0001.txt"]
 position = 0
 position_scale = 0.01
 sample_time = 0.005
+input_between = "lines"
 added_mass = 0.986
 spring = "high"
 damper = "none"
@@ -154,7 +156,11 @@ BAD = {
     ),
     "unknown format": ('"table"', '"excel"', r"run 'a table': format is 'excel'"),
     "table key in an export": ("encoder = 2", "position = 2", r"run 'case 5': the key 'position' is for tables"),
-    "export key in a table": ("position_scale = 0.01", "encoder = 1", r"run 'a table': unknown key 'encoder'"),
+    "export key in a table": (
+        "position_scale = 0.01",
+        "encoder = 1",
+        r"run 'a table': the key 'encoder' is for exports of the ECP program",
+    ),
     "file and files": ("position = 0\n", 'position = 0\nfile = "data0000.txt"\n', "needs either file or files"),
     "step and input": ("position = 0\n", "position = 0\ninput = 0\nstep = { level = 1 }\n", "both step and input"),
     "files is text": (

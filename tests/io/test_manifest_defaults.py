@@ -95,3 +95,14 @@ def test_a_free_release_among_runs_with_an_input(tables):
         read_campaign(tables)
     write(tables / "campaign.toml", ABOVE + RUN.format("a") + RUN.format("let go") + "step = { level = 0.0 }\n")
     assert [e.is_release for e in read_campaign(tables).experiments] == [False, True]
+
+
+def test_what_inputs_do_between_samples_is_said_for_all_runs_or_one(tables):
+    write(
+        tables / "campaign.toml",
+        'input_between = "lines"\n' + ABOVE + RUN.format("a") + RUN.format("b") + "input_between = 'held'\n",
+    )
+    assert [run.input_between for run in read_campaign(tables).experiments] == ["lines", "held"]
+    write(tables / "campaign.toml", 'input_between = "straight"\n' + ABOVE + RUN.format("a"))
+    with pytest.raises(InputError, match=r"input_between is 'straight'.*\"lines\" \(joined by straight lines\)"):
+        read_campaign(tables)

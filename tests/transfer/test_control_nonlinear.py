@@ -127,7 +127,10 @@ def test_a_linearization_is_the_linear_plant() -> None:
 
 @pytest.mark.parametrize("name", sorted(DRY | {"input_delay", "actuator_rate_limit"}))
 def test_what_cannot_be_expressed_is_refused_with_the_reason(name: str) -> None:
-    others = {"input_delay": "a delay needs the input's past", "actuator_rate_limit": "its state follows the input"}
+    others = {
+        "input_delay": "a delay needs the input's past",
+        "actuator_rate_limit": "its state is known in closed form",
+    }
     reason = others.get(name, "dry friction holds the cart at rest")
     with pytest.raises(InputError, match=rf"cannot express {name} \({reason}.*stepid.simulate expresses every effect"):
         stepid.nonlinear_system(example.model("cubic_stiffness", name), example.step_run())

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline
 
 import stepid
 from stepid.errors import IdentificationError, InputError
@@ -104,3 +105,48 @@ def test_free_responses_match_the_closed_form() -> None:
     envelope = np.exp(-decay * t)
     np.testing.assert_allclose(got[:, 0], envelope * (np.cos(wd * t) + decay / wd * np.sin(wd * t)), atol=1e-12)
     np.testing.assert_allclose(got[:, 1], envelope * np.sin(wd * t) / wd, atol=1e-12)
+
+
+@pytest.mark.parametrize("way", ["held", "lines", "smooth"])
+def test_the_response_is_exact_for_what_the_input_does_between_its_samples(way: str) -> None:
+    dt, n = 0.0088542, 200
+    t = dt * np.arange(n)
+    u = 0.2 + 0.3 * np.sin(7 * t) + 0.1 * np.random.default_rng(2).standard_normal(n)
+    found = plant(0.9538, 14.01, 216.2)
+    got = held_response(found, "run", input=u, sample_time=dt, input_before=0.2, input_between=way)
+    between = {
+        "held": lambda s: u[np.minimum((s / dt + 1e-9).astype(int), n - 1)],
+        "lines": lambda s: np.interp(s, t, u),
+        "smooth": CubicSpline(t, u),
+    }[way]
+    parts = 1 if way == "lines" else 64
+    fine = dt / parts * np.arange((n - 1) * parts + 1)
+    if way == "held":
+        system = control.sample_system(control.ss(transfer_function(found, "run")), dt / parts, method="zoh")
+        want = control.forced_response(system, U=between(fine) - 0.2).outputs
+    else:
+        want = control.forced_response(transfer_function(found, "run"), T=fine, U=between(fine) - 0.2).outputs
+    np.testing.assert_allclose(got, want[::parts], rtol=0, atol=1e-6 if way == "smooth" else 1e-12)
+
+
+@pytest.mark.parametrize("way", ["lines", "smooth"])
+def test_any_system_follows_an_input_that_is_not_held(way: str) -> None:
+    rng = np.random.default_rng(4)
+    lab = stepid.datasets.lab_campaign()["case 4"]
+    fields = {"input": np.cumsum(0.02 * rng.standard_normal(lab.time.size)), "input_between": way}
+    run = stepid.Experiment(**lab.model_dump() | fields)
+    model = stepid.PlantModel(
+        base_mass={run.base: 1.0}, stiffness={run.spring: 216.0}, damping={run.damper: 6.0}, force_gain=7.8
+    )
+    wanted = stepid.simulate(model, stepid.Campaign(name="one", experiments=(run,)))[run.name]
+    linear = stepid.simulate_system(stepid.state_space(model, run), run).outputs
+    assert np.ptp(linear - wanted) < 1e-7 * np.ptp(wanted)
+    sampled = control.sample_system(stepid.state_space(model, run), run.sample_time, method="zoh")
+    with pytest.raises(InputError, match="is not held"):
+        stepid.simulate_system(sampled, run)
+    system = stepid.nonlinear_system(model, run)
+    if way == "smooth":
+        with pytest.raises(InputError, match="is smooth"):
+            stepid.simulate_system(system, run)
+    else:
+        assert np.ptp(stepid.simulate_system(system, run).outputs - wanted) < 1e-6 * np.ptp(wanted)

@@ -212,3 +212,14 @@ def test_verification_goes_to_json_and_back() -> None:
     found = stepid.verify(parameters(m, c, k), campaign(one_step(m, c, k)))
     assert stepid.Verification.model_validate_json(found.model_dump_json()) == found
     assert "case 4" in found.summary()
+
+
+def test_a_step_that_is_joined_by_lines_is_verified_as_one() -> None:
+    m, c, k, n = 1.0, 4.0, 216.0, 600
+    u, time = np.where(np.arange(n) < 5, 0.0, 0.5), T * np.arange(n)
+    found = parameters(m, c, k)
+    y = control.forced_response(stepid.transfer_function(found, "case 4"), T=time, U=u).outputs
+    held = experiment(y, u)
+    lines = held.model_copy(update={"input_between": "lines"})
+    as_held, as_lines = (stepid.verify(found, campaign(e)).runs[0] for e in (held, lines))
+    assert as_lines.rms < 1e-4 * as_held.rms

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive, Vector
 from stepid.core.frames import constant, make_frame, split_runs, tidy_frame
+from stepid.core.samples import InputBetween, check_samples
 from stepid.core.units import record
 from stepid.errors import InputError
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from stepid.core.frames import DataFrame
 
 WEIGHT = 0.5  # kg, one lab weight
+_OPTIONAL = ("base", "counts_per_meter", "input_before", "input_between")  # columns of a campaign's frame
 WEIGHT_UNCERTAINTY = 0.005  # kg, how well one lab weight is known (manual: 500 ± 5 g)
 
 
@@ -34,7 +36,7 @@ class Experiment(Model):
     position : array, shape (n,)
         m, from any zero.
     input : array, shape (n,)
-        V, each value held from its sample to the next; zeros for a free release.
+        V, at each sample; zeros for a free release.
     added_mass : float
         kg, known weights on top of the unknown base mass.
     spring, damper, base : str
@@ -43,6 +45,9 @@ class Experiment(Model):
         The encoder's scale and sign, kept for writing back and for the resolution.
     input_before : float
         V before the first sample; the plant rests there unless the record starts in motion.
+    input_between : "held", "lines" or "smooth"
+        What the input does between two samples: each value is held until the next (a logged DAC), values are joined by
+        straight lines (``scipy.signal.lsim``), or by the cubic spline through all of them.
 
     Raises
     ------
@@ -60,29 +65,11 @@ class Experiment(Model):
     counts_per_meter: Finite | None = None
     input_before: Finite = 0.0
     base: Label = "cart"
+    input_between: InputBetween = "held"
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        n = self.time.size
-        if n < 8:
-            raise ValueError(f"has {n} samples; a step response needs at least 8")
-        if self.position.size != n or self.input.size != n:
-            raise ValueError(
-                f"time, position and input differ in length ({n}, {self.position.size}, {self.input.size})"
-            )
-        if self.counts_per_meter == 0:
-            raise ValueError("counts_per_meter is zero; give counts per meter, negative where +V gives falling counts")
-        step = self.sample_time
-        if not step > 0:
-            raise ValueError("time does not increase")
-        with np.errstate(all="ignore"):  # times near the largest float overflow here, and are then not uniform
-            off = np.abs(self.time - self.time[0] - step * np.arange(n)) / step
-        worst = int(np.argmax(off))
-        if not off[worst] <= 0.01:
-            raise ValueError(
-                f"time is not uniform: sample {worst} is {off[worst]:.2g} of a sample time off; "
-                "rebuild it from the sample number and the sample time"
-            )
+        check_samples(self.time, self.position, self.input, self.counts_per_meter)
         return self
 
     @cached_property
@@ -118,6 +105,7 @@ class Experiment(Model):
         counts_per_meter: float | None = None,
         input_before: float = 0.0,
         base: str = "cart",
+        input_between: InputBetween = "held",
     ) -> Self:
         """Make an experiment from a pandas DataFrame (or anything indexed by column name).
 
@@ -125,7 +113,7 @@ class Experiment(Model):
         ----------
         frame : pandas.DataFrame
             One row a sample.
-        name, added_mass, spring, damper, counts_per_meter, input_before, base
+        name, added_mass, spring, damper, counts_per_meter, input_before, base, input_between
             Fields of `Experiment`.
         time, position, input : str
             Names of the columns.
@@ -150,6 +138,7 @@ class Experiment(Model):
             counts_per_meter=counts_per_meter,
             input_before=input_before,
             base=base,
+            input_between=input_between,
         )
 
     def to_dataframe(self) -> DataFrame:
@@ -250,7 +239,8 @@ class Campaign(Model):
         ----------
         frame : pandas.DataFrame
             One row a sample; columns `run`, `time`, `position`, `input`, `added_mass`, `spring`, `damper`
-            and, where they differ from the defaults of `Experiment`, `base`, `counts_per_meter` and `input_before`.
+            and, where they differ from the defaults of `Experiment`, `base`, `counts_per_meter`, `input_before` and
+            `input_between`.
         name : str
         weight_uncertainty : float
             kg.
@@ -269,7 +259,7 @@ class Campaign(Model):
                 f"the data frame has no column {missing[0]!r}; there are: {', '.join(map(str, frame))}",
                 f"Rename or add columns, in SI units or with their scales: {', '.join(needed)}.",
             )
-        fields += [field for field in ("base", "counts_per_meter", "input_before") if field in frame]
+        fields += [field for field in _OPTIONAL if field in frame]
         scales = {"time": time_scale, "position": position_scale, "input": input_scale}
         whole = record(frame, {role: role for role in scales}, scales, f"campaign {name!r}")
         runs = []
@@ -282,7 +272,7 @@ class Campaign(Model):
         """Return all records as one tidy pandas DataFrame, one row a sample.
 
         Columns: `run`, `time` [s], `position` [m], `input` [V], `added_mass` [kg], `counts_per_meter` (NaN where not
-        known), `input_before` [V], `spring`, `damper`, `base`.
+        known), `input_before` [V], `spring`, `damper`, `base`, `input_between`.
 
         Raises
         ------

@@ -121,6 +121,8 @@ def _report(campaign: Campaign, ground: Ground, judgment: Judgment) -> Diagnosis
             floor=floor,
             tell=lambda o: words[id(o)],
         )
+    elif judgment.fault is not None:
+        proposal = judgment.fault.remedy
     elif judgment.verdict == "unexplained":
         doubt = f"Look at run {judgment.doubt.run!r} first: {judgment.doubt.words} " if judgment.doubt else ""
         proposal = (
@@ -146,7 +148,7 @@ def _report(campaign: Campaign, ground: Ground, judgment: Judgment) -> Diagnosis
         next_experiment=proposal,
         advice={e.name: e.advice for e in effects if e.advice},
         reasons=reasons,
-        notes=notes_on(campaign, ground, final, effects),
+        notes=((judgment.fault.words,) if judgment.fault else ()) + notes_on(campaign, ground, final, effects),
         ranking=_ranking(judgment),
         runs=_runs(ground, final, seen_before, seen_after),
         model=unpack(final, effects),

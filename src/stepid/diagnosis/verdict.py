@@ -17,6 +17,7 @@ from stepid.diagnosis.selection.split import translated
 from stepid.diagnosis.wording import effect_names, length
 from stepid.effects.base import Effect
 from stepid.fitting.covariance import estimates
+from stepid.fitting.input_fault import InputFault, find_input_fault
 from stepid.fitting.multistart import Contender, Ground
 from stepid.fitting.outlier_run import Suspect, find_suspect
 
@@ -35,7 +36,7 @@ _NEAR = 1.15  # times the floor that a named effect may leave: real plants are n
 class Judgment:
     """The verdict with what led to it.
 
-    `suspect` is a run to leave out, `doubt` one to look at.
+    `suspect` is a run to leave out, `doubt` one to look at; `fault` is an input that is not what the records say.
     """
 
     verdict: Verdict
@@ -45,6 +46,7 @@ class Judgment:
     reasons: tuple[str, ...]
     suspect: Suspect | None = None
     doubt: Suspect | None = None
+    fault: InputFault | None = None
 
 
 def _believable(ground: Ground, linear: Candidate, best: Candidate) -> bool:
@@ -71,6 +73,9 @@ def judge(ground: Ground, catalogue: tuple[Effect, ...], progress: Progress) -> 
     linear = linear_candidate(ground)
     floor, rms = ground.floor, linear.optimum.rms
     times = f"The linear model leaves {length(rms)}, {rms / floor:.3g} times the noise floor of {length(floor)}"
+    fault = find_input_fault(ground)
+    if fault is not None:  # what any effect would be fitted to is wrong
+        return Judgment("unexplained", linear, (), (linear,), (f"{times}.", fault.words), fault=fault)
     if linear.structure < _GATE and rms < 1.1 * floor:
         return Judgment("adequate", linear, (), (linear,), (f"{times}, and its residual is as white as noise.",))
     alone = singles(ground, catalogue, progress)

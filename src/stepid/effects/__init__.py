@@ -1,58 +1,33 @@
-"""The catalogue of effects that a linear mass-spring-damper may be missing."""
+"""The catalogue of effects that a linear mass-spring-damper may be missing.
+
+It lists itself: every class with a name in a file of this folder is in it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from copy import copy
+from importlib import import_module
+from pkgutil import iter_modules
 
 from stepid.effects.base import Effect, Moment, Motion, Parameter, Scales
-from stepid.effects.damping import PositionDependentDamping, PowerDamping, QuadraticDamping
-from stepid.effects.drive import (
-    ActuatorDeadZone,
-    ActuatorLag,
-    ActuatorRateLimit,
-    ActuatorSaturation,
-    Cogging,
-    InputDelay,
-    PeriodicDisturbance,
-)
-from stepid.effects.friction import (
-    AsymmetricFriction,
-    CoulombFriction,
-    LoadProportionalFriction,
-    PreslidingHysteresis,
-    StribeckFriction,
-)
-from stepid.effects.sensing import SensorDrift
-from stepid.effects.stiffness import CubicStiffness, EndStop, FreePlay, QuadraticStiffness, SineStiffness
-from stepid.effects.structure import FlexibleCoupling, ViscoelasticSpring
 from stepid.errors import InputError
 
-CATALOGUE: tuple[Effect, ...] = (
-    CoulombFriction(),
-    LoadProportionalFriction(),
-    StribeckFriction(),
-    AsymmetricFriction(),
-    PreslidingHysteresis(),
-    QuadraticDamping(),
-    PositionDependentDamping(),
-    CubicStiffness(),
-    QuadraticStiffness(),
-    FreePlay(),
-    EndStop(),
-    ViscoelasticSpring(),
-    FlexibleCoupling(),
-    ActuatorLag(),
-    InputDelay(),
-    ActuatorDeadZone(),
-    ActuatorSaturation(),
-    PeriodicDisturbance(),
-    Cogging(),
-    SensorDrift(),
-    SineStiffness(),
-    PowerDamping(),
-    ActuatorRateLimit(),
-)
+_FILES = ("friction", "damping", "stiffness", "structure", "drive", "sensing")  # their order; then others by name
+
+
+def _every_effect() -> tuple[Effect, ...]:
+    """One of each class in this folder that has a name, as they stand in their files."""
+    there = {module.name for module in iter_modules(__path__)} - {"base"}
+    found: list[Effect] = []
+    for name in (*_FILES, *sorted(there.difference(_FILES))):
+        module = import_module(f"{__name__}.{name}")
+        kinds = [kind for kind in vars(module).values() if isinstance(kind, type) and issubclass(kind, Effect)]
+        found += [kind() for kind in kinds if kind.__module__ == module.__name__ and hasattr(kind, "name")]
+    return tuple(found)
+
+
+CATALOGUE: tuple[Effect, ...] = _every_effect()
 """Every effect that stepid knows, in the order of the documentation's table."""
 
 

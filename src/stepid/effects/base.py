@@ -77,7 +77,19 @@ class Moment(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """A measured motion, as `Effect.regressors` sees it: the fields of `Moment`, sample by sample, shape (S,) each."""
+    """A measured motion, as `Effect.regressors` sees it: fields of `Moment`, sample by sample.
+
+    Parameters
+    ----------
+    x, v, sign : array, shape (S,)
+        m from the spring's rest position, m/s, ±1.
+    time : array, shape (S,)
+        s, from each record's first sample.
+    mass, stiffness, damping : array, shape (S,)
+        kg, N/m, N·s/m.
+    volts : array, shape (S,)
+        V, the input.
+    """
 
     x: Array
     v: Array

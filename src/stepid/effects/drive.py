@@ -121,7 +121,7 @@ class ActuatorRateLimit(Effect):
     name = "actuator_rate_limit"
     parameters = (Parameter("rate", "V/s", 1e-6),)
     law = "K_f w, |w′| ≤ rate"
-    formula = r"K_f\, w, \quad |\dot w| \le r"
+    formula = r"K_f\, w, \quad |\dot w| \leq r"
     symbols = ("r",)
     seen = "large steps start late, small ones do not: needs two sizes"
     advice = "raise the amplifier's slew rate, or drive with smaller steps"

@@ -16,6 +16,7 @@ from stepid.core.noise import rms
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
 from stepid.fitting.covariance import estimates
+from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import Contender, Ground, Start, race_starts
 from stepid.fitting.multistart_cogging import well_starts
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
     from stepid.core.frames import DataFrame
 
 _NOISY = 0.05  # of the cost of noise, within which a start need not be bettered
+_AGREE = 2  # further starts that end at the same cost, for it to be taken as the least
+_SAME = 1e-3  # relative difference of costs that are the same
 _MISFIT = 1.1  # times the floor, beyond which a run may be to blame
 NOT_CONVERGED = "The fit did not converge; what is shown is the best so far."
 
@@ -56,7 +59,8 @@ class Fit(Model):
         Of the free shared parameters, in the order of `parameters`.
     converged : bool
     notes : tuple of str
-        What was left out, which run disagrees with the others, that the fit did not converge.
+        What was left out, which run disagrees with the others, whose input is not what the record says, that the fit
+        did not converge.
     """
 
     parameters: Mapping[str, Estimate]
@@ -165,26 +169,30 @@ def fit_effects(ground: Ground, effects: tuple[Effect, ...]) -> Optimum | None:
 
 
 def _raced(ground: Ground, effects: tuple[Effect, ...], starts: list[Start], like: Optimum) -> Contender:
-    """Race the starts; where the winner leaves more than noise, run each of them to its end."""
+    """Race the starts; where the winner leaves more than noise, run them to their ends until some agree on the best."""
     best = Contender(ground, effects)
     best.begin(starts, like=like)
     best.run(laps=40)
-    if best.excess < _NOISY * ground.noise_cost:
-        return best
+    agree = 0
     for start in starts:
+        if best.excess < _NOISY * ground.noise_cost or agree == _AGREE:
+            break
         other = Contender(ground, effects)
         other.begin([start], like=like)
         other.run(laps=40)
-        if other.cost < best.cost:
-            best = other
-        if best.excess < _NOISY * ground.noise_cost:
-            break
+        agree = agree + 1 if abs(other.cost - best.cost) < _SAME * best.cost else agree
+        if other.cost < (1 - _SAME) * best.cost:
+            best, agree = other, 0
     return best
 
 
 def _remarks(campaign: Campaign, ground: Ground, optimum: Optimum) -> tuple[str, ...]:
     out = [*screen(campaign).notes, *repeat_notes(ground.records)]
-    suspect = find_suspect(ground, [optimum]) if optimum.rms > _MISFIT * ground.floor else None
+    fault = find_input_fault(ground)
+    if fault is not None:
+        out.append(fault.words)
+    wrong = fault is None and optimum.rms > _MISFIT * ground.floor
+    suspect = find_suspect(ground, [optimum]) if wrong else None
     if suspect is not None and suspect.mistake is not None:
         out.append(suspect.words)
     if not optimum.converged:

@@ -95,7 +95,8 @@ def repeats(records: Records) -> list[tuple[int, ...]]:
     for i, run in enumerate(records.runs):
         if records.moving[i]:
             continue
-        key = (run.spring, run.damper, run.base, run.added_mass, run.input_before, run.time.size, run.input.tobytes())
+        how = (run.input_before, run.input_between, run.time.size, run.input.tobytes())
+        key = (run.spring, run.damper, run.base, run.added_mass, *how)
         groups.setdefault(key, []).append(i)
     return [tuple(group) for group in groups.values() if len(group) > 1]
 

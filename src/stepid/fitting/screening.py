@@ -119,7 +119,7 @@ def _without_copies(runs: list[Experiment], notes: list[str]) -> list[Experiment
 
 
 def _labels(run: Experiment) -> tuple[object, ...]:
-    known = (run.added_mass, run.spring, run.damper, run.base, run.input_before, run.sample_time)
+    known = (run.added_mass, run.spring, run.damper, run.base, run.input_before, run.sample_time, run.input_between)
     return (*known, run.input.tobytes())
 
 

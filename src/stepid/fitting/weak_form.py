@@ -63,14 +63,14 @@ class WeakForm:
             stride = max(1, n // 8)
             self._bumps.append((n, stride, phi * h))
             windows = self._windows(x - x[0], n, stride)
-            # the input is held: its integral over a step goes with the step's middle
-            held = 0.5 * (u + np.concatenate([[records.before[r]], u[:-1]]))
+            if records.runs[r].input_between == "held":  # its integral over a step goes with the step's middle
+                u = 0.5 * (u + np.concatenate([[records.before[r]], u[:-1]]))
             block = np.zeros((windows.shape[0], a + b + c + 1 + runs))
             inertia = windows @ second * h
             block[:, records.base[r]] = inertia
             block[:, a + records.spring[r]] = windows @ phi * h
             block[:, a + b + records.damper[r]] = -(windows @ first) * h
-            block[:, a + b + c] = -(self._windows(held, n, stride) @ phi) * h
+            block[:, a + b + c] = -(self._windows(u, n, stride) @ phi) * h
             block[:, a + b + c + 1 + r] = phi.sum() * h
             blocks.append(block)
             owners.append(np.full(len(block), r))

@@ -46,7 +46,7 @@ def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Charact
     experiment : Experiment
         A step in either direction from any rest position, at sample 0 (from `input_before`) or later; or a record
         without input that the plant is let go in, with or without the time that the hand still holds it.
-    peak : InterpolatedPeak or SampledPeak, optional
+    peak : Peak, optional
         How the peak is read; default `InterpolatedPeak()`. `SampledPeak()` is the paper's own reading.
 
     Returns

@@ -26,9 +26,9 @@ def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | N
     ----------
     campaign : Campaign
         Steps and free releases may mix; runs may differ in spring, damper and base.
-    peak : InterpolatedPeak or SampledPeak, optional
+    peak : Peak, optional
         Default `InterpolatedPeak()`.
-    solver : OrdinaryLeastSquares or WeightedLeastSquares, optional
+    solver : Solver, optional
         Default `WeightedLeastSquares()`. With `SampledPeak()` and `OrdinaryLeastSquares()` this is the paper's own
         procedure.
 
@@ -91,7 +91,7 @@ def characterize_campaign(
     Parameters
     ----------
     campaign : Campaign
-    peak : InterpolatedPeak or SampledPeak, optional
+    peak : Peak, optional
 
     Returns
     -------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -97,7 +97,14 @@ class InterpolatedPeak(Model):
         return fit_peak(time, swing, rough.time, _WINDOW * rough.time, noise=noise)
 
 
-Peak = InterpolatedPeak | SampledPeak
+class Peak(Protocol):
+    """How the first peak of a step is read: `InterpolatedPeak`, `SampledPeak`, or one of your own.
+
+    The turning points of a hand release are read between samples, but with `SampledPeak`.
+    """
+
+    def locate(self, time: Array, swing: Array, *, level: float, noise: float) -> PeakReading:
+        """Read the peak of a swing; see `SampledPeak.locate`."""
 
 
 def fit_peak(time: Array, swing: Array, near: float, half_width: float, *, noise: float) -> PeakReading:

@@ -44,8 +44,9 @@ def solve(system: StackedSystem, *, solver: Solver | None = None) -> IdentifiedP
     ----------
     system : StackedSystem
         From `stepid.assemble`.
-    solver : OrdinaryLeastSquares or WeightedLeastSquares, optional
-        Default `WeightedLeastSquares()`; `OrdinaryLeastSquares()` is the paper's own solve.
+    solver : Solver, optional
+        Default `WeightedLeastSquares()`; `OrdinaryLeastSquares()` is the paper's own solve; or any object with its
+        method `unknowns`.
 
     Returns
     -------

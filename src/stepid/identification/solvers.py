@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -192,7 +193,16 @@ def _relative_masses(system: StackedSystem, differences: Array) -> Array:
     return mass
 
 
-Solver = OrdinaryLeastSquares | WeightedLeastSquares
+class Solver(Protocol):
+    """How the stacked system is solved: `OrdinaryLeastSquares`, `WeightedLeastSquares`, or one of your own."""
+
+    def unknowns(
+        self, system: StackedSystem, measured: Array, differences: Array, *, start: Array | None = None
+    ) -> Array:
+        """Solve for the unknowns of `system` at given measured values; see `OrdinaryLeastSquares.unknowns`.
+
+        Uncertainties come from derivatives of this function, so that it must be smooth.
+        """
 
 
 def run_covariances(runs: Sequence[Characteristics]) -> Array:

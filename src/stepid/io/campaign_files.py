@@ -11,13 +11,14 @@ from stepid.core.arguments import as_campaign
 from stepid.core.atomic_write import staged
 from stepid.core.experiment import WEIGHT_UNCERTAINTY, Campaign, Experiment
 from stepid.errors import InputError
-from stepid.io.ecp import read_ecp
 from stepid.io.ecp_write import render_export
 from stepid.io.manifest import parse_manifest, render_manifest
-from stepid.io.table import read_table
+from stepid.io.readers import EcpReader, Reader, TableReader
 from stepid.io.textfile import as_path, decode, read_bytes
 
 MANIFEST = "campaign.toml"
+READERS: dict[str, Reader] = {"ecp": EcpReader(), "table": TableReader()}
+"""Formats of records by the name that a manifest gives them; the first is the default. Add your own."""
 
 
 def read_campaign(path: str | os.PathLike[str]) -> Campaign:
@@ -44,7 +45,8 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     Keys of the campaign: ``name`` and, optionally, ``weight_uncertainty`` (kg). Keys of a run (``[[experiment]]``):
     ``name``, ``file``, ``added_mass`` (kg), ``spring``, ``damper``, ``counts_per_meter``; optionally ``base``,
     ``encoder``, ``sample_time`` (s), ``step = { level = 0.5, start = 0.0 }`` (V, s) where the file has no Control
-    Effort, ``input_before`` (V), ``columns`` and ``effort_scale``, as in `read_ecp`. With ``format = "table"``:
+    Effort, ``input_before`` (V), ``input_between`` (``"held"``, ``"lines"``, ``"smooth"``), ``columns`` and
+    ``effort_scale``, as in `read_ecp`. With ``format = "table"``:
     ``file`` or ``files``, ``position`` and, optionally, ``time``, ``input``, ``position_scale``, ``time_scale``,
     ``input_scale``, ``delimiter``, ``decimal``, ``skiprows``, ``start`` and ``stop``, as in `read_table`. Any key of a
     run but ``name``, ``file`` and ``files`` may stand above the runs instead, for all of them; a run's own key wins.
@@ -53,7 +55,7 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     if os.path.isdir(manifest):  # pathlib's is_dir raises on names that the system refuses
         manifest = manifest / MANIFEST
     where = str(manifest)
-    keys, runs = parse_manifest(decode(read_bytes(manifest), where), where)
+    keys, runs = parse_manifest(decode(read_bytes(manifest), where), where, READERS)
     experiments = tuple(_read_run(kind, run, manifest) for kind, run in runs)
     try:
         return Campaign(experiments=experiments, **keys)
@@ -73,14 +75,8 @@ def _read_run(kind: str, run: dict[str, Any], manifest: Path) -> Experiment:
             raise InputError(
                 f"{who}: there is no file {name!r} beside the manifest", "Correct its name, or put the file there."
             )
-    if kind == "ecp" and "counts_per_meter" not in keys:
-        raise InputError(
-            f"{who}: counts_per_meter is missing",
-            'Add it above the runs or to the run; a CSV table needs none, but format = "table" with its columns: '
-            "time, position, position_scale (meters per unit) and input.",
-        )
     try:
-        return read_ecp(paths[0], **keys) if kind == "ecp" else read_table(paths, **keys)
+        return READERS[kind].read(paths, **keys)
     except InputError as error:
         raise InputError(f"{who}: {error.cause}", error.remedy) from None
 
@@ -140,6 +136,8 @@ def _render(campaign: Campaign) -> dict[str, bytes]:
             run["counts_per_meter"] = experiment.counts_per_meter
         if experiment.input_before != 0:
             run["input_before"] = experiment.input_before
+        if experiment.input_between != "held":
+            run["input_between"] = experiment.input_between
         stem = f"{number:02d}-" + (re.sub(r"[^a-z0-9]+", "-", experiment.name.lower()).strip("-")[:40] or "run")
         export = render_export(experiment)
         if export is not None:

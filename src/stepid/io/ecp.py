@@ -10,6 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.samples import InputBetween
 from stepid.core.units import check_number
 from stepid.errors import InputError
 from stepid.io.ecp_layout import COMMANDED, EFFORT, SAMPLE, TIME, Export, encoder_column, parse_export, repeats
@@ -35,6 +36,7 @@ def read_ecp(
     base: str = "cart",
     input: InputValues | None = None,
     input_before: float = 0.0,
+    input_between: InputBetween = "held",
     sample_time: float | None = None,
     columns: Sequence[str] | None = None,
     effort_scale: float | None = None,
@@ -63,6 +65,8 @@ def read_ecp(
         V, for files without Control Effort. In open loop Commanded Pos only repeats the encoder and says nothing of it.
     input_before : float
         V, before the first sample.
+    input_between : "held", "lines" or "smooth"
+        What the input does between two samples, as in `Experiment`; the program's own is held.
     sample_time : float, optional
         s; by default the least-squares slope of Time on Sample.
     columns : sequence of str, optional
@@ -98,6 +102,7 @@ def read_ecp(
         base=base,
         input=input,
         input_before=input_before,
+        input_between=input_between,
         sample_time=sample_time,
         effort_scale=effort_scale,
     )
@@ -116,6 +121,7 @@ def export_experiment(
     base: str,
     input: InputValues | None,
     input_before: float,
+    input_between: InputBetween = "held",
     sample_time: float | None,
     effort_scale: float | None,
 ) -> Experiment:
@@ -157,6 +163,7 @@ def export_experiment(
             damper=damper,
             counts_per_meter=float(counts_per_meter),
             input_before=input_before,
+            input_between=input_between,
             base=base,
         )
     except InputError as error:

@@ -79,6 +79,7 @@ def _reads_back(text: str, period: float, experiment: Experiment) -> bool:
             base=experiment.base,
             input=None,
             input_before=experiment.input_before,
+            input_between=experiment.input_between,
             sample_time=period,
             effort_scale=None,
         )

@@ -10,6 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.samples import InputBetween
 from stepid.core.units import check_number, check_release, check_scales, in_si
 from stepid.errors import InputError
 from stepid.io.delimited import Layout, Table, join_tables, parse_table
@@ -37,6 +38,7 @@ def read_table(
     base: str = "cart",
     counts_per_meter: float | None = None,
     input_before: float = 0.0,
+    input_between: InputBetween = "held",
     delimiter: str | None = None,
     decimal: str = ".",
     skiprows: int = 0,
@@ -78,6 +80,8 @@ def read_table(
         Of the encoder behind the position, for its resolution; does not scale the column.
     input_before : float
         V, before the first sample.
+    input_between : "held", "lines" or "smooth"
+        What the input does between two rows, as in `Experiment`.
     delimiter : str, optional
         What separates columns; by default a tab, semicolon, comma or blanks, whichever is found first in this order.
     decimal : str
@@ -134,6 +138,7 @@ def read_table(
             counts_per_meter=counts_per_meter,
             input_before=input_before,
             base=base,
+            input_between=input_between,
         )
     except InputError as error:
         raise InputError(f"{where}: {error.cause}", error.remedy) from None

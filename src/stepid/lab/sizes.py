@@ -69,6 +69,20 @@ def _quadratic_stiffness(stream: np.random.Generator, at: Scale, strength: float
     return {"coefficient": _sign(stream) * min(0.05 * strength, 0.15) * at.plant.stiffness / at.reach}
 
 
+def _sine(_: np.random.Generator, at: Scale, strength: float) -> Values:
+    # as much of the spring force is missing at the full step; beyond the hill of the sine there is no way back
+    return {"curvature": math.sqrt(6 * min(0.04 * strength, 0.08)) / at.reach}
+
+
+def _power_damping(stream: np.random.Generator, at: Scale, strength: float) -> Values:
+    speed = at.reach * at.rate
+    if _sign(stream) < 0:  # nearly dry, or more than viscous
+        exponent, force = float(stream.uniform(0.3, 0.75)), _friction(at, strength)
+    else:
+        exponent, force = float(stream.uniform(1.6, 3.0)), min(0.5 * strength, 6.0) * at.plant.damping * speed
+    return {"coefficient": force / speed**exponent, "exponent": exponent}
+
+
 def _free_play(_: np.random.Generator, at: Scale, strength: float) -> Values:
     return {"gap": min(0.03 * strength, 0.25) * at.reach}
 
@@ -115,9 +129,11 @@ SIZES: Mapping[str, Size] = MappingProxyType(
         "asymmetric_friction": _asymmetric,
         "presliding_hysteresis": _presliding,
         "quadratic_damping": _quadratic_damping,
+        "power_damping": _power_damping,
         "position_dependent_damping": _position_damping,
         "cubic_stiffness": _cubic,
         "quadratic_stiffness": _quadratic_stiffness,
+        "sine_stiffness": _sine,
         "free_play": _free_play,
         "end_stop": _end_stop,
         "viscoelastic_spring": _viscoelastic,
@@ -126,6 +142,7 @@ SIZES: Mapping[str, Size] = MappingProxyType(
         "input_delay": lambda _, at, strength: {"delay": min(0.1 * strength, 1.0) / at.rate},
         "actuator_dead_zone": lambda _, at, strength: {"level": min(0.05 * strength, 0.4) * at.volts},
         "actuator_saturation": lambda _, at, strength: {"level": (1 - min(0.05 * strength, 0.35)) * at.volts},
+        "actuator_rate_limit": lambda _, at, strength: {"rate": at.volts * at.rate / min(0.4 * strength, 3.0)},
         "periodic_disturbance": _ripple,
         "cogging": _cogging,
         "sensor_drift": lambda stream, at, strength: {

@@ -12,7 +12,7 @@ import numpy as np
 
 from stepid.core.base import Label, Model
 from stepid.diagnosis.result import Diagnosis
-from stepid.io.campaign_files import MANIFEST
+from stepid.io.campaign_files import MANIFEST, READERS
 from stepid.io.manifest import parse_manifest
 from stepid.io.textfile import as_path, decode, read_bytes
 
@@ -75,7 +75,7 @@ def of_files(manifest: str | os.PathLike[str]) -> Provenance:
     if os.path.isdir(path):
         path = path / MANIFEST
     raw = read_bytes(path)
-    _, runs = parse_manifest(decode(raw, str(path)), str(path))
+    _, runs = parse_manifest(decode(raw, str(path)), str(path), READERS)
     names = [str(name) for _, run in runs for name in run.get("files", ()) or (run["file"],)]
     sources = [Source(name=path.name, sha256=hashlib.sha256(raw).hexdigest())]
     for name in dict.fromkeys(names):  # several runs may come from one table

@@ -43,9 +43,10 @@ def _levels(run: Experiment) -> str:
         return "none (release)"
     changes = run.input[np.flatnonzero(np.diff(run.input)) + 1]
     levels = [run.input_before, *([run.input[0]] if run.input[0] != run.input_before else []), *changes]
+    joined = {"held": "", "lines": ", joined by lines", "smooth": ", smooth"}[run.input_between]
     if len(levels) > 6:
-        return f"{run.input.min():.3g} … {run.input.max():.3g}"
-    return " → ".join(f"{level:.3g}" for level in levels)
+        return f"{run.input.min():.3g} … {run.input.max():.3g}{joined}"
+    return " → ".join(f"{level:.3g}" for level in levels) + joined
 
 
 def _milliseconds(seconds: float) -> str:

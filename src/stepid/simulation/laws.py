@@ -1,18 +1,18 @@
 """The law of one effect as the kernel calls it: one function of a fixed signature, compiled once and kept on disk.
 
-The machine code's key is what the law does (its byte code and that of what it calls), so that a changed law is compiled
-anew, wherever it is written.
+The machine code's key is what the law does (`stepid.simulation.fingerprint`), so that a changed law is compiled anew,
+wherever it is written, even where its class is the same as before.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import re
 import sys
 import tempfile
-import types
 import warnings
-from collections.abc import Callable
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from typing import Any
 from stepid.effects.base import Effect, Moment
 from stepid.errors import InputError
 from stepid.simulation.compiled import Address, numba
+from stepid.simulation.fingerprint import fingerprint
 
 _METHODS = (
     "force",
@@ -34,7 +35,10 @@ _METHODS = (
     "delay",
     "reading",
 )
-_VERSION = 1  # of what is written below
+_HOW = {"at_rest": "p, x, volts", "remember": "p, memory, shift, sign", "delay": "p", "reading": "p, time"}
+_HOW |= {"relax": "p, m, time"}  # arguments, where they are not p and m
+_PAGE = "see docs/how-to/own-effect.md"
+_VERSION = 2  # of what is written below
 
 
 def changes(effect: Effect, method: str) -> bool:
@@ -42,12 +46,28 @@ def changes(effect: Effect, method: str) -> bool:
     return getattr(type(effect), method) is not getattr(Effect, method)
 
 
-def source(effect: Effect) -> str:
-    """Python source of the law that the kernel calls, see the order of `stepid.simulation.kernel.EVALUATE`."""
+def defined(effect: Effect) -> tuple[str, ...]:
+    """Methods of the law that an effect defines."""
+    return tuple(name for name in _METHODS if changes(effect, name))
+
+
+def source(effect: Effect, methods: Iterable[str]) -> str:
+    """Python source of the law that the kernel calls, see the order of `stepid.simulation.kernel.EVALUATE`.
+
+    Parameters
+    ----------
+    effect : Effect
+    methods : iterable of str
+        What of its law is written; the rest is left as for the linear plant.
+
+    Returns
+    -------
+    str
+    """
     n_values = len(effect.parameters) + len(effect.run_parameters)
     own = [f"own[{j}]" for j in range(effect.n_extra + effect.n_memory)]
     sides = [f"sides[{j}]" for j in range(effect.n_switches)]
-    has = {name: changes(effect, name) for name in _METHODS}
+    has = dict.fromkeys(_METHODS, False) | dict.fromkeys(methods, True)
 
     def row(items: list[str]) -> str:
         return "(" + "".join(f"{item}, " for item in items) + ")"
@@ -68,9 +88,9 @@ def source(effect: Effect) -> str:
                 else [f"out[{3 + j}] = 0.0" for j in range(effect.n_extra)]
             ),
         ],
-        write("switches(p, moment)", effect.n_switches) if effect.n_switches else [],
+        write("switches(p, moment)", effect.n_switches) if has["switches"] else [],
         [f"return {breakaway}"],
-        write(f"remember(p, {memory}, m[7], m[0])", effect.n_memory) if effect.n_memory else [],
+        write(f"remember(p, {memory}, m[7], m[0])" if has["remember"] else memory, effect.n_memory),
         write("relax(p, moment, m[7])", effect.n_extra) if has["relax"] else [],
         write("at_rest(p, y[0], m[5])", len(own)) if has["at_rest"] else [f"out[{j}] = 0.0" for j in range(len(own))],
         ["return delay(p)"] if has["delay"] else [],
@@ -87,43 +107,6 @@ def source(effect: Effect) -> str:
             lines += [f"    if kind == {kind}:", *(f"        {line}" for line in answer)]
             lines += ["        return 0.0"] if not answer[-1].startswith("return") else []
     return "\n".join([*lines, "    return 0.0", ""])
-
-
-def _fingerprint(function: Callable[..., Any], known: set[int]) -> bytes:
-    """What a function does: its code, and that of the functions and the values that it names."""
-    parts: list[bytes] = []
-
-    def code(c: types.CodeType) -> None:
-        parts.extend([c.co_code, repr(c.co_names).encode(), repr(c.co_varnames).encode()])
-        for constant in c.co_consts:
-            if isinstance(constant, types.CodeType):
-                code(constant)
-            else:
-                parts.append(repr(constant).encode())
-
-    code(function.__code__)
-    parts.append(repr(function.__defaults__).encode())
-    named = {n: function.__globals__.get(n) for n in _names(function.__code__)}
-    named |= dict(
-        zip(function.__code__.co_freevars, (c.cell_contents for c in function.__closure__ or ()), strict=True)
-    )
-    for name, value in sorted(named.items()):
-        inner = getattr(value, "py_func", value)
-        if isinstance(inner, types.FunctionType):
-            if id(inner) not in known:
-                known.add(id(inner))
-                parts.append(_fingerprint(inner, known))
-        elif not isinstance(inner, types.ModuleType):
-            parts.append(f"{name}={inner!r}".encode())
-    return hashlib.sha256(b"\0".join(parts)).digest()
-
-
-def _names(code: types.CodeType) -> set[str]:
-    found = set(code.co_names)
-    for constant in code.co_consts:
-        if isinstance(constant, types.CodeType):
-            found |= _names(constant)
-    return found
 
 
 @cache
@@ -153,7 +136,7 @@ def cache_folder() -> Path | None:
         return None
 
 
-_known: dict[type[Effect], Address] = {}
+_known: dict[object, Address] = {}
 
 
 def law(effect: Effect) -> Address:
@@ -162,44 +145,84 @@ def law(effect: Effect) -> Address:
     Raises
     ------
     stepid.errors.InputError
-        If a method of the effect cannot be compiled.
+        If a method of the effect is no static method (as in stepid 0.1), is missing, or cannot be compiled.
     """
-    kind = type(effect)
-    if kind not in _known:
-        _known[kind] = _python_law(effect) if numba is None else _compiled_law(effect)
-    return _known[kind].address if numba is not None else _known[kind]
+    _check(effect)
+    names = defined(effect)
+    text = source(effect, names)
+    methods = {name: getattr(type(effect), name) for name in names}
+    if numba is None:
+        key: object = (text, *methods.values())
+        if key not in _known:
+            _known[key] = _python_law(effect, text, methods)
+        return _known[key]
+    digest = hashlib.sha256(f"{_VERSION}\n{Moment._fields}\n{text}".encode())
+    for name in names:
+        digest.update(fingerprint(methods[name]))
+    if digest.digest() not in _known:
+        _known[digest.digest()] = _compiled_law(effect, text, methods, digest.hexdigest()[:24])
+    return _known[digest.digest()].address
 
 
-def _python_law(effect: Effect) -> Address:
-    space: dict[str, Any] = {"Moment": Moment} | {name: getattr(effect, name) for name in _METHODS}
-    exec(compile(source(effect), f"<law of {effect.name}>", "exec"), space)
+def _check(effect: Effect) -> None:
+    for name in (*_METHODS, "memory_slopes"):
+        if not isinstance(next(vars(k)[name] for k in type(effect).__mro__ if name in vars(k)), staticmethod):
+            raise InputError(
+                f"the effect {effect.name!r} is written as for stepid 0.1: its method {name!r} is no static method",
+                f"Write it for plain numbers: @staticmethod, def {name}({_HOW.get(name, 'p, m')}); {_PAGE}.",
+            )
+    if effect.n_switches and not changes(effect, "switches"):
+        raise InputError(
+            f"the effect {effect.name!r} has n_switches = {effect.n_switches} and no method 'switches'",
+            f"Write it: @staticmethod, def switches(p, m), a tuple of {effect.n_switches}; {_PAGE}.",
+        )
+
+
+def _python_law(effect: Effect, text: str, methods: dict[str, Any]) -> Address:
+    space: dict[str, Any] = {"Moment": Moment, **methods}
+    exec(compile(text, f"<law of {effect.name}>", "exec"), space)
     return space["law"]
 
 
-def _compiled_law(effect: Effect) -> Address:
-    text = source(effect)
-    methods = {name: getattr(type(effect), name) for name in _METHODS if changes(effect, name)}
-    digest = hashlib.sha256(f"{_VERSION}\n{text}".encode())
-    for name in sorted(methods):
-        digest.update(_fingerprint(methods[name], set()))
+def _compiled_law(effect: Effect, text: str, methods: dict[str, Any], key: str) -> Address:
     folder = cache_folder()
     path = Path(f"<law of {effect.name}>")
     if folder is not None:
-        path = folder / f"{effect.name}_{digest.hexdigest()[:24]}.py"
+        path = folder / f"{re.sub(r'[^A-Za-z0-9]', '_', effect.name)[:60]}_{key}.py"
         if not path.exists():
             whole = path.with_suffix(f".{os.getpid()}")
+            folder.mkdir(parents=True, exist_ok=True)  # it may have been cleared since
             whole.write_text(text, encoding="utf-8")
             whole.replace(path)
-    space: dict[str, Any] = {"__name__": __name__, "Moment": Moment} | {
-        name: numba.njit(f) for name, f in methods.items()
-    }
+    try:
+        return _compile(text, methods, path, keep=folder is not None)
+    except numba.core.errors.NumbaError as error:
+        name, reason = _culprit(effect, methods, error)
+        raise InputError(
+            f"the effect {effect.name!r} cannot be compiled: its method {name!r} ({reason})",
+            f"Write it in plain numbers, tuples and functions of math; {_PAGE}.",
+        ) from error
+
+
+def _compile(text: str, methods: dict[str, Any], path: Path, *, keep: bool) -> Any:
+    space: dict[str, Any] = {"__name__": __name__, "Moment": Moment}
+    space |= {name: f if hasattr(f, "py_func") else numba.njit(f) for name, f in methods.items()}
     exec(compile(text, str(path), "exec"), space)
     number, many = numba.types.float64, numba.types.CPointer(numba.types.float64)
     signature = number(numba.types.int64, many, many, many, many, many, many)
-    try:
-        return numba.cfunc(signature, cache=folder is not None, error_model="numpy")(space["law"])
-    except numba.core.errors.NumbaError as error:
-        raise InputError(
-            f"the effect {effect.name!r} cannot be compiled: {str(error).strip().splitlines()[-1]}",
-            "Write its laws as static methods on plain numbers, see docs/how-to/own-effect.md.",
-        ) from error
+    return numba.cfunc(signature, cache=keep, error_model="numpy")(space["law"])
+
+
+def _culprit(effect: Effect, methods: dict[str, Any], error: Exception) -> tuple[str, str]:
+    """Method that cannot be compiled, each being tried on its own, and what numba says of it."""
+    for name, method in methods.items():
+        try:
+            _compile(source(effect, (name,)), {name: method}, Path(f"<{name} of {effect.name}>"), keep=False)
+        except numba.core.errors.NumbaError as own:
+            return name, _reason(own)
+    return "law", _reason(error)
+
+
+def _reason(error: Exception) -> str:
+    lines = (line.strip() for line in re.sub(r"\x1b\[[0-9;]*m", "", str(error)).splitlines())
+    return next((line[:160] for line in lines if line and not line.startswith("Failed in")), type(error).__name__)

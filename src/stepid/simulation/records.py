@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
+from stepid.core.samples import InputBetween, course
 
 Index = npt.NDArray[np.intp]
 _HELD = 8  # samples near the farthest point that a free swing hardly stays
@@ -86,8 +87,16 @@ class Records:
         return _lay(list(runs), none > 0, (self.bases, self.springs, self.dampers), none.astype(np.intp), None)
 
     def with_input(self, volts: Array) -> Records:
-        """Return the same records with other inputs, held from sample to sample, shape (S,)."""
-        return replace(self, volts=volts, coefficients=volts[:, None])
+        """Return the same records with other inputs, shape (S,), that do between the samples what the old ones did."""
+        ways = [run.input_between for run in self.runs]
+        parts = [course(self.time[p], volts[p], way) for p, way in zip(self.pieces(), ways, strict=True)]
+        return replace(self, volts=volts, coefficients=_stacked(parts))
+
+    def with_input_between(self, way: InputBetween, runs: Sequence[int]) -> Records:
+        """Return the same records with the input of some runs taken in another way between its samples."""
+        chosen = set(runs)
+        other = [e.model_copy(update={"input_between": way}) if i in chosen else e for i, e in enumerate(self.runs)]
+        return replace(self, runs=tuple(other), coefficients=_coefficients(other, self.begin))
 
     def reweighted(self, weight: Array) -> Records:
         """Return the same records with other square-root weights, shape (S,)."""
@@ -125,6 +134,17 @@ def lay_out(campaign: Campaign) -> Records:
     return _lay(runs, moving, (labels[0], labels[1], labels[2]), begin, None)
 
 
+def _coefficients(runs: Sequence[Experiment], begin: Index) -> Array:
+    parts = [course(e.time, e.input, e.input_between)[b:] for e, b in zip(runs, begin, strict=True)]
+    return _stacked(parts)
+
+
+def _stacked(parts: Sequence[Array]) -> Array:
+    """Polynomials of all runs end to end, zeros for the terms that a run does not have."""
+    terms = max(part.shape[1] for part in parts)
+    return np.concatenate([np.pad(part, ((0, 0), (0, terms - part.shape[1]))) for part in parts])
+
+
 def _lay(
     runs: list[Experiment],
     moving: npt.NDArray[np.bool_],
@@ -158,5 +178,5 @@ def _lay(
         damper=np.array([dampers.index(e.damper) for e in runs], dtype=np.intp),
         begin=begin,
         weight=np.ones(sum(sizes)) if weight is None else weight,
-        coefficients=joined("input")[:, None],
+        coefficients=_coefficients(runs, begin),
     )

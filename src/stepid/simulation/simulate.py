@@ -56,9 +56,8 @@ def solve_model(
     """Simulate all records; see `simulate`."""
     effects = resolve([e.name for e in model.effects], catalogue=catalogue)
     records = lay_out(as_campaign(campaign))
-    sim = Simulator(records, effects, tolerance)
     shared, local = pack(model, records, effects)
-    solved = sim.solve(shared, local)
+    solved = Simulator(records, effects, tolerance).solve(shared, local)
     if solved is None:
         raise ConvergenceError(
             f"the simulation of campaign {campaign.name!r} runs away",
@@ -68,7 +67,7 @@ def solve_model(
 
 
 def simulate(model: PlantModel, campaign: Campaign, *, catalogue: tuple[Effect, ...] = CATALOGUE) -> dict[str, Array]:
-    """Simulate a plant model on a campaign's measured inputs, each held from its sample to the next.
+    """Simulate a plant model on a campaign's measured inputs, between the samples as each run's `input_between` says.
 
     Parameters
     ----------

@@ -101,8 +101,10 @@ class Simulator:
         values, start = np.ascontiguousarray(values), np.ascontiguousarray(start)
         scale = self.scale
         if scale <= _STILL:  # records without motion, of a plant that is to be simulated only
-            answer = np.abs(values[:, 3]) * np.abs(np.append(r.volts, r.before)).max() / np.abs(values[:, 1])
-            scale = max(float(answer.max()), float(np.abs(start[:, 0]).max()), _STILL)
+            mass, stiffness, gain = values[:, 0], np.abs(values[:, 1]), values[:, 3]
+            swing = np.abs(start[:, 0]) + np.abs(start[:, 1]) * np.sqrt(mass / stiffness)
+            answer = np.abs(gain * np.abs(np.append(r.volts, r.before)).max()) / stiffness
+            scale = max(float((answer + swing).max()), _STILL)
 
         def some(lanes: slice) -> None:
             work = structure(self.effects).copy()

@@ -20,8 +20,8 @@ def why_not_nonlinear(effect: Effect) -> str | None:
         return _DELAY
     if effect.n_memory and kind.memory_slopes is Effect.memory_slopes:
         return "its memory follows the path, and the effect does not say how fast (memory_slopes)"
-    if kind.relax is not Effect.relax and kind.rates is Effect.rates:
-        return "its state follows the input in closed form, and the effect does not say how fast (rates)"
+    if effect.n_extra and kind.rates is Effect.rates:
+        return "its state is known in closed form only, and the effect does not say how fast it changes (rates)"
     return None
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.samples import InputBetween, course
 from stepid.effects import CATALOGUE, Effect
 from stepid.errors import IdentificationError
 from stepid.identification.parameters import IdentifiedParameters
@@ -134,23 +135,31 @@ def _polynomials(a: Array, b: Array) -> tuple[Array, Array]:
 
 
 def held_response(
-    parameters: IdentifiedParameters, run: str, *, input: Array, sample_time: float, input_before: float
+    parameters: IdentifiedParameters,
+    run: str,
+    *,
+    input: Array,
+    sample_time: float,
+    input_before: float,
+    input_between: InputBetween = "held",
 ) -> Array:
-    """Response of the identified model to a sampled and held input, from rest.
+    """Response of the identified model to a sampled input, from rest.
 
     `control.forced_response` draws straight lines between the samples of a continuous system's input, which turns
-    a step into a ramp one sample long. So the system is first sampled with a zero-order hold, which is exact.
+    a held step into a ramp one sample long. So the system is first sampled, exactly, for what the input does.
 
     Parameters
     ----------
     parameters : IdentifiedParameters
     run : str
     input : array, shape (n,)
-        V, each value held from its sample to the next.
+        V, at each sample.
     sample_time : float
         s.
     input_before : float
         V, under which the plant rests before the first sample.
+    input_between : "held", "lines" or "smooth"
+        What the input does from each sample to the next.
 
     Returns
     -------
@@ -165,8 +174,40 @@ def held_response(
     import control
 
     model = control.ss(transfer_function(parameters, run))
-    response = control.forced_response(control.sample_system(model, sample_time, method="zoh"), U=input - input_before)
-    return np.asarray(response.outputs, dtype=np.float64)
+    time: Array = sample_time * np.arange(input.size, dtype=np.float64)
+    moved: Array = input - input_before
+    pieces = course(time, moved, input_between)
+    response = control.forced_response(sampled(model, sample_time, pieces.shape[1]), U=pieces.T)
+    return np.asarray(response.outputs, dtype=np.float64).ravel()
+
+
+def sampled(system: control.StateSpace, sample_time: float, terms: int) -> control.StateSpace:
+    """Sample a continuous system of one input for an input that is a polynomial from each sample to the next.
+
+    Parameters
+    ----------
+    system : control.StateSpace
+    sample_time : float
+        s.
+    terms : int
+        Of the polynomial; 1 is the zero-order hold.
+
+    Returns
+    -------
+    control.StateSpace
+        Exact at the samples; its inputs are the polynomial's coefficients at each.
+    """
+    import control
+    from scipy.linalg import expm
+
+    d = system.nstates
+    whole = np.zeros((d + terms, d + terms))  # the input and its derivatives are states, too
+    whole[:d, :d], whole[:d, d : d + 1] = system.A, system.B
+    whole[d:, d:] = np.diag(np.arange(1.0, terms), 1)  # of the coefficients in the time since the sample
+    step = expm(sample_time * whole)
+    through = np.zeros((system.noutputs, terms))
+    through[:, :1] = system.D
+    return control.ss(step[:d, :d], step[:d, d:], system.C, through, sample_time)
 
 
 def free_responses(parameters: IdentifiedParameters, run: str, *, samples: int, sample_time: float) -> Array:

@@ -1,4 +1,4 @@
-"""Run a python-control system on the held input of a record."""
+"""Run a python-control system on the input of a record."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ import numpy.typing as npt
 from stepid.core.arguments import as_experiment
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.samples import course
 from stepid.errors import ConvergenceError, InputError
 from stepid.simulation.records import release_index, starts_in_motion
+from stepid.transfer.linear import sampled
 
 if TYPE_CHECKING:
     import control
@@ -23,10 +25,10 @@ _RELATIVE, _ABSOLUTE = 1e-10, 1e-13  # tolerances of the states; m and m/s, or t
 def simulate_system(
     system: control.InputOutputSystem, run: Experiment, *, initial_state: npt.ArrayLike | None = None
 ) -> control.TimeResponseData:
-    """Simulate a python-control system on a run's input, each value held from its sample to the next.
+    """Simulate a python-control system on a run's input, between its samples as `input_between` says.
 
-    A linear system is sampled with a zero-order hold, which is exact; any other is integrated from one change of the
-    input to the next, where `control.input_output_response` over the whole record would turn each step into a ramp.
+    A linear system is sampled for that, which is exact; any other is integrated from one change of the input to the
+    next, where `control.input_output_response` over the whole record would turn each held step into a ramp.
 
     Parameters
     ----------
@@ -46,7 +48,8 @@ def simulate_system(
     ------
     stepid.errors.InputError
         If the system has more than one input, a sample time that is not the run's, or another number of states than the
-        initial state; or the run rests under an input before its first sample and no initial state is given.
+        initial state; the run rests under an input before its first sample and no initial state is given; or its input
+        is not held and the system is a sampled one, or smooth and the system not linear.
     stepid.errors.ConvergenceError
         If the response runs away.
     """
@@ -61,13 +64,14 @@ def simulate_system(
     time: Array = run.sample_time * np.arange(begin, run.input.size, dtype=np.float64)
     start: Array = np.zeros(system.nstates) if initial_state is None else np.asarray(initial_state, dtype=np.float64)
     if isinstance(system, control.LTI):
-        sampled: Any = system
-        if sampled.isctime():
-            sampled = control.sample_system(sampled, run.sample_time, method="zoh")
-        response = control.forced_response(sampled, T=time - time[0], U=volts, X0=start)
-        states, outputs = response.x, response.y
+        stepped: Any = system
+        pieces = course(run.time, run.input, run.input_between)[begin:]
+        if stepped.isctime():
+            stepped = sampled(stepped, run.sample_time, pieces.shape[1])
+        response = control.forced_response(stepped, T=time - time[0], U=pieces.T, X0=start)
+        states, outputs = response.x, response.y.reshape(system.noutputs, -1)
     else:
-        states, outputs = _integrate(system, time, volts, start)
+        states, outputs = _integrate(system, time, volts, start, held=run.input_between == "held")
     return control.TimeResponseData(
         time,
         outputs,
@@ -77,17 +81,18 @@ def simulate_system(
         output_labels=system.output_labels,
         input_labels=system.input_labels,
         state_labels=system.state_labels,
-        title=f"{name}, held input of run {run.name!r}",
+        title=f"{name}, input of run {run.name!r}",
         sysname=name,
     )
 
 
-def _integrate(system: Any, time: Array, volts: Array, start: Array) -> tuple[Array, Array]:
+def _integrate(system: Any, time: Array, volts: Array, start: Array, *, held: bool) -> tuple[Array, Array]:
     """States (d, n) and outputs (p, n) of a nonlinear system, from one change of the input to the next."""
     import control
 
     last = time.size - 1
-    marks = [0, *(int(i) for i in np.flatnonzero(np.diff(volts)) + 1 if i < last), last]
+    changes = np.flatnonzero(np.diff(volts)) + 1 if held else np.arange(1, last)
+    marks = [0, *(int(i) for i in changes if i < last), last]
     step = float(time[1] - time[0])  # at most, so that no kink is leapt over
     options = {"rtol": _RELATIVE, "atol": _ABSOLUTE, "max_step": step}
     states, outputs = [], []
@@ -97,7 +102,7 @@ def _integrate(system: Any, time: Array, volts: Array, start: Array) -> tuple[Ar
             response = control.input_output_response(
                 system,
                 part,
-                np.full(part.size, volts[i]),
+                np.full(part.size, volts[i]) if held else volts[i : j + 1],
                 start,
                 solve_ivp_method="DOP853",
                 solve_ivp_kwargs=options,
@@ -114,6 +119,12 @@ def _integrate(system: Any, time: Array, volts: Array, start: Array) -> tuple[Ar
     return np.concatenate(states, axis=1), np.concatenate(outputs, axis=1)
 
 
+def _is_linear(system: Any) -> bool:
+    import control
+
+    return isinstance(system, control.LTI)
+
+
 def _check(system: Any, run: Experiment, initial_state: npt.ArrayLike | None) -> None:
     if system.ninputs != 1:
         raise InputError(
@@ -123,6 +134,16 @@ def _check(system: Any, run: Experiment, initial_state: npt.ArrayLike | None) ->
         raise InputError(
             f"system {system.name!r} has sample time {system.dt} s, run {run.name!r} has {run.sample_time:.6g} s",
             "Sample the continuous system with the run's sample time.",
+        )
+    if run.input_between != "held" and system.isdtime(strict=True):
+        raise InputError(
+            f"system {system.name!r} is sampled for an input of its own, the input of run {run.name!r} is not held",
+            "Give the continuous system.",
+        )
+    if run.input_between == "smooth" and not _is_linear(system):
+        raise InputError(
+            f"the input of run {run.name!r} is smooth, which python-control gives to linear systems only",
+            "Take stepid.simulate, or a linear system (stepid.state_space).",
         )
     if initial_state is None and run.input_before != 0:
         raise InputError(

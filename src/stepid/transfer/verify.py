@@ -94,9 +94,12 @@ def _verify_step(parameters: IdentifiedParameters, experiment: Experiment) -> Ve
         name,
         input=experiment.input[since_begin],
         sample_time=experiment.sample_time,
+        input_between=experiment.input_between,
         input_before=experiment.input_before if first.number == 1 else float(experiment.input[first.start - 1]),
     )
-    rest = float(experiment.position[max(first.rest, begin) : first.start + 1].mean())
+    resting = max(first.rest, begin)
+    moves = first.start + (experiment.input_between == "held")  # else it is under way when the new input is sampled
+    rest = float(experiment.position[resting : max(moves, resting + 1)].mean())
     outward = math.copysign(1.0, parameters.static_gain[name] * first.size)
     swing = outward * experiment.position[first.start : first.stop + 1]
     top, ratio = int(np.argmax(swing)), _damping_ratio(parameters, name)
