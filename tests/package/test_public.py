@@ -108,8 +108,8 @@ def test_version_is_one() -> None:
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     assert stepid.__version__ == project["version"] == importlib.metadata.version("stepid") == citation["version"]
-    headings = re.findall(r"^## \[(.+?)\]", changelog, flags=re.MULTILINE)
-    assert stepid.__version__ in headings or headings[0] == "Unreleased"
+    headings = re.findall(r"^## (\S+) - \d{4}-\d{2}-\d{2}$|^## Unreleased", changelog, flags=re.MULTILINE)
+    assert stepid.__version__ in headings  # dated
 
 
 def test_python_has_no_upper_cap() -> None:

@@ -28,7 +28,7 @@ OFTEN = (  # a step with each effect, and what combines events of every kind
 
 
 def test_every_effect_of_the_catalogue_is_checked() -> None:
-    assert {e.name for e in CATALOGUE} == set(ALONE) == {*EFFECTS, *NEW_EFFECTS}
+    assert sorted(e.name for e in CATALOGUE) == sorted(ALONE) == sorted([*EFFECTS, *NEW_EFFECTS])
 
 
 ENTRIES = ("linear step", "straight plain", "smooth plain")

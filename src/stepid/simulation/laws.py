@@ -191,6 +191,7 @@ def _compiled_law(effect: Effect, text: str, methods: dict[str, Any], key: str) 
         path = folder / f"{re.sub(r'[^A-Za-z0-9]', '_', effect.name)[:60]}_{key}.py"
         if not path.exists():
             whole = path.with_suffix(f".{os.getpid()}")
+            folder.mkdir(parents=True, exist_ok=True)  # it may have been cleared since
             whole.write_text(text, encoding="utf-8")
             whole.replace(path)
     try:
