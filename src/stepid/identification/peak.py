@@ -145,8 +145,9 @@ def _fit(
     time: Array, swing: Array, near: float, half: float, noise: float, degree: int, cut_time: float, cut_height: float
 ) -> PeakReading:
     center, seen = near, set()
+    reach = half + 1e-6 * float(time[1] - time[0])  # a sample at the very edge is inside, whatever its rounding
     while True:
-        inside = np.flatnonzero(np.abs(time - center) <= half)
+        inside = np.flatnonzero(np.abs(time - center) <= reach)
         if inside.size <= degree + 1 or abs(center - near) > 2 * half:
             return PeakReading(near, float(np.max(swing)), math.inf, math.inf, 0.0)
         key = (int(inside[0]), int(inside[-1]))
