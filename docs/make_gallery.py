@@ -18,7 +18,7 @@ from stepid.diagnosis.locate import locate
 from stepid.diagnosis.result import Where
 from stepid.diagnosis.wording import effect_names, length
 from stepid.effects import CATALOGUE, Effect
-from stepid.fitting.fit import ground_of
+from stepid.fitting.fit import prepare
 from stepid.plot.layout import new_figure, stacked_axes
 from stepid.plot.style import MODEL, OTHER, SERIES, styled
 from stepid.plot.style import PAGE as PAGE_WIDTH
@@ -117,10 +117,11 @@ def show(effect: Effect) -> Shown:
     for run in plain.experiments:
         noisy = clean[run.name] + NOISE * rng.standard_normal(run.time.size)
         runs.append(run.model_copy(update={"position": np.round(noisy * COUNTS) / COUNTS}))
-    records, ground = ground_of(stepid.Campaign(name="gallery", experiments=tuple(runs)))
-    where = locate(records, ground.linear, ground.floor)
-    residual = ground.linear.residual[records.pieces()[0]]
-    gap = f"{length(ground.linear.rms)} beside {length(ground.floor)} of noise"
+    context = prepare(stepid.Campaign(name="gallery", experiments=tuple(runs)))
+    records = context.records
+    where = locate(records, context.linear, context.floor)
+    residual = context.linear.residual[records.pieces()[0]]
+    gap = f"{length(context.linear.rms)} beside {length(context.floor)} of noise"
     return Shown(runs[0].time, runs[0].position, without["run 1"], residual, where, gap)
 
 

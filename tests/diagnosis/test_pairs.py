@@ -38,14 +38,14 @@ def test_both_effects_are_named(number: int) -> None:
 def test_simplification_ends_where_nothing_simpler_is_better(monkeypatch: pytest.MonkeyPatch) -> None:
     pair = Candidate(resolve(("coulomb_friction", "input_delay")), None, 0.0, 0.0)  # type: ignore[arg-type]
     worse = replace(pair, effects=pair.effects[:1], evidence=1.0)
-    monkeypatch.setattr(backward, "simplify", lambda ground, found: [worse])
+    monkeypatch.setattr(backward, "simplify", lambda context, found: [worse])
     assert backward.simplified(None, [pair]) == [pair, worse]  # type: ignore[arg-type]
 
 
 def test_simplification_goes_on_while_it_betters(monkeypatch: pytest.MonkeyPatch) -> None:
     three = Candidate(resolve(("coulomb_friction", "input_delay", "cogging")), None, 0.0, 0.0)  # type: ignore[arg-type]
 
-    def one_less(ground: object, found: Candidate) -> list[Candidate]:
+    def one_less(context: object, found: Candidate) -> list[Candidate]:
         return [replace(found, effects=found.effects[1:], evidence=found.evidence - 1.0)]
 
     monkeypatch.setattr(backward, "simplify", one_less)

@@ -146,3 +146,12 @@ def test_a_run_that_never_moves_is_left_out_by_name(route: Any) -> None:
     assert any("Run 'case 1' is left out: nothing moves" in note for note in found.notes)
     with pytest.raises(InputError, match=r"'all still': no run can be used.*'case 2' is left out.*drive was on"):
         route(stepid.Campaign(name="all still", experiments=tuple(still)))
+
+
+def test_any_number_of_threads_gives_the_same_fit() -> None:
+    campaign = stepid.datasets.lab_campaign()
+    few = stepid.Campaign(name="two", experiments=campaign.experiments[:2])
+    one, two = (stepid.fit(few, effects=["cubic_stiffness"], workers=n) for n in (1, 2))
+    assert one == two
+    with pytest.raises(InputError, match=r"workers = 0 is no number of threads.*1 or more"):
+        stepid.fit(few, workers=0)

@@ -8,7 +8,7 @@ from scipy.signal import lsim
 
 import stepid
 from hidden import Run, reference, sets
-from stepid.fitting.fit import ground_of
+from stepid.fitting.fit import prepare
 from stepid.fitting.input_fault import changes_throughout, find_input_fault
 
 PERIOD, N = 0.0088542, 450
@@ -78,13 +78,13 @@ def test_lines_that_are_said_to_be_lines_are_adequate(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", [*KINDS, "step"])
 def test_held_inputs_are_no_fault(kind: str) -> None:
-    _, ground = ground_of(campaign(kind, "held", truth="held"))
-    assert find_input_fault(ground) is None
+    context = prepare(campaign(kind, "held", truth="held"))
+    assert find_input_fault(context) is None
 
 
 def test_held_inputs_that_are_said_to_be_lines_are_told() -> None:
-    _, ground = ground_of(campaign("multisine", "lines", truth="held"))
-    fault = find_input_fault(ground)
+    context = prepare(campaign("multisine", "lines", truth="held"))
+    fault = find_input_fault(context)
     assert fault is not None
     assert fault.way == "held"
     assert "say 'lines'" in fault.words
@@ -92,8 +92,8 @@ def test_held_inputs_that_are_said_to_be_lines_are_told() -> None:
 
 @pytest.mark.parametrize("samples", [0.3, 1.0])
 def test_a_delay_is_no_fault(samples: float) -> None:
-    _, ground = ground_of(campaign("random", "held", truth="held", delay=samples * PERIOD))
-    assert find_input_fault(ground) is None
+    context = prepare(campaign("random", "held", truth="held", delay=samples * PERIOD))
+    assert find_input_fault(context) is None
 
 
 def test_steps_are_not_asked() -> None:

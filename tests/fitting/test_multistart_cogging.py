@@ -7,7 +7,7 @@ import pytest
 
 import stepid
 from hidden import Run, fast, sets
-from stepid.diagnosis.diagnose import ground_of
+from stepid.diagnosis.diagnose import prepare
 from stepid.effects import resolve
 from stepid.fitting.multistart_cogging import well_starts
 
@@ -54,8 +54,8 @@ def released(ripple: dict[str, float] | None) -> stepid.Campaign:
 
 def test_starts_know_each_runs_well() -> None:
     campaign = released(RIPPLE)
-    _, ground = ground_of(campaign)
-    start = well_starts(ground, *resolve(["cogging"]))[0]
+    context = prepare(campaign)
+    start = well_starts(context, *resolve(["cogging"]))[0]
     amplitude, pitch, phase = start.values[0]
     assert amplitude == pytest.approx(RIPPLE["amplitude"], rel=0.1)
     assert pitch == pytest.approx(RIPPLE["pitch"], rel=0.03)
@@ -75,10 +75,10 @@ def test_the_fit_of_released_carts_reaches_the_noise() -> None:
 
 
 def test_driven_carts_begin_at_the_springs_rest() -> None:
-    _, ground = ground_of(stepid.datasets.lab_campaign())
-    assert well_starts(ground, *resolve(["cogging"])) == []
-    _, ground = ground_of(released(None))
-    assert well_starts(ground, *resolve(["coulomb_friction"])) == []
+    context = prepare(stepid.datasets.lab_campaign())
+    assert well_starts(context, *resolve(["cogging"])) == []
+    context = prepare(released(None))
+    assert well_starts(context, *resolve(["coulomb_friction"])) == []
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ import pytest
 import stepid
 from broken_campaigns import FRICTION, campaign, changed, scaled, shifted
 from stepid.effects import resolve
-from stepid.fitting.fit import fit_effects, ground_of
+from stepid.fitting.fit import fit_effects, prepare
 from stepid.fitting.outlier_run import find_suspect
 
 
@@ -65,10 +65,10 @@ def test_the_fit_names_the_run_and_its_mistake(kind: str, seed: int) -> None:
 def test_no_suspicion_where_nothing_is_wrong(effects: dict[str, dict[str, float]], seed: int) -> None:
     whole = campaign(seed, effects)
     assert stepid.fit(whole).notes == ()
-    _, ground = ground_of(whole)
-    fitted = fit_effects(ground, resolve(effects))
+    context = prepare(whole)
+    fitted = fit_effects(context, resolve(effects))
     assert fitted is not None
-    assert find_suspect(ground, [ground.linear, fitted]) is None
+    assert find_suspect(context, [context.linear, fitted]) is None
 
 
 @pytest.mark.slow
@@ -89,8 +89,8 @@ def test_of_two_equal_runs_it_cannot_say_which_is_wrong() -> None:
 
 def test_two_runs_accuse_nobody() -> None:
     whole = campaign(7, masses=(0.0, 1.5), true_masses=(0.0, 1.0))
-    _, ground = ground_of(whole)
-    assert find_suspect(ground, [ground.linear]) is None
+    context = prepare(whole)
+    assert find_suspect(context, [context.linear]) is None
 
 
 def test_a_constant_offset_changes_nothing() -> None:

@@ -98,6 +98,16 @@ def test_files_stay_short(path: Path) -> None:
     assert len(path.read_text(encoding="utf-8").splitlines()) <= 300
 
 
+@pytest.mark.parametrize("room", ["simulation", "fitting"])
+def test_functions_fit_on_a_screen(room: str) -> None:
+    for path in sorted((SOURCE / room).rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef):
+                words = (ast.get_docstring(node, clean=False) or "").count("\n")
+                assert node.end_lineno is not None
+                assert node.end_lineno - node.lineno - words < 60, f"{path.name}: {node.name}"
+
+
 @pytest.mark.parametrize("path", sorted(SOURCE.rglob("*.py")), ids=lambda p: str(p.relative_to(SOURCE)))
 def test_modules_say_what_they_are(path: Path) -> None:
     assert ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))

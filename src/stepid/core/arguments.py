@@ -28,6 +28,13 @@ def as_experiment(given: object) -> Experiment:
     )
 
 
+def as_workers(given: object) -> int:
+    """Return a number of threads as it is; InputError where it is none."""
+    if isinstance(given, int) and not isinstance(given, bool) and given >= 1:
+        return given
+    raise InputError(f"workers = {given!r} is no number of threads", "Give a whole number, 1 or more.")
+
+
 def _called(given: object) -> str:
     name = type(given).__name__
     return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from stepid.core.arguments import as_campaign
+from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
 from stepid.core.noise import rms
@@ -23,12 +23,13 @@ from stepid.effects import CATALOGUE, Effect, among_themselves
 from stepid.errors import UndeterminedError
 from stepid.fitting.covariance import estimates, parameter_names
 from stepid.fitting.cross_validation import held_out_residuals
-from stepid.fitting.fit import ground_of, unpack
+from stepid.fitting.fit import prepare, unpack
 from stepid.fitting.levenberg_marquardt import Optimum
-from stepid.fitting.multistart import Ground
+from stepid.fitting.multistart import FitContext
 from stepid.fitting.outlier_run import Suspect
 from stepid.fitting.screening import screen
 from stepid.simulation.threads import single_threaded
+from stepid.simulation.warm_up import warm_up
 
 Progress = Callable[[str], None]
 
@@ -39,7 +40,11 @@ def _silent(_: str) -> None:
 
 @single_threaded
 def diagnose(
-    campaign: Campaign, *, catalogue: tuple[Effect, ...] = CATALOGUE, progress: Progress | None = None
+    campaign: Campaign,
+    *,
+    catalogue: tuple[Effect, ...] = CATALOGUE,
+    progress: Progress | None = None,
+    workers: int = 1,
 ) -> Diagnosis:
     """Say whether a linear model is adequate for a campaign and, if not, which effect it is missing.
 
@@ -51,6 +56,8 @@ def diagnose(
         Candidates; add your own to `stepid.effects.CATALOGUE`.
     progress : callable, optional
         Called with a few words before each stage.
+    workers : int
+        Threads that simulate; the answer is the same for any number.
 
     Returns
     -------
@@ -72,26 +79,28 @@ def diagnose(
             f"campaign {campaign.name!r} has one run: a model that fits it cannot be checked on another",
             "Add a run with another added mass, or repeat this one.",
         )
+    warm_up(tell)
     tell("linear fit")
-    _, ground = ground_of(campaign)
-    if len(ground.records.runs) < 2:
+    context = prepare(campaign, workers=as_workers(workers))
+    if len(context.records.runs) < 2:
         raise UndeterminedError(
             f"campaign {campaign.name!r} has one usable run. {' '.join(screen(campaign).notes)}",
             "Record the others again: a model that fits one run cannot be checked on another.",
         )
-    judgment = judge(ground, among_themselves(catalogue), tell)
+    judgment = judge(context, among_themselves(catalogue), tell)
     if judgment.suspect is not None:
-        return _diagnose_without(judgment.suspect, campaign, catalogue, tell)
+        return _diagnose_without(judgment.suspect, campaign, catalogue, tell, workers)
     tell("runs held out")
-    return _report(campaign, ground, judgment)
+    return _report(campaign, context, judgment)
 
 
 def _diagnose_without(
-    suspect: Suspect, campaign: Campaign, catalogue: tuple[Effect, ...], progress: Progress
+    suspect: Suspect, campaign: Campaign, catalogue: tuple[Effect, ...], progress: Progress, workers: int
 ) -> Diagnosis:
     """Leave out a run whose labels or scale are plainly wrong, and say so."""
     rest = tuple(e for e in campaign.experiments if e.name != suspect.run)
-    found = diagnose(campaign.model_copy(update={"experiments": rest}), catalogue=catalogue, progress=progress)
+    others = campaign.model_copy(update={"experiments": rest})
+    found = diagnose(others, catalogue=catalogue, progress=progress, workers=workers)
     notes = (f"{suspect.words} It is left out of this diagnosis.", *found.notes)
     return found.model_copy(update={"notes": notes, "data": campaign})
 
@@ -100,14 +109,14 @@ def _pooled(residuals: dict[int, Array]) -> float | None:
     return rms(np.concatenate(list(residuals.values()))) if residuals else None
 
 
-def _report(campaign: Campaign, ground: Ground, judgment: Judgment) -> Diagnosis:
-    records, floor = ground.records, ground.floor
-    linear = ground.linear
+def _report(campaign: Campaign, context: FitContext, judgment: Judgment) -> Diagnosis:
+    records, floor = context.records, context.floor
+    linear = context.linear
     final = judgment.chosen.optimum if judgment.verdict in ("named", "ambiguous") else linear
     chosen = judgment.chosen if final is not linear else None
     effects = chosen.effects if chosen else ()
-    seen_before = held_out_residuals(linear, tolerance=ground.tolerance)
-    seen_after = held_out_residuals(final, tolerance=ground.tolerance) if chosen else seen_before
+    seen_before = held_out_residuals(linear, tolerance=context.tolerance)
+    seen_after = held_out_residuals(final, tolerance=context.tolerance) if chosen else seen_before
     both = seen_before.keys() & seen_after.keys()
     seen_before = {i: seen_before[i] for i in sorted(both)}
     seen_after = {i: seen_after[i] for i in sorted(both)}
@@ -144,13 +153,13 @@ def _report(campaign: Campaign, ground: Ground, judgment: Judgment) -> Diagnosis
         ),
         parameters=estimates(final, effects, floor)[0],
         linear_parameters=estimates(linear, (), floor)[0],
-        where=locate(records, linear, floor, ground.measured),
+        where=locate(records, linear, floor, context.measured),
         next_experiment=proposal,
         advice={e.name: e.advice for e in effects if e.advice},
         reasons=reasons,
-        notes=((judgment.fault.words,) if judgment.fault else ()) + notes_on(campaign, ground, final, effects),
+        notes=((judgment.fault.words,) if judgment.fault else ()) + notes_on(campaign, context, final, effects),
         ranking=_ranking(judgment),
-        runs=_runs(ground, final, seen_before, seen_after),
+        runs=_runs(context, final, seen_before, seen_after),
         model=unpack(final, effects),
         linear_model=unpack(linear, ()),
         data=campaign,
@@ -173,11 +182,11 @@ def _own(found: Candidate) -> dict[str, float]:
 
 
 def _runs(
-    ground: Ground, final: Optimum, seen_before: dict[int, Array], seen_after: dict[int, Array]
+    context: FitContext, final: Optimum, seen_before: dict[int, Array], seen_after: dict[int, Array]
 ) -> tuple[RunGap, ...]:
-    records, linear = ground.records, ground.linear
+    records, linear = context.records, context.linear
     before, after = linear.residual, final.residual
-    phases = phases_of(records, linear, ground.floor, ground.measured)
+    phases = phases_of(records, linear, context.floor, context.measured)
     out = []
     for i, (run, piece) in enumerate(zip(records.runs, records.pieces(), strict=True)):
         y = records.position[piece]

@@ -10,7 +10,7 @@ from stepid.effects.base import Effect
 from stepid.fitting.covariance import estimates
 from stepid.fitting.fit import NOT_CONVERGED
 from stepid.fitting.levenberg_marquardt import Optimum
-from stepid.fitting.multistart import Ground
+from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import repeat_notes
 from stepid.fitting.problem import fixes_mass
 from stepid.fitting.screening import screen
@@ -19,9 +19,9 @@ _SLOW = 1.0  # s between readings, of which a cart on a spring makes no use
 _CLIPPED = 12  # samples at one extreme reading, in motion before and after
 
 
-def notes_on(campaign: Campaign, ground: Ground, final: Optimum, effects: tuple[Effect, ...]) -> tuple[str, ...]:
+def notes_on(campaign: Campaign, context: FitContext, final: Optimum, effects: tuple[Effect, ...]) -> tuple[str, ...]:
     """Collect remarks in words."""
-    records = ground.records
+    records = context.records
     out = [*screen(campaign).notes, *repeat_notes(records)]
     slowest = float(records.sample_time.max())
     if slowest >= _SLOW:
@@ -40,7 +40,7 @@ def notes_on(campaign: Campaign, ground: Ground, final: Optimum, effects: tuple[
         out.append(
             "No two runs differ in added mass: the total mass is set to 1 kg and every parameter is per unit mass."
         )
-    values, _ = estimates(final, effects, ground.floor)
+    values, _ = estimates(final, effects, context.floor)
     for name, value in values.items():
         if value.uncertainty is None and not (name == "base_mass" and fixes_mass(records) is not None):
             out.append(f"The data do not determine {name}.")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepid.core.arguments import as_campaign
+from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.base import Matrix, Model, NonNegative
 from stepid.core.estimate import Estimate
 from stepid.core.experiment import Campaign
@@ -18,7 +18,7 @@ from stepid.errors import ConvergenceError, UndeterminedError
 from stepid.fitting.covariance import estimates
 from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.levenberg_marquardt import Optimum
-from stepid.fitting.multistart import Contender, Ground, Start, race_starts
+from stepid.fitting.multistart import Contender, FitContext, Start, race_starts
 from stepid.fitting.multistart_cogging import well_starts
 from stepid.fitting.noise_floor import enough, noise_floor, repeat_notes, weights
 from stepid.fitting.outlier_run import find_suspect
@@ -27,7 +27,7 @@ from stepid.fitting.score_test import columns, score
 from stepid.fitting.screening import screen
 from stepid.simulation.layout import own_state_names
 from stepid.simulation.model import EffectModel, PlantModel, RunState
-from stepid.simulation.records import Records, lay_out
+from stepid.simulation.records import lay_out
 from stepid.simulation.threads import single_threaded
 
 if TYPE_CHECKING:
@@ -77,8 +77,8 @@ class Fit(Model):
         return parameter_frame((n, e.value, e.uncertainty, e.unit) for n, e in self.parameters.items())
 
 
-def ground_of(campaign: Campaign) -> tuple[Records, Ground]:
-    """Lay out what can be used of a campaign, weigh it and fit the linear plant.
+def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
+    """Lay out what can be used of a campaign, weigh it and fit the linear plant; `workers` threads simulate.
 
     Raises
     ------
@@ -97,17 +97,23 @@ def ground_of(campaign: Campaign) -> tuple[Records, Ground]:
         )
     floor = noise_floor(records)
     records = records.reweighted(weights(records, floor))
-    linear = fit_linear(records, tolerance=0.02 * floor**2)
+    linear = fit_linear(records, tolerance=0.02 * floor**2, workers=workers)
     if linear is None:
         raise ConvergenceError(
             f"campaign {campaign.name!r}: no stable mass-spring-damper can be fitted to its records",
             "Look at the records: sign of counts_per_meter, the input column, the added masses and labels.",
         )
-    return records, Ground(records, linear, floor)
+    return FitContext(records, linear, floor, workers=workers)
 
 
 @single_threaded
-def fit(campaign: Campaign, *, effects: Iterable[str | Effect] = (), catalogue: tuple[Effect, ...] = CATALOGUE) -> Fit:
+def fit(
+    campaign: Campaign,
+    *,
+    effects: Iterable[str | Effect] = (),
+    catalogue: tuple[Effect, ...] = CATALOGUE,
+    workers: int = 1,
+) -> Fit:
     """Fit a linear plant with given effects to all runs together.
 
     Shared by the runs: one base mass a base label, one stiffness a spring label, one damping a damper label, one force
@@ -121,6 +127,8 @@ def fit(campaign: Campaign, *, effects: Iterable[str | Effect] = (), catalogue: 
         Canonical names or effects; none is the linear plant.
     catalogue : tuple of Effect
         Where names are looked up.
+    workers : int
+        Threads that simulate; the answer is the same for any number.
 
     Returns
     -------
@@ -136,48 +144,48 @@ def fit(campaign: Campaign, *, effects: Iterable[str | Effect] = (), catalogue: 
         If no start leads to a stable plant.
     """
     wanted = resolve(effects, catalogue=catalogue)
-    _, ground = ground_of(campaign)
-    optimum = fit_effects(ground, wanted)
+    context = prepare(campaign, workers=as_workers(workers))
+    optimum = fit_effects(context, wanted)
     if optimum is None:
         raise ConvergenceError(
             f"campaign {campaign.name!r}: no start of {', '.join(e.name for e in wanted)} leads to a stable plant; the "
-            f"linear fit leaves {ground.linear.rms * 1e6:.3g} µm",
+            f"linear fit leaves {context.linear.rms * 1e6:.3g} µm",
             "Try fewer effects, or look at the records for what the model cannot say.",
         )
-    return report(optimum, wanted, ground.floor, notes=_remarks(campaign, ground, optimum))
+    return report(optimum, wanted, context.floor, notes=_remarks(campaign, context, optimum))
 
 
-def fit_effects(ground: Ground, effects: tuple[Effect, ...]) -> Optimum | None:
+def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | None:
     """Fit effects one after another, each from its best starts on top of those before, then all together."""
     if not effects:
-        return ground.linear
-    starts = well_starts(ground, effects[0])
-    starts += race_starts(ground, effects[0], score(ground, ground.outline, columns(ground, effects[:1])))
-    contender = _raced(ground, effects[:1], starts, ground.outline)
+        return context.linear
+    starts = well_starts(context, effects[0])
+    starts += race_starts(context, effects[0], score(context, context.outline, columns(context, effects[:1])))
+    contender = _raced(context, effects[:1], starts, context.outline)
     for count in range(2, len(effects) + 1):
         if contender.best is None:
             return None
         n = contender.best.problem.layout.linear.stop
-        scored = score(ground, contender.best, columns(ground, (effects[count - 1],)))
+        scored = score(context, contender.best, columns(context, (effects[count - 1],)))
         guesses = [s.values for s in scored[:3]]
-        guesses += [tuple(v) for v in effects[count - 1].starts(ground.scales)]
+        guesses += [tuple(v) for v in effects[count - 1].starts(context.scales)]
         linear, values = contender.best.shared[:n], contender.best.shared[n:]
         starts = [Start(linear, (tuple(values), v)) for v in guesses]
-        contender = _raced(ground, effects[:count], starts, contender.best)
+        contender = _raced(context, effects[:count], starts, contender.best)
     contender.polish(laps=40)
     return contender.polished
 
 
-def _raced(ground: Ground, effects: tuple[Effect, ...], starts: list[Start], like: Optimum) -> Contender:
+def _raced(context: FitContext, effects: tuple[Effect, ...], starts: list[Start], like: Optimum) -> Contender:
     """Race the starts; where the winner leaves more than noise, run them to their ends until some agree on the best."""
-    best = Contender(ground, effects)
+    best = Contender(context, effects)
     best.begin(starts, like=like)
     best.run(laps=40)
     agree = 0
     for start in starts:
-        if best.excess < _NOISY * ground.noise_cost or agree == _AGREE:
+        if best.excess < _NOISY * context.noise_cost or agree == _AGREE:
             break
-        other = Contender(ground, effects)
+        other = Contender(context, effects)
         other.begin([start], like=like)
         other.run(laps=40)
         agree = agree + 1 if abs(other.cost - best.cost) < _SAME * best.cost else agree
@@ -186,13 +194,13 @@ def _raced(ground: Ground, effects: tuple[Effect, ...], starts: list[Start], lik
     return best
 
 
-def _remarks(campaign: Campaign, ground: Ground, optimum: Optimum) -> tuple[str, ...]:
-    out = [*screen(campaign).notes, *repeat_notes(ground.records)]
-    fault = find_input_fault(ground)
+def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum) -> tuple[str, ...]:
+    out = [*screen(campaign).notes, *repeat_notes(context.records)]
+    fault = find_input_fault(context)
     if fault is not None:
         out.append(fault.words)
-    wrong = fault is None and optimum.rms > _MISFIT * ground.floor
-    suspect = find_suspect(ground, [optimum]) if wrong else None
+    wrong = fault is None and optimum.rms > _MISFIT * context.floor
+    suspect = find_suspect(context, [optimum]) if wrong else None
     if suspect is not None and suspect.mistake is not None:
         out.append(suspect.words)
     if not optimum.converged:

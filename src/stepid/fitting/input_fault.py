@@ -13,7 +13,7 @@ from stepid.core.samples import WAYS, InputBetween
 from stepid.effects import resolve
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
-from stepid.fitting.multistart import Ground
+from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import structure
 from stepid.fitting.problem import build
 from stepid.simulation.records import Records
@@ -75,32 +75,32 @@ def changes_throughout(run: Experiment) -> bool:
     return many > _MANY and in_a_row > _IN_A_ROW and covered > _FAR
 
 
-def find_input_fault(ground: Ground) -> InputFault | None:
+def find_input_fault(context: FitContext) -> InputFault | None:
     """Find runs whose input the linear plant asks to be read in another way than their records say.
 
     Parameters
     ----------
-    ground : Ground
+    context : FitContext
 
     Returns
     -------
     InputFault or None
         None where the records are right, or the data cannot tell.
     """
-    records = ground.records
+    records = context.records
     throughout = [i for i, run in enumerate(records.runs) if changes_throughout(run)]
     found: list[tuple[Optimum, InputFault]] = []
     for way in WAYS:
         runs = [i for i in throughout if records.runs[i].input_between != way]
-        fit = _read(ground, way, runs) if runs else None
-        if fit is not None and _plain(ground, fit):
-            found.append((fit, _fault(records, runs, way, _gain(ground.linear, fit))))
+        fit = _read(context, way, runs) if runs else None
+        if fit is not None and _plain(context, fit):
+            found.append((fit, _fault(records, runs, way, _gain(context.linear, fit))))
     if not found:
         return None
     most = max(fault.evidence for _, fault in found)
     # where two ways are as good, the plainer one: lines before a spline
     fit, fault = next(item for item in found if item[1].evidence > most - _TIE)
-    rivals = (_with_effect(ground, *resolve([name])) for name in _RIVALS)
+    rivals = (_with_effect(context, *resolve([name])) for name in _RIVALS)
     if any(rival is not None and _gain(fit, rival) > _TIE for rival in rivals):
         return None
     return fault
@@ -112,21 +112,21 @@ def _fault(records: Records, runs: Sequence[int], way: InputBetween, evidence: f
     return InputFault(tuple(run.name for run in chosen), len(runs) == len(records.runs), way, said, evidence)
 
 
-def _read(ground: Ground, way: InputBetween, runs: Sequence[int]) -> Optimum | None:
+def _read(context: FitContext, way: InputBetween, runs: Sequence[int]) -> Optimum | None:
     """Fit the linear plant with the input of some runs read in another way."""
-    linear = ground.linear
-    problem = build(ground.records.with_input_between(way, runs), ())
+    linear = context.linear
+    problem = build(context.records.with_input_between(way, runs), ())
     problem = replace(problem, free=linear.problem.free, active=linear.problem.active)
-    return minimize(problem, linear.shared, linear.local, tolerance=ground.tolerance)
+    return minimize(problem, linear.shared, linear.local, tolerance=context.tolerance)
 
 
-def _with_effect(ground: Ground, effect: Effect) -> Optimum | None:
+def _with_effect(context: FitContext, effect: Effect) -> Optimum | None:
     """Fit the linear plant with an effect of half a sample, the input as the records say."""
-    problem = build(ground.records, (effect,))
-    local = np.zeros((problem.layout.n_run, len(ground.records.runs)))
-    local[:2] = ground.linear.local[:2]
-    shared = np.append(ground.linear.shared, 0.5 * float(ground.records.sample_time.mean()))
-    return minimize(problem, shared, local, tolerance=ground.tolerance)
+    problem = build(context.records, (effect,))
+    local = np.zeros((problem.layout.n_run, len(context.records.runs)))
+    local[:2] = context.linear.local[:2]
+    shared = np.append(context.linear.shared, 0.5 * float(context.records.sample_time.mean()))
+    return minimize(problem, shared, local, tolerance=context.tolerance)
 
 
 def _gain(one: Optimum, two: Optimum) -> float:
@@ -135,15 +135,15 @@ def _gain(one: Optimum, two: Optimum) -> float:
     return samples * float(np.log(max(one.cost, 1e-300) / max(two.cost, 1e-300)))
 
 
-def _plain(ground: Ground, fit: Optimum) -> bool:
+def _plain(context: FitContext, fit: Optimum) -> bool:
     """Tell whether another reading of the input explains much better, and leaves next to nothing to explain."""
-    if _gain(ground.linear, fit) < _EVIDENCE:
+    if _gain(context.linear, fit) < _EVIDENCE:
         return False
     level = float(np.sqrt(fit.cost / (fit.problem.records.weight**2).sum()))
 
     def left(residual: Array) -> float:
-        return structure(ground.records, residual, max(level, 1e-12), ground.period)
+        return structure(context.records, residual, max(level, 1e-12), context.period)
 
-    linear = ground.linear
+    linear = context.linear
     here, there = (left(o.problem.residual(o.solved)) for o in (linear, fit))
     return there < max(_WHITE, _LEFT * here)

@@ -40,14 +40,14 @@ class Start(NamedTuple):
     displacement: Array | None = None
 
 
-class Ground:
+class FitContext:
     """What every search on one campaign shares: records, linear fit, scales, the weak form, the measured motion.
 
     Candidates race on `sketch`, a part of the samples; `outline` is the linear plant there.
     """
 
-    def __init__(self, records: Records, linear: Optimum, floor: float) -> None:
-        self.records, self.linear, self.floor = records, linear, floor
+    def __init__(self, records: Records, linear: Optimum, floor: float, *, workers: int = 1) -> None:
+        self.records, self.linear, self.floor, self.workers = records, linear, floor, workers
         self.scales: Scales = scales(records, linear, floor)
         self.columns: dict[Effect, list[Any]] = {}  # of `stepid.fitting.score_test`, kept for the next race
         self.responses: dict[tuple[Effect, tuple[float, ...]], Array | None] = {}  # to single starts, kept likewise
@@ -100,10 +100,10 @@ class Ground:
 class Contender:
     """One set of effects in the race: its starts, and the best fit so far."""
 
-    def __init__(self, ground: Ground, effects: tuple[Effect, ...]) -> None:
-        self.ground, self.effects = ground, effects
-        self.coarse = build(ground.sketch, effects, tolerance=COARSE)
-        self.fine = build(ground.records, effects)
+    def __init__(self, context: FitContext, effects: tuple[Effect, ...]) -> None:
+        self.context, self.effects = context, effects
+        self.coarse = build(context.sketch, effects, tolerance=COARSE, workers=context.workers)
+        self.fine = build(context.records, effects, workers=context.workers)
         self.best: Optimum | None = None
         self.polished: Optimum | None = None  # on all samples
         self.judged: tuple[Optimum, Any] | None = None  # a polished fit, and what was made of it
@@ -119,7 +119,7 @@ class Contender:
     @property
     def excess(self) -> float:
         """Cost above that of the noise floor, m²; 0 at the floor."""
-        return max(self.cost - self.ground.noise_cost, 0.0)
+        return max(self.cost - self.context.noise_cost, 0.0)
 
     @property
     def cost(self) -> float:
@@ -135,14 +135,14 @@ class Contender:
         local = np.repeat(start_local(problem, like)[None], len(starts), axis=0)
         for own, start in zip(local, starts, strict=True):
             if start.displacement is not None:
-                own[0] = np.where(self.ground.sketch.moving, start.displacement, own[0])
+                own[0] = np.where(self.context.sketch.moving, start.displacement, own[0])
         if phase_rows(problem):
             local = start_phases(problem, shared, local)
         order = list(range(len(starts)))
         many = 1 if any(e.run_parameters for e in self.effects) else 3  # with their phases they can be told apart
         if any(e.reverses or e.n_switches for e in self.effects) or (len(starts) > many and not sim.linear):
             costs = [self._reach(reading) for reading in sim.readings(shared, local)]
-            if min(costs) > like.cost - _POOR * (like.cost - self.ground.noise_cost):
+            if min(costs) > like.cost - _POOR * (like.cost - self.context.noise_cost):
                 keep = 1  # none shows much
             order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
         for i in order:
@@ -160,34 +160,34 @@ class Contender:
         if not any(e.never_rests for e in self.effects):
             return [self.coarse]
         active = self.coarse.active.copy()
-        active[:2] = self.ground.sketch.moving
+        active[:2] = self.context.sketch.moving
         return [replace(self.coarse, active=active), self.coarse]
 
     def _try(self, problem: Problem, shared: Array, local: Array, like: Optimum, laps: int) -> bool:
         """Run a few steps from a start; True at the floor, or where a start before it ended, better than `like`."""
-        ground = self.ground
-        tolerance = max(ground.tolerance, 0.003 * (min(self.cost, like.cost) - ground.noise_cost))
+        context = self.context
+        tolerance = max(context.tolerance, 0.003 * (min(self.cost, like.cost) - context.noise_cost))
         found = minimize(problem, shared, local, tolerance=tolerance, iterations=laps)
         if found is None:
             return False
-        gained = like.cost - found.cost > 0.01 * (like.cost - ground.noise_cost) + ground.unit
-        again = gained and self.best is not None and abs(found.cost - self.cost) < 0.01 * self.excess + ground.unit
+        gained = like.cost - found.cost > 0.01 * (like.cost - context.noise_cost) + context.unit
+        again = gained and self.best is not None and abs(found.cost - self.cost) < 0.01 * self.excess + context.unit
         if found.cost < self.cost:
             self.best, self._tolerance = found, tolerance
-        return found.converged and (again or found.cost < 1.02 * ground.noise_cost)
+        return found.converged and (again or found.cost < 1.02 * context.noise_cost)
 
     def _reach(self, reading: Array) -> float:
         """Cost that a trajectory would leave after the linear plant has adapted to it."""
         if not np.isfinite(reading).all() or np.abs(reading).max() > 1e2:
             return np.inf
-        records = self.ground.sketch
+        records = self.context.sketch
         r = records.weighted(records.position - reading)
-        r = r - self.ground.tangent @ (self.ground.tangent.T @ r)
+        r = r - self.context.tangent @ (self.context.tangent.T @ r)
         return float(r @ r)
 
     def run(self, *, laps: int, tolerance: float = 0.0) -> None:
         """Go on from the best fit so far, until a step promises less than `tolerance` [m²]."""
-        tolerance = max(self.ground.tolerance, tolerance)
+        tolerance = max(self.context.tolerance, tolerance)
         if self.best is None or (self.best.converged and self._tolerance <= tolerance):
             return
         found = minimize(
@@ -204,10 +204,10 @@ class Contender:
         """Try other patterns of sticking from the best fit so far; True where one is better."""
         if self.best is None or self._resettled is self.best:
             return False
-        moved = resettle(self.best, tolerance=self.ground.tolerance)
+        moved = resettle(self.best, tolerance=self.context.tolerance)
         better, self._resettled = moved is not self.best, moved
         if better:
-            self.best, self.polished, self._tolerance = moved, None, self.ground.tolerance
+            self.best, self.polished, self._tolerance = moved, None, self.context.tolerance
         return better
 
     def polish(self, *, laps: int, tolerance: float = 0.0) -> None:
@@ -220,34 +220,34 @@ class Contender:
             self.fine,
             begin.shared,
             begin.local,
-            tolerance=max(self.ground.tolerance, tolerance),
+            tolerance=max(self.context.tolerance, tolerance),
             iterations=laps,
         )
         if found is not None:
             self.polished = found
 
 
-def _less_damped(ground: Ground, effect: Effect) -> list[Array]:
+def _less_damped(context: FitContext, effect: Effect) -> list[Array]:
     """The linear optimum; for dry friction, also with less damping, which stood in for the friction."""
-    out = [ground.outline.shared]
+    out = [context.outline.shared]
     if effect.dry:
-        damping = ground.outline.problem.layout.damping
+        damping = context.outline.problem.layout.damping
         for share in (0.65, 0.35):
-            lighter = ground.outline.shared.copy()
+            lighter = context.outline.shared.copy()
             lighter[damping] *= share
             out.append(lighter)
     return out
 
 
-def race_starts(ground: Ground, effect: Effect, scored: Sequence[Scored]) -> list[Start]:
+def race_starts(context: FitContext, effect: Effect, scored: Sequence[Scored]) -> list[Start]:
     """Starts of one effect: its best scores, the weak form's best, its own guesses where it is hard to score."""
     own = [s for s in scored if s.effect is effect][:2]
     starts = [Start(s.shared, (s.values,)) for s in own]
-    starts += [Start(ground.outline.shared, (s.values,)) for s in own[:1]]
-    starts += ground.weak_starts(effect, 3)
-    guesses = [tuple(v) for v in effect.starts(ground.scales)]
+    starts += [Start(context.outline.shared, (s.values,)) for s in own[:1]]
+    starts += context.weak_starts(effect, 3)
+    guesses = [tuple(v) for v in effect.starts(context.scales)]
     if not effect.linear or len(starts) < 2:
-        starts += [Start(shared, (v,)) for shared in _less_damped(ground, effect) for v in guesses]
+        starts += [Start(shared, (v,)) for shared in _less_damped(context, effect) for v in guesses]
     if own:
-        starts.append(Start(ground.outline.shared, (effect.faint(own[0].values, 0.05),)))
+        starts.append(Start(context.outline.shared, (effect.faint(own[0].values, 0.05),)))
     return starts

@@ -9,7 +9,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
-from stepid.fitting.multistart import Ground
+from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build, fit_linear, fixes_mass
 from stepid.fitting.record_faults import SLACK, WHITE, Mistake, at_floor, known, mistakes
 from stepid.simulation.records import Records
@@ -59,12 +59,12 @@ class Suspect:
         return f"{said} {self.mistake.words}" if self.mistake else f"{said} Look at that record, or repeat the run."
 
 
-def find_suspect(ground: Ground, fits: Sequence[Optimum]) -> Suspect | None:
+def find_suspect(context: FitContext, fits: Sequence[Optimum]) -> Suspect | None:
     """Find the run without which one of the fits reaches the noise floor.
 
     Parameters
     ----------
-    ground : Ground
+    context : FitContext
     fits : sequence of Optimum
         To all records; tried in turn.
 
@@ -73,33 +73,33 @@ def find_suspect(ground: Ground, fits: Sequence[Optimum]) -> Suspect | None:
     Suspect or None
         None where no single run is to blame.
     """
-    if len(ground.records.runs) < 3 or at_floor(ground, fits[0], SLACK, WHITE):
+    if len(context.records.runs) < 3 or at_floor(context, fits[0], SLACK, WHITE):
         return None
-    if any(at_floor(ground, fit, SLACK, WHITE) for fit in fits[1:]):
-        return _suspect(ground, fits[0], {}, promise=_LIKELY)  # an effect explains it; a mistake must do so as well
+    if any(at_floor(context, fit, SLACK, WHITE) for fit in fits[1:]):
+        return _suspect(context, fits[0], {}, promise=_LIKELY)  # an effect explains it; a mistake must do so as well
     rest: Rest = {}
-    found = _suspect(ground, fits[0], rest)
-    found = found or _gross(ground, rest if fits[0] is ground.linear else {})
+    found = _suspect(context, fits[0], rest)
+    found = found or _gross(context, rest if fits[0] is context.linear else {})
     for fit in fits[1:]:
-        found = found or _suspect(ground, fit, {})
+        found = found or _suspect(context, fit, {})
     return found
 
 
-def _suspect(ground: Ground, fit: Optimum, rest: Rest, *, promise: float = np.inf) -> Suspect | None:
+def _suspect(context: FitContext, fit: Optimum, rest: Rest, *, promise: float = np.inf) -> Suspect | None:
     """Find the run without which this fit reaches the noise floor; the fits without each run are left in `rest`."""
-    records = ground.records
+    records = context.records
     linear = not fit.problem.simulator.effects
-    noise = np.add.reduceat(records.weight**2, records.first) * ground.floor**2
+    noise = np.add.reduceat(records.weight**2, records.first) * context.floor**2
     left = _left_without(fit)
     order = [int(i) for i in np.argsort(left) if left[i] < promise * (noise.sum() - noise[i])]
     if not linear:  # slower to fit: only those runs whose loss would change much
         order = [i for i in order if left[i] < _PROMISE * fit.cost][:_TRIED]
     found = []
     for i in order:
-        others = rest[i] = _without(fit, i, ground.tolerance)
-        if others is not None and at_floor(ground, others, SLACK, WHITE):
-            best = min(mistakes(ground, fit, others, i), key=lambda m: m.cost, default=None)
-            cost = (others.cost + (best.cost if best else float(noise[i]))) / ground.floor**2
+        others = rest[i] = _without(fit, i, context.tolerance)
+        if others is not None and at_floor(context, others, SLACK, WHITE):
+            best = min(mistakes(context, fit, others, i), key=lambda m: m.cost, default=None)
+            cost = (others.cost + (best.cost if best else float(noise[i]))) / context.floor**2
             found.append((best is None, cost, i, best))
     if not found:
         return None
@@ -107,17 +107,17 @@ def _suspect(ground: Ground, fit: Optimum, rest: Rest, *, promise: float = np.in
     unknown, cost, i, best = found[0]
     names = [run.name for run in records.runs]
     rivals = tuple(names[j] for other, also, j, _ in found[1:] if other == unknown and also < cost + _DECIDES)
-    samples = noise / ground.floor**2
+    samples = noise / context.floor**2
     price = float(fit.problem.free.sum() + 1) * np.log(samples.sum()) + float(
         np.sum(fit.problem.active * np.log(samples))
     )
     return Suspect(names[i], rivals, best, cost + price)
 
 
-def _gross(ground: Ground, rest: Rest) -> Suspect | None:
+def _gross(context: FitContext, rest: Rest) -> Suspect | None:
     """A run with a plain mistake, seen by the linear plant although more is missing; `rest`: linear fits, if known."""
-    records, fit = ground.records, ground.linear
-    fits = rest or {i: _without(fit, i, ground.tolerance) for i in range(len(records.runs))}
+    records, fit = context.records, context.linear
+    fits = rest or {i: _without(fit, i, context.tolerance) for i in range(len(records.runs))}
     counts = np.add.reduceat(records.weight**2, records.first)
     power = {i: f.cost / (counts.sum() - counts[i]) for i, f in fits.items() if f is not None}
     if len(power) < 2:
@@ -126,8 +126,8 @@ def _gross(ground: Ground, rest: Rest) -> Suspect | None:
     others = fits[i]
     if others is None or power[i] > _STANDS_OUT * min(power[second], fit.cost / counts.sum()):
         return None
-    level = max(_LOUD * float(np.sqrt(power[i])) / ground.floor, SLACK)
-    plain = [m for m in mistakes(ground, fit, others, i, slack=level, white=np.inf) if m.plain]
+    level = max(_LOUD * float(np.sqrt(power[i])) / context.floor, SLACK)
+    plain = [m for m in mistakes(context, fit, others, i, slack=level, white=np.inf) if m.plain]
     found = min(plain, key=lambda m: m.cost, default=None)
     return None if found is None else Suspect(records.runs[i].name, (), found, np.inf)
 

@@ -31,9 +31,9 @@ def fixes_mass(records: Records) -> float | None:
     return 1.0 - float(records.added_mass[0])
 
 
-def build(records: Records, effects: tuple[Effect, ...], *, tolerance: float = FINE) -> Problem:
+def build(records: Records, effects: tuple[Effect, ...], *, tolerance: float = FINE, workers: int = 1) -> Problem:
     """Set up the fit of a linear plant with effects to all records."""
-    sim = Simulator(records, effects, tolerance)
+    sim = Simulator(records, effects, tolerance, workers=workers)
     of = sim.layout
     a, b, c = len(records.bases), len(records.springs), len(records.dampers)
     parameters: list[Parameter] = [q for e in effects for q in e.parameters]
@@ -155,9 +155,9 @@ def best_by_run(problem: Problem, shared: Array, tried: Array) -> Array:
     return chosen
 
 
-def fit_linear(records: Records, *, tolerance: float = 0.0) -> Optimum | None:
+def fit_linear(records: Records, *, tolerance: float = 0.0, workers: int = 1) -> Optimum | None:
     """Fit the linear plant: weak-form starts of several widths, the best few polished."""
-    problem = build(records, ())
+    problem = build(records, (), workers=workers)
     period, mass = strongest_period(records), fixes_mass(records)
     tried: list[Optimum] = []
     for guess in (mass,) if mass is not None else (None, *_MASSES):

@@ -12,7 +12,7 @@ from stepid.core.base import Array
 from stepid.effects import resolve
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
-from stepid.fitting.multistart import Ground
+from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import structure
 from stepid.fitting.problem import build, fixes_mass
 from stepid.simulation.records import Records
@@ -51,24 +51,24 @@ def known(problem: Problem) -> npt.NDArray[np.bool_]:
     return np.concatenate([*used, np.ones(problem.free.size - sum(u.size for u in used), dtype=bool)])
 
 
-def at_floor(ground: Ground, fit: Optimum, slack: float, white: float) -> bool:
+def at_floor(context: FitContext, fit: Optimum, slack: float, white: float) -> bool:
     """Tell whether a fit leaves no more than so many times the floor, and nothing but noise."""
     records = fit.problem.records
     samples = float((records.weight**2).sum())
     level = np.sqrt(fit.cost / samples)
-    far = structure(records, fit.problem.residual(fit.solved), ground.floor, ground.period)
-    return bool(level <= (slack + 3.0 / np.sqrt(2.0 * samples)) * ground.floor and far < white)
+    far = structure(records, fit.problem.residual(fit.solved), context.floor, context.period)
+    return bool(level <= (slack + 3.0 / np.sqrt(2.0 * samples)) * context.floor and far < white)
 
 
 def mistakes(
-    ground: Ground, fit: Optimum, others: Optimum, run: int, *, slack: float = _ROOM, white: float = _LOOSE
+    context: FitContext, fit: Optimum, others: Optimum, run: int, *, slack: float = _ROOM, white: float = _LOOSE
 ) -> Iterator[Mistake]:
     """What would bring the run to the floor, or to `slack` times it, under the others' parameters."""
     records = fit.problem.records.subset([run])
     effects, of = fit.problem.simulator.effects, fit.problem.layout
     base, spring = int(records.base[0]), of.stiffness.start + int(records.spring[0])
     damper = of.damping.start + int(records.damper[0])
-    alone = Alone(ground, records, effects, fit, others.shared, run, slack, white)
+    alone = Alone(context, records, effects, fit, others.shared, run, slack, white)
     lonely = ~known(others.problem)
 
     def added(value: float) -> str:
@@ -114,7 +114,7 @@ def mistakes(
 class Alone:
     """The suspected run by itself, under the others' parameters."""
 
-    ground: Ground
+    context: FitContext
     records: Records
     effects: tuple[Effect, ...]
     fit: Optimum
@@ -131,8 +131,8 @@ class Alone:
         active[:rows] = self.fit.problem.active[:rows, [self.run]]
         local = np.zeros((problem.layout.n_run, 1))
         local[:rows] = self.fit.local[:rows, [self.run]]
-        found = minimize(replace(problem, free=free, active=active), shared, local, tolerance=self.ground.tolerance)
-        return found if found is not None and at_floor(self.ground, found, self.slack, self.white) else None
+        found = minimize(replace(problem, free=free, active=active), shared, local, tolerance=self.context.tolerance)
+        return found if found is not None and at_floor(self.context, found, self.slack, self.white) else None
 
     @property
     def has_equal(self) -> bool:

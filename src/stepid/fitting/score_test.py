@@ -12,7 +12,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Motion, Scales
 from stepid.fitting.levenberg_marquardt import Optimum
-from stepid.fitting.multistart import Ground, Scored, Start
+from stepid.fitting.multistart import FitContext, Scored, Start
 from stepid.fitting.problem import build, start_local
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import COARSE, Simulator
@@ -28,9 +28,9 @@ class _Column(NamedTuple):
     values: Callable[[Array], tuple[float, ...] | None]
 
 
-def force_responses(ground: Ground, forces: list[Array]) -> Array:
+def force_responses(context: FitContext, forces: list[Array]) -> Array:
     """Reading's response of the linear plant to added forces, shapes (S,) each to (S, n)."""
-    linear, records = ground.outline, ground.sketch
+    linear, records = context.outline, context.sketch
     free, still = np.append(linear.shared[:-1], 1.0), np.zeros_like(linear.local)
     out = np.empty((records.size, len(forces)))
     for i, force in enumerate(forces):  # the plant driven by the force, in N
@@ -48,19 +48,19 @@ def _means(force: Array, records: Records) -> Array:
     return np.append(between, 0.0)
 
 
-def columns(ground: Ground, effects: tuple[Effect, ...], scales: Scales | None = None) -> list[_Column]:
+def columns(context: FitContext, effects: tuple[Effect, ...], scales: Scales | None = None) -> list[_Column]:
     """Responses of the linear plant to every effect at each of its starts."""
     if scales is not None:
-        return _columns(ground, effects, scales)
-    new = tuple(e for e in effects if e not in ground.columns)
-    fresh = _columns(ground, new, ground.scales)
-    ground.columns |= {e: [c for c in fresh if c.effect is e] for e in new}
-    return [c for e in effects for c in ground.columns[e]]
+        return _columns(context, effects, scales)
+    new = tuple(e for e in effects if e not in context.columns)
+    fresh = _columns(context, new, context.scales)
+    context.columns |= {e: [c for c in fresh if c.effect is e] for e in new}
+    return [c for e in effects for c in context.columns[e]]
 
 
-def _columns(ground: Ground, effects: tuple[Effect, ...], scales: Scales) -> list[_Column]:
+def _columns(context: FitContext, effects: tuple[Effect, ...], scales: Scales) -> list[_Column]:
     found: list[_Column] = []
-    motion: Motion = ground.motion
+    motion: Motion = context.motion
     forces: list[Array] = []
     pending: list[tuple[Effect, int, Callable[[Array], tuple[float, ...] | None]]] = []
     for effect in effects:
@@ -71,13 +71,13 @@ def _columns(ground: Ground, effects: tuple[Effect, ...], scales: Scales) -> lis
         if not regressors:
             for values in effect.starts(scales):
                 key = (effect, tuple(values))
-                if key not in ground.responses:
-                    ground.responses[key] = _difference(ground, *key)
-                response = ground.responses[key]
+                if key not in context.responses:
+                    context.responses[key] = _difference(context, *key)
+                response = context.responses[key]
                 if response is not None:
                     found.append(_Column(effect, response, _scaled(effect, tuple(values))))
     if forces:
-        responses = force_responses(ground, forces)
+        responses = force_responses(context, forces)
         at = 0
         for effect, width, convert in pending:
             found.append(_Column(effect, responses[:, at : at + width], convert))
@@ -97,8 +97,8 @@ def _scaled(effect: Effect, values: tuple[float, ...]) -> Callable[[Array], tupl
     return convert
 
 
-def _difference(ground: Ground, effect: Effect, values: tuple[float, ...]) -> Array | None:
-    records, linear = ground.sketch, ground.outline
+def _difference(context: FitContext, effect: Effect, values: tuple[float, ...]) -> Array | None:
+    records, linear = context.sketch, context.outline
     problem = build(records, (effect,), tolerance=COARSE)
     of = problem.layout
     free = problem.free.copy()
@@ -123,9 +123,9 @@ def _difference(ground: Ground, effect: Effect, values: tuple[float, ...]) -> Ar
     return np.concatenate(parts, axis=1)
 
 
-def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
+def score(context: FitContext, base: Optimum, table: list[_Column]) -> list[Scored]:
     """Score every start against the residual of a fit to the sketch: the best few of each effect, best first."""
-    records = ground.sketch
+    records = context.sketch
     problem = base.problem
     residual = problem.residual(base.solved)
     jacobian = problem.jacobian(base.solved)
@@ -161,7 +161,7 @@ def score(ground: Ground, base: Optimum, table: list[_Column]) -> list[Scored]:
     return out
 
 
-def promises(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], starts: list[Start]) -> list[float]:
+def promises(context: FitContext, inner: Optimum, effects: tuple[Effect, ...], starts: list[Start]) -> list[float]:
     """Decrease of the cost [m²] that each start of a more general law promises over a simpler one's fit.
 
     By one linearized step: the change of the reading from the simpler law to the start is fitted to the residual, with
@@ -170,7 +170,7 @@ def promises(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], starts
     jacobian = inner.problem.jacobian(inner.solved)
     if not starts or not np.isfinite(jacobian).all():
         return [np.inf] * len(starts)
-    sim = Simulator(ground.sketch, effects, COARSE)
+    sim = Simulator(context.sketch, effects, COARSE)
     shared = np.array([np.concatenate([start.linear, *start.values]) for start in starts])
     local = np.zeros((sim.layout.n_run, inner.local.shape[1]))
     known = inner.problem.layout.own_states.start
@@ -182,7 +182,7 @@ def promises(ground: Ground, inner: Optimum, effects: tuple[Effect, ...], starts
     residual = inner.problem.residual(inner.solved)
     found = []
     for reading in readings:
-        seen = ground.sketch.weighted(reading - inner.solved.reading)
+        seen = context.sketch.weighted(reading - inner.solved.reading)
         seen = seen - q @ (q.T @ seen)
         power, along = float(seen @ seen), float(seen @ residual)
         # a step that asks for hardly any of the change is the simpler law's, seen from too far for a line to tell

@@ -13,7 +13,7 @@ from stepid.diagnosis.selection.candidate import Candidate, candidate, polish
 from stepid.diagnosis.selection.racing import level_within
 from stepid.effects import Effect
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
-from stepid.fitting.multistart import Contender, Ground, Start
+from stepid.fitting.multistart import Contender, FitContext, Start
 from stepid.fitting.problem import build
 
 _FADING = (0.5, 0.2, 0.05)  # shares of an effect on its way out of a combination
@@ -21,12 +21,12 @@ _NEEDED = 200.0  # χ² that a combination may seem to lose without an effect, t
 _TURNS = 8  # phases tried
 
 
-def simplified(ground: Ground, ranked: list[Candidate]) -> list[Candidate]:
+def simplified(context: FitContext, ranked: list[Candidate]) -> list[Candidate]:
     """Simplify the best of a ranking, and what then is best, for as long as that betters it."""
     last: Candidate | None = None
     while ranked[0] is not last and len(ranked[0].effects) > 1:
         last = ranked[0]
-        ranked = replaced(ranked, simplify(ground, last))
+        ranked = replaced(ranked, simplify(context, last))
     return ranked
 
 
@@ -36,7 +36,7 @@ def replaced(ranked: list[Candidate], better: list[Candidate]) -> list[Candidate
     return sorted([*better, *(c for c in ranked if c.combination not in anew)], key=lambda c: c.evidence)
 
 
-def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
+def simplify(context: FitContext, found: Candidate) -> list[Candidate]:
     """Drop each effect of a combination in turn and fit the others from where they stand; those that do no worse.
 
     A single effect can have been stuck where the combination was not. An effect that matters to first order stays.
@@ -45,10 +45,10 @@ def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
     for dropped, effect in enumerate(found.effects):
         own = _place(found, dropped)
         values = tuple(float(v) for v in found.optimum.shared[own])
-        if _moved(found.optimum, own, np.array(effect.faint(values, 0.0))).loss > _NEEDED * ground.floor**2:
+        if _moved(found.optimum, own, np.array(effect.faint(values, 0.0))).loss > _NEEDED * context.floor**2:
             continue
         for drop in (_drop, _fade, _again):
-            fewer = drop(ground, found, dropped)
+            fewer = drop(context, found, dropped)
             if fewer is not None and fewer.evidence < found.evidence + STRONG:
                 out.append(fewer)
                 break
@@ -56,7 +56,7 @@ def simplify(ground: Ground, found: Candidate) -> list[Candidate]:
 
 
 def plainer(
-    ground: Ground, found: Candidate, known: list[tuple[Effect, ...]], catalogue: tuple[Effect, ...]
+    context: FitContext, found: Candidate, known: list[tuple[Effect, ...]], catalogue: tuple[Effect, ...]
 ) -> list[Candidate]:
     """Replace each general effect by the simpler one inside it, fitted from where it stands; those that do no worse.
 
@@ -72,13 +72,13 @@ def plainer(
             effects = (*found.effects[:place], inner, *found.effects[place + 1 :])
             if effects in known:
                 continue
-            problem = build(ground.records, effects)
+            problem = build(context.records, effects)
             known_rows = problem.layout.own_states.start
-            local = np.zeros((problem.layout.n_run, len(ground.records.runs)))
+            local = np.zeros((problem.layout.n_run, len(context.records.runs)))
             local[:known_rows] = found.optimum.local[:known_rows]
             values = np.concatenate([shared[: own.start], [level], shared[own.stop :]])
-            fitted = minimize(problem, values, local, tolerance=ground.tolerance, iterations=30)
-            simpler = None if fitted is None else candidate(ground, effects, fitted)
+            fitted = minimize(problem, values, local, tolerance=context.tolerance, iterations=30)
+            simpler = None if fitted is None else candidate(context, effects, fitted)
             if simpler is not None and simpler.evidence < found.evidence + STRONG:
                 out.append(simpler)
     return out
@@ -89,12 +89,12 @@ def _place(found: Candidate, number: int) -> slice:
     return found.optimum.problem.layout.values[number]
 
 
-def _fade(ground: Ground, found: Candidate, dropped: int) -> Candidate | None:
+def _fade(context: FitContext, found: Candidate, dropped: int) -> Candidate | None:
     """Fit a combination without one effect, which first fades while the others adapt."""
-    return _drop(ground, found, dropped, _FADING)
+    return _drop(context, found, dropped, _FADING)
 
 
-def _again(ground: Ground, found: Candidate, dropped: int) -> Candidate | None:
+def _again(context: FitContext, found: Candidate, dropped: int) -> Candidate | None:
     """Race a combination without one effect anew: from where it stands, at every phase of what has one."""
     own = _place(found, dropped)
     values = tuple(float(v) for v in found.optimum.shared[own])
@@ -105,13 +105,13 @@ def _again(ground: Ground, found: Candidate, dropped: int) -> Candidate | None:
     for turn in np.arange(_TURNS) * 2 * np.pi / _TURNS:
         turned = [tuple(v + turn * (q.unit == "rad") for v, q in zip(w, e.parameters, strict=True)) for e, w in rest]
         starts.append(Start(moved[:n], tuple(turned)))
-    contender = Contender(ground, tuple(e for e, _ in rest))
-    contender.begin(starts, like=ground.outline)
+    contender = Contender(context, tuple(e for e, _ in rest))
+    contender.begin(starts, like=context.outline)
     contender.run(laps=20)
-    return polish(ground, contender)
+    return polish(context, contender)
 
 
-def _drop(ground: Ground, found: Candidate, dropped: int, shares: tuple[float, ...] = ()) -> Candidate | None:
+def _drop(context: FitContext, found: Candidate, dropped: int, shares: tuple[float, ...] = ()) -> Candidate | None:
     """Fit a combination without one effect, which may first fade to `shares` of itself while the others adapt."""
     optimum = found.optimum
     of = optimum.problem.layout
@@ -122,23 +122,23 @@ def _drop(ground: Ground, found: Candidate, dropped: int, shares: tuple[float, .
         free = optimum.problem.free.copy()
         free[own] = False
         held = replace(optimum.problem, free=free)
-        faded = minimize(held, shared, local, tolerance=ground.tolerance, iterations=8)
+        faded = minimize(held, shared, local, tolerance=context.tolerance, iterations=8)
         if faded is None:
             return None
         optimum = faded
     shared, moved, _ = _moved(optimum, own, np.array(found.effects[dropped].faint(values, 0.0)))
     rest = tuple(e for place, e in enumerate(found.effects) if place != dropped)
-    problem = build(ground.records, rest)
+    problem = build(context.records, rest)
     local = np.delete(moved[: of.own_states.start], of.run_values[dropped], axis=0)
     own_states = np.zeros((problem.layout.n_run - len(local), local.shape[1]))  # begin anew
     fewer = minimize(
         problem,
         np.delete(shared, own),
         np.concatenate([local, own_states]),
-        tolerance=ground.tolerance,
+        tolerance=context.tolerance,
         iterations=20,
     )
-    return None if fewer is None else candidate(ground, rest, fewer)
+    return None if fewer is None else candidate(context, rest, fewer)
 
 
 class _Moved(NamedTuple):

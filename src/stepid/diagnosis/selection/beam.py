@@ -9,7 +9,7 @@ from stepid.diagnosis.selection.proposals import Entry, Offer, make_offer, n_par
 from stepid.diagnosis.selection.racing import PROMISE, WORTH, Progress, advance, final, grow, settled
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import minimize
-from stepid.fitting.multistart import Contender, Ground, Scored, Start
+from stepid.fitting.multistart import Contender, FitContext, Scored, Start
 from stepid.fitting.problem import start_local
 from stepid.fitting.score_test import columns, promises, score
 
@@ -35,7 +35,7 @@ _SIMPLER_SWAPS = 4  # the same of those with fewer parameters: a sine in positio
 
 
 def extend(
-    ground: Ground,
+    context: FitContext,
     bases: list[Contender],
     catalogue: tuple[Effect, ...],
     progress: Progress,
@@ -46,26 +46,26 @@ def extend(
     All begin from the start that promises most; where none reaches the floor, from others, three effects only where one
     comes near. A `race` goes on.
     """
-    race = race or Race(ground)
+    race = race or Race(context)
     if not race.explained():
-        offers = offers_on(ground, bases, catalogue)
+        offers = offers_on(context, bases, catalogue)
         best = {e.name for b in sorted(bases, key=lambda b: b.cost)[:_BEST] for e in b.effects}
         race.try_all([*offers[:_MOST], *(o for o in offers[_MOST:] if o.names <= best)], progress)
     ranked = race.ranked()
     if ranked and race.ahead(ranked[0].contender) and race.explained():
         return [e.contender for e in race.ranked()]
-    advance(ground, race.contenders, laps=(5, 10, 10))
+    advance(context, race.contenders, laps=(5, 10, 10))
     least = min((c.cost for c in race.contenders), default=np.inf)
-    if least > _LOST * ground.floored and all(len(b.effects) > 1 for b in bases):
+    if least > _LOST * context.floored and all(len(b.effects) > 1 for b in bases):
         return [e.contender for e in race.ranked()]
     for entry in race.entries:
         if race.over(entry.offer):
             continue
-        if not settled(ground, [entry.contender]):
+        if not settled(context, [entry.contender]):
             entry.again()
             race.lead(entry.contender)
-    advance(ground, race.contenders)
-    if not settled(ground, race.contenders):
+    advance(context, race.contenders)
+    if not settled(context, race.contenders):
         for entry in [e for e in race.ranked() if e.is_mode][:_HEAVY]:
             entry.weigh()
     return [e.contender for e in race.ranked()]
@@ -74,8 +74,8 @@ def extend(
 class Race:
     """The combinations that race so far; it is over some further tries after one explains all."""
 
-    def __init__(self, ground: Ground) -> None:
-        self.ground, self.entries, self.more = ground, list[Entry](), _MORE
+    def __init__(self, context: FitContext) -> None:
+        self.context, self.entries, self.more = context, list[Entry](), _MORE
 
     @property
     def contenders(self) -> list[Contender]:
@@ -93,7 +93,7 @@ class Race:
             if first is not None and place >= first and not self.explained():
                 return
             if (id(offer.base), offer.additions[0].effect) not in known and not self.over(offer):
-                entry = Entry(self.ground, offer, progress)
+                entry = Entry(self.context, offer, progress)
                 self.entries.append(entry)
                 self.lead(entry.contender)
 
@@ -101,7 +101,7 @@ class Race:
         """Let a contender run on where it leads, or is near the floor."""
         if all(contender.cost < _LEADS * c.cost for c in self.contenders if c is not contender):
             contender.run(laps=6, tolerance=0.01 * contender.excess)
-        if contender.cost < _NEAR * self.ground.floored:
+        if contender.cost < _NEAR * self.context.floored:
             contender.run(laps=12)
 
     def ahead(self, contender: Contender) -> bool:
@@ -113,10 +113,10 @@ class Race:
         """Tell whether a combination leaves nothing but noise in all samples: a sketch has too few to tell for sure."""
         for contender in self.contenders:
             least = _NEAR if self.ahead(contender) else 1.0
-            if contender.cost < least * self.ground.floored:
-                contender.polish(laps=15, tolerance=self.ground.tolerance)
+            if contender.cost < least * self.context.floored:
+                contender.polish(laps=15, tolerance=self.context.tolerance)
                 done = contender.polished
-                if done is not None and at_floor(self.ground, candidate(self.ground, contender.effects, done)):
+                if done is not None and at_floor(self.context, candidate(self.context, contender.effects, done)):
                     return True
         return False
 
@@ -128,30 +128,32 @@ class Race:
         if offer.names == set(best.names):
             return True  # from its other effect
         few = offer.n_parameters < sum(map(n_parameters, best.effects))
-        if offer.left > max(self.ground.floored, (_FEWER if few else _AS_MUCH) * best.cost):
+        if offer.left > max(self.context.floored, (_FEWER if few else _AS_MUCH) * best.cost):
             return True
         if offer.names not in [e.offer.names for e in self.entries]:
             self.more -= 1
         return self.more < 0
 
 
-def swap(ground: Ground, raced: list[Contender], catalogue: tuple[Effect, ...], progress: Progress) -> list[Contender]:
+def swap(
+    context: FitContext, raced: list[Contender], catalogue: tuple[Effect, ...], progress: Progress
+) -> list[Contender]:
     """Race the best combination with each of its effects replaced by what may do as well, or by a simpler one inside.
 
     Combinations in `raced` are not raced again where they came near: one may have begun where it got stuck.
     """
     winner = raced[0]
-    known = [set(c.names) for c in raced if c.cost < _HOPELESS * ground.floored]
+    known = [set(c.names) for c in raced if c.cost < _HOPELESS * context.floored]
     assert winner.best is not None
     simple = tuple(e for e in catalogue if not e.contains)
     found: list[Contender] = []
     for place, effect in enumerate(winner.effects):
-        base = _without(ground, winner, place)
+        base = _without(context, winner, place)
         if base.best is None:
             continue
         offers: dict[Effect, list[Scored]] = {}
-        table = columns(ground, tuple(dict.fromkeys([*simple, effect])))
-        for scored in score(ground, base.best, table):
+        table = columns(context, tuple(dict.fromkeys([*simple, effect])))
+        for scored in score(context, base.best, table):
             offers.setdefault(scored.effect, []).append(scored)
         own = offers[effect][0].gain if effect in offers else 0.0
         others = [e for e in offers if e is not effect and not any(related(e, w) for w in base.effects)]
@@ -159,20 +161,20 @@ def swap(ground: Ground, raced: list[Contender], catalogue: tuple[Effect, ...], 
         few = [e for e in others if n_parameters(e) < n_parameters(effect) and offers[e][0].gain > _SIMPLER * own]
         alike = [e for e in others if e.name in effect.contains or offers[e][0].gain > _TWIN * own]
         for other in dict.fromkeys([*few[:_SIMPLER_SWAPS], *alike[:_SWAPS]]):
-            entry = Entry(ground, make_offer(base, offers[other][:1]), progress)
-            if ground.floored <= entry.contender.cost < _HOPELESS * ground.floored:
+            entry = Entry(context, make_offer(base, offers[other][:1]), progress)
+            if context.floored <= entry.contender.cost < _HOPELESS * context.floored:
                 entry.again()
             found.append(entry.contender)
-    advance(ground, [winner, *(c for c in found if c.cost < _HOPELESS * ground.floored)])
+    advance(context, [winner, *(c for c in found if c.cost < _HOPELESS * context.floored)])
     return found
 
 
-def _without(ground: Ground, contender: Contender, place: int) -> Contender:
+def _without(context: FitContext, contender: Contender, place: int) -> Contender:
     """The combination with one effect dropped, all else adapted a little from where it stands."""
     assert contender.best is not None
     here = standing(contender, None)
     effects = (*contender.effects[:place], *contender.effects[place + 1 :])
-    rest = Contender(ground, effects)
+    rest = Contender(context, effects)
     shared = np.concatenate([here.linear, *(v for i, v in enumerate(here.values) if i != place)])
     local = start_local(rest.coarse, contender.best)
     at = 2
@@ -182,26 +184,26 @@ def _without(ground: Ground, contender: Contender, place: int) -> Contender:
         rows += range(at, at + q) if i != place else []
         at += q
     local[2 : rest.coarse.layout.own_states.start] = contender.best.local[rows]
-    rest.best = minimize(rest.coarse, shared, local, tolerance=ground.unit, iterations=_ADAPTED)
+    rest.best = minimize(rest.coarse, shared, local, tolerance=context.unit, iterations=_ADAPTED)
     return rest
 
 
-def first_pairs(ground: Ground, alone: list[Contender], catalogue: tuple[Effect, ...], progress: Progress) -> Race:
+def first_pairs(context: FitContext, alone: list[Contender], catalogue: tuple[Effect, ...], progress: Progress) -> Race:
     """Race the few most promising pairs; go on with `pairs` where they do not explain all."""
-    race = Race(ground)
-    race.try_all(offers_on(ground, _bases(alone), catalogue), progress, first=_FIRST)
+    race = Race(context)
+    race.try_all(offers_on(context, _bases(alone), catalogue), progress, first=_FIRST)
     return race
 
 
 def pairs(
-    ground: Ground,
+    context: FitContext,
     alone: list[Contender],
     catalogue: tuple[Effect, ...],
     progress: Progress,
     race: Race | None = None,
 ) -> list[Contender]:
     """Race pairs of effects: what is added to each single one."""
-    return extend(ground, _bases(alone), catalogue, progress, race)
+    return extend(context, _bases(alone), catalogue, progress, race)
 
 
 def _bases(alone: list[Contender]) -> list[Contender]:
@@ -212,13 +214,13 @@ def _bases(alone: list[Contender]) -> list[Contender]:
 
 
 def generalize(
-    ground: Ground, contender: Contender, catalogue: tuple[Effect, ...], progress: Progress
+    context: FitContext, contender: Contender, catalogue: tuple[Effect, ...], progress: Progress
 ) -> list[Contender]:
     """Replace each effect of a combination by those that contain it, started from where it stands."""
     found: list[Contender] = []
     if contender.best is None:
         return found
-    here, done = standing(contender, None), settled(ground, [contender])
+    here, done = standing(contender, None), settled(context, [contender])
     for place, inner in enumerate(contender.effects):
         for effect in catalogue:
             if inner.name not in effect.contains:
@@ -227,24 +229,24 @@ def generalize(
             progress(" + ".join(e.name for e in effects))
             starts = [
                 Start(here.linear, (*here.values[:place], grown, *here.values[place + 1 :]))
-                for grown in grow(ground, effect, here.values[place])
+                for grown in grow(context, effect, here.values[place])
             ]
             if not effect.affine:
-                least = PROMISE * ground.unit if done else WORTH * contender.excess
-                gains = promises(ground, contender.best, effects, starts)
+                least = PROMISE * context.unit if done else WORTH * contender.excess
+                gains = promises(context, contender.best, effects, starts)
                 starts = [s for s, gain in zip(starts, gains, strict=True) if gain > least]
             if not starts:
                 continue
-            grown_up = Contender(ground, effects)
+            grown_up = Contender(context, effects)
             grown_up.begin(starts, like=contender.best, keep=1 if done else 3)
             found.append(grown_up)
-    advance(ground, [contender, *found])
+    advance(context, [contender, *found])
     return sorted(found, key=lambda c: c.cost)
 
 
-def finish(ground: Ground, contenders: list[Contender], count: int = 4) -> list[Candidate]:
+def finish(context: FitContext, contenders: list[Contender], count: int = 4) -> list[Candidate]:
     """Polish the best combinations, each once whatever the order of its effects; best evidence first."""
     once: dict[frozenset[str], Contender] = {}
     for contender in contenders:
         once.setdefault(frozenset(contender.names), contender)
-    return final(ground, list(once.values())[:count], count=1, spread=0.05)
+    return final(context, list(once.values())[:count], count=1, spread=0.05)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
-from stepid.fitting.multistart import Contender, Ground
+from stepid.fitting.multistart import Contender, FitContext
 from stepid.fitting.noise_floor import structure, succession
 
 _WHITE = 6.0  # standard deviations of structure that noise may show
@@ -51,36 +51,36 @@ def evidence(optimum: Optimum, floor: float) -> float:
     return optimum.cost / floor**2 + price
 
 
-def candidate(ground: Ground, effects: tuple[Effect, ...], optimum: Optimum) -> Candidate:
+def candidate(context: FitContext, effects: tuple[Effect, ...], optimum: Optimum) -> Candidate:
     """Judge a fit."""
-    records = ground.records
-    white = structure(records, optimum.problem.residual(optimum.solved), ground.floor, ground.period)
-    return Candidate(effects, optimum, evidence(optimum, ground.floor), white)
+    records = context.records
+    white = structure(records, optimum.problem.residual(optimum.solved), context.floor, context.period)
+    return Candidate(effects, optimum, evidence(optimum, context.floor), white)
 
 
-def at_floor(ground: Ground, found: Candidate) -> bool:
+def at_floor(context: FitContext, found: Candidate) -> bool:
     """Tell whether a fit leaves nothing but noise."""
-    n = float((ground.records.weight**2).sum())
-    times = found.optimum.rms / ground.floor
+    n = float((context.records.weight**2).sum())
+    times = found.optimum.rms / context.floor
     if found.structure >= _WHITE or times > _TOLD:
         return False
     if times <= 1.05 + 3.0 / math.sqrt(2.0 * n):
         return True
-    return is_white(ground, found, 3.0)  # the floor is known to some percent only
+    return is_white(context, found, 3.0)  # the floor is known to some percent only
 
 
-def is_white(ground: Ground, found: Candidate, deviations: float) -> bool:
+def is_white(context: FitContext, found: Candidate, deviations: float) -> bool:
     """Tell whether a residual is as white as noise of its own size, within so many standard deviations."""
-    ratio, count = succession(ground.records, found.optimum.residual)
+    ratio, count = succession(context.records, found.optimum.residual)
     return ratio < 1.0 + deviations / math.sqrt(max(count, 1))
 
 
-def polish(ground: Ground, contender: Contender, *, enough: float = 0.05) -> Candidate | None:
+def polish(context: FitContext, contender: Contender, *, enough: float = 0.05) -> Candidate | None:
     """Converge a contender on all samples, with the starting states free and at rest; keep the better.
 
     It has converged where a step promises less than `enough` χ².
     """
-    tolerance = enough * ground.floor**2
+    tolerance = enough * context.floor**2
     if contender.excess > 0.4 * contender.cost:
         tolerance = max(tolerance, 0.002 * contender.excess)
     for _ in range(3):
@@ -91,37 +91,37 @@ def polish(ground: Ground, contender: Contender, *, enough: float = 0.05) -> Can
     if best is None:
         return None
     if contender.judged is None or contender.judged[0] is not best:
-        contender.judged = best, _simpler_start(ground, contender, best, enough)
+        contender.judged = best, _simpler_start(context, contender, best, enough)
     found: Candidate = contender.judged[1]
     return found
 
 
-def _simpler_start(ground: Ground, contender: Contender, best: Optimum, enough: float) -> Candidate:
+def _simpler_start(context: FitContext, contender: Contender, best: Optimum, enough: float) -> Candidate:
     """Judge a fit with the starting states free, and at rest where that may do as well; the better."""
-    found = candidate(ground, contender.effects, best)
+    found = candidate(context, contender.effects, best)
     problem = best.problem
     active = problem.active.copy()
-    active[:2] = ground.records.moving
+    active[:2] = context.records.moving
     active[problem.layout.own_states] = False
     if not np.array_equal(active, problem.active):
-        if not _worth_holding(ground, best, active):
+        if not _worth_holding(context, best, active):
             return found
         local = np.where(active, best.local, 0.0)
         held = minimize(
             replace(problem, active=active),
             best.shared,
             local,
-            tolerance=enough * ground.floor**2,
+            tolerance=enough * context.floor**2,
             iterations=12,
         )
         if held is not None:
-            other = candidate(ground, contender.effects, held)
+            other = candidate(context, contender.effects, held)
             if other.evidence < found.evidence:
                 found = other
     return found
 
 
-def _worth_holding(ground: Ground, best: Optimum, active: npt.NDArray[np.bool_]) -> bool:
+def _worth_holding(context: FitContext, best: Optimum, active: npt.NDArray[np.bool_]) -> bool:
     """Tell whether starting states may be those at rest: by one linearized step, with room for its error."""
     problem = best.problem
     jacobian, residual = problem.jacobian(best.solved), problem.residual(best.solved)
@@ -135,10 +135,10 @@ def _worth_holding(ground: Ground, best: Optimum, active: npt.NDArray[np.bool_])
     size[size == 0] = np.inf
     q = np.linalg.qr((jacobian / size)[:, kept])[0]
     left = residual - q @ (q.T @ residual)
-    price = own.size * math.log(ground.records.size)
-    return bool(float(left @ left) - best.cost < _ROOM * price * ground.floor**2)
+    price = own.size * math.log(context.records.size)
+    return bool(float(left @ left) - best.cost < _ROOM * price * context.floor**2)
 
 
-def linear_candidate(ground: Ground) -> Candidate:
+def linear_candidate(context: FitContext) -> Candidate:
     """The plain plant as a candidate."""
-    return candidate(ground, (), ground.linear)
+    return candidate(context, (), context.linear)

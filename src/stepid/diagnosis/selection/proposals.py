@@ -8,7 +8,7 @@ from stepid.core.base import Array
 from stepid.diagnosis.selection.racing import Progress
 from stepid.effects.base import Effect
 from stepid.fitting.decimation import full_residual
-from stepid.fitting.multistart import Contender, Ground, Scored, Start
+from stepid.fitting.multistart import Contender, FitContext, Scored, Start
 from stepid.fitting.score_test import columns, score
 from stepid.fitting.spectrum import resonances
 
@@ -69,7 +69,7 @@ def make_offer(base: Contender, additions: list[Scored]) -> Offer:
     return Offer(base, base.cost - additions[0].gain, additions)
 
 
-def offers_on(ground: Ground, bases: list[Contender], catalogue: tuple[Effect, ...]) -> list[Offer]:
+def offers_on(context: FitContext, bases: list[Contender], catalogue: tuple[Effect, ...]) -> list[Offer]:
     """What may be added to each base, the most promising first.
 
     The same two effects may come from either: one way may lead where the other does not.
@@ -83,12 +83,12 @@ def offers_on(ground: Ground, bases: list[Contender], catalogue: tuple[Effect, .
         if base.best is None:
             continue
         # what rings in this base's residual may be hidden in the linear one
-        left_over = full_residual(base.best, ground.linear, ground.outline)
-        heard = ground.scales._replace(resonances=resonances(ground.records, left_over))
-        ringing = {e for e in simple if e.starts(heard) != e.starts(ground.scales)}
-        table = columns(ground, tuple(e for e in simple if e not in ringing)) + columns(ground, tuple(ringing), heard)
+        left_over = full_residual(base.best, context.linear, context.outline)
+        heard = context.scales._replace(resonances=resonances(context.records, left_over))
+        ringing = {e for e in simple if e.starts(heard) != e.starts(context.scales)}
+        table = columns(context, tuple(e for e in simple if e not in ringing)) + columns(context, tuple(ringing), heard)
         own: dict[str, list[Scored]] = {}
-        for scored in score(ground, base.best, table):
+        for scored in score(context, base.best, table):
             if not any(related(scored.effect, e) for e in base.effects):
                 own.setdefault(scored.effect.name, []).append(scored)
         few = _FEW if any(e.contains for e in base.effects) else len(own) if base is best else _TRIED
@@ -99,11 +99,11 @@ def offers_on(ground: Ground, bases: list[Contender], catalogue: tuple[Effect, .
 class Entry:
     """An offer in the race: its contender, begun from the start that promises most, and the starts not yet tried."""
 
-    def __init__(self, ground: Ground, offer: Offer, progress: Progress) -> None:
-        self.ground, self.offer = ground, offer
+    def __init__(self, context: FitContext, offer: Offer, progress: Progress) -> None:
+        self.context, self.offer = context, offer
         base, self.effect = offer.base, offer.additions[0].effect
         progress(" + ".join([*base.names, self.effect.name]))
-        self.contender = Contender(ground, (*base.effects, self.effect))
+        self.contender = Contender(context, (*base.effects, self.effect))
         here = standing(base, None)
         starts, faint = [], []
         for scored in offer.additions:
@@ -132,7 +132,7 @@ class Entry:
         if self.contender.best is None:
             return
         linear, values, _ = standing(self.contender, None)
-        guesses = self.effect.starts(self.ground.scales)[-_GUESSES:]
+        guesses = self.effect.starts(self.context.scales)[-_GUESSES:]
         starts = [Start(linear, (*values[:-1], guess)) for guess in guesses]
         self.contender.begin(starts, like=self.contender.best, keep=len(starts), laps=8)
         self.contender.run(laps=10)

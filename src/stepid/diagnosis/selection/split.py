@@ -10,7 +10,7 @@ import numpy as np
 from stepid.diagnosis.selection.candidate import Candidate, polish
 from stepid.diagnosis.selection.racing import Progress
 from stepid.effects.base import Effect
-from stepid.fitting.multistart import Contender, Ground, Start
+from stepid.fitting.multistart import Contender, FitContext, Start
 from stepid.fitting.weak_form import force_along, motion_along
 
 _LEFT = 0.1  # share of the force that two simple effects may leave, beyond the plant's own
@@ -25,23 +25,23 @@ class _Words(NamedTuple):
 
 
 def translated(
-    ground: Ground, general: Contender, catalogue: tuple[Effect, ...], progress: Progress
+    context: FitContext, general: Contender, catalogue: tuple[Effect, ...], progress: Progress
 ) -> list[Candidate]:
     """Fit the pairs of simple effects whose force along its path is nearly a general law's, from where they agree."""
     found = []
-    for words in _translations(ground, general, catalogue)[:_TRIED]:
+    for words in _translations(context, general, catalogue)[:_TRIED]:
         assert general.best is not None
         progress(" + ".join(e.name for e in words.effects))
-        contender = Contender(ground, words.effects)
+        contender = Contender(context, words.effects)
         contender.begin([words.start], like=general.best, keep=1)
         contender.run(laps=20)
-        done = polish(ground, contender) if contender.cost < general.cost else None
+        done = polish(context, contender) if contender.cost < general.cost else None
         if done is not None:
             found.append(done)
     return found
 
 
-def _translations(ground: Ground, general: Contender, catalogue: tuple[Effect, ...]) -> list[_Words]:
+def _translations(context: FitContext, general: Contender, catalogue: tuple[Effect, ...]) -> list[_Words]:
     """Starts of an effect inside the general one with another beside it, the nearest first."""
     effect, best = general.effects[0], general.best
     if best is None or effect.affine or not effect.contains or effect.n_extra or effect.n_memory:
@@ -54,7 +54,7 @@ def _translations(ground: Ground, general: Contender, catalogue: tuple[Effect, .
     out = []
     inside = [e for e in catalogue if e.name in effect.contains]
     for one, other in product(inside, [e for e in catalogue if not e.contains and not e.dry]):
-        pairs = product(one.regressors(ground.scales, motion), other.regressors(ground.scales, motion))
+        pairs = product(one.regressors(context.scales, motion), other.regressors(context.scales, motion))
         for first, second in pairs:
             table = np.column_stack([motion.x, motion.v, *first.forces, *second.forces])[seen]
             q = np.linalg.qr(table[:, :2])[0]

@@ -1,0 +1,58 @@
+"""The first simulation after an installation compiles the kernel: who waits for it is told."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+
+def warm_up(tell: Callable[[str], object]) -> None:
+    """Load the kernel; where it has to be compiled, tell so first.
+
+    Parameters
+    ----------
+    tell : callable
+        Called with a few words.
+    """
+    if _loaded:
+        return
+    from stepid.simulation.compiled import numba
+
+    mark = None if numba is None else _mark(numba.__version__)
+    if numba is not None and (mark is None or not mark.exists()):
+        tell("compiling once (some seconds)")
+    _simulate()
+    _loaded.append(True)
+    if mark is not None:
+        mark.touch()
+
+
+_loaded: list[bool] = []  # in this process
+
+
+def _mark(version: str) -> Path | None:
+    """File that says that this kernel has been compiled on this machine; None where no cache can be written."""
+    from stepid.simulation import kernel
+    from stepid.simulation.laws import cache_folder
+
+    folder = cache_folder()
+    what = [Path(kernel.__file__).read_bytes(), version.encode(), platform.platform().encode()]
+    digest = hashlib.sha256(b"\0".join(what)).hexdigest()[:24]
+    return None if folder is None else folder / f"compiled_{digest}"
+
+
+def _simulate() -> None:
+    """Simulate two samples of a linear plant."""
+    from stepid.simulation import kernel
+    from stepid.simulation.work import structure
+
+    time = np.array([0.0, 0.01])
+    kernel.simulate(
+        structure(()).copy(), np.array([[1.0, 200.0, 4.0, 8.0]]), np.zeros((1, 2)), np.zeros(1, dtype=np.intp),
+        np.array([0, 2]), time, np.zeros((2, 1)), np.zeros(1), np.zeros(1, dtype=bool), 1e-9, 0.02, True,
+        np.zeros(1, dtype=np.intp), np.empty(2), np.empty((2, 2)),
+    )  # fmt: skip
