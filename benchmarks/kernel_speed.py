@@ -76,7 +76,8 @@ def stepid_kernel(row: Row) -> tuple[Simulate, float]:
     plant += [row.effects[e.name][q.name] for e in effects for q in e.parameters]
     time, volts, zero = PERIOD * np.arange(SAMPLES), row.inputs[:, None].copy(), np.zeros(1)
     travel = PLANT["gain"] * float(row.inputs.max()) / PLANT["stiffness"]
-    exact = all(e.linear for e in effects)
+    affine = all((e.linear or e.affine) and not e.n_extra for e in effects)
+    leaps = 2 if all(e.linear for e in effects) else int(affine)
 
     def simulator(share: float) -> Simulate:
         def simulate(copies: int) -> np.ndarray:
@@ -93,7 +94,7 @@ def stepid_kernel(row: Row) -> tuple[Simulate, float]:
                 zero > 0,
                 share * travel,
                 travel,
-                exact,
+                leaps,
                 SAMPLES * np.arange(copies),
                 reading,
                 states,

@@ -10,8 +10,8 @@ motion, `m[SIGN]`, whether friction holds the cart, `m[HELD]`, and the sides of 
 are.
 
 The step is Dormand and Prince's of order five (Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I,
-table II.5.2); its embedded error chooses the step length, so that no law has to say how fast it is. A plant that is
-linear and whose input is held takes exact steps by the matrix exponential instead.
+table II.5.2); its embedded error chooses the step length, so that no law has to say how fast it is. Where the law is
+affine between events and the input held, a step without event is exact, by the matrix exponential.
 """
 
 from __future__ import annotations
@@ -58,6 +58,8 @@ _SHORTEST = 1e-7  # of a sample, to which a step may shrink
 _MOST_STEPS = 2000  # between two samples: a plant that needs more is too stiff to follow, and left like a runaway
 _LOCATE = 60  # tries to locate an event
 _FAR = 1e3  # positions this many times larger than the scale are a runaway
+_SWING = 1.0  # (ω h)², up to which an affine plant may leap: it cannot reverse twice on the way
+_SAME = 1e-9  # relative, lengths of steps that differ by the rounding of times only
 _TERMS = 16  # of the exponential's series, for a matrix of norm 1/2
 
 
@@ -73,7 +75,8 @@ WORK = np.dtype(
         ("q", np.float64, MOST_VALUES),  # values of the plant
         ("reverses", np.int64),  # whether the law changes where the velocity changes sign
         ("dry", np.int64),  # whether friction can hold the cart
-        ("exact", np.int64),  # whether steps are exact: the law is linear, the input held
+        ("leaps", np.int64),  # 1 where the law is affine between events and the input held, 2 where it has no events
+        ("stale", np.int64),  # 1 where the constant of the affine law has changed, 2 where its matrix has
         ("known", np.int64),  # whether own states are known in closed form
         ("relaxing", np.int64),  # how many effects until the last one whose states follow the drive in closed form
         ("rated", np.int64),  # whether own states have a rate
@@ -329,6 +332,7 @@ def _choose_sides(w: Work, t: float, y: Array) -> None:
 def _choose_direction(w: Work, t: float) -> None:
     """Direction of motion, or held, of a cart that moves, or whose velocity has just become zero."""
     m, y = w.m, w.y
+    w.stale = max(w.stale, 1)
     m[HELD] = 0.0
     m[SIGN] = -1.0 if y[1] < 0.0 else 1.0
     if not w.reverses or abs(y[1]) > (_STILL if w.dry else 0.0):
@@ -395,10 +399,12 @@ def _happen(w: Work, which: int, t: float) -> None:
     """Change the law as an event says."""
     if which > 0:
         w.sides[which - 1] = -w.sides[which - 1]
+        w.stale = 2
     elif w.m[HELD] > 0.0:
         net = _evaluate(w, t, w.y, w.k[_STAGES])
         w.m[SIGN] = -1.0 if net < 0.0 else 1.0
         w.m[HELD] = 0.0
+        w.stale = max(w.stale, 1)
     else:
         w.y[1] = 0.0
         _choose_direction(w, t)
@@ -412,56 +418,6 @@ def _stays(w: Work, t: float, until: float) -> bool:
     before = w.net
     w.net = _evaluate(w, until, w.y, w.k[_STAGES])
     return w.net == before and _evaluate(w, 0.5 * (t + until), w.y, w.k[_STAGES]) == before
-
-
-@compiled
-def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[float, bool]:
-    """Follow the plant to `until`, its input one polynomial; return the next step's length, if `w.k[0]` is known."""
-    shortest = _SHORTEST * (until - t)
-    events, steps = 0, 0
-    while t < until:
-        steps += 1
-        if steps > _MOST_STEPS:
-            w.y[0] = np.inf
-            return h, fresh
-        left = until - t
-        held = w.m[HELD] > 0.0
-        if held and _stays(w, t, until):
-            return h, False
-        length = min(h, 0.25 * (left + shortest)) if held else h
-        last = length >= left
-        if last:
-            length = left
-        elif length > 0.5 * left:
-            length = 0.5 * left
-        if not fresh:
-            _evaluate(w, t, w.y, w.k[0])
-            fresh = True
-        error = _step(w, t, length)
-        if error > 1.0 and length > shortest:
-            h = length * max(0.1, 0.9 * error ** (-1.0 / _ORDER))
-            continue
-        which, share = -1, 1.0
-        if events < _EVENTS and (w.reverses or w.switches > 0):
-            which, share = _first_event(w, t, length)
-        if which >= 0:
-            error = _step(w, t, share * length)
-            if error > 1.0 and share * length > shortest:  # what the law does next to an event can be narrow
-                h = share * length * max(0.1, 0.9 * error ** (-1.0 / _ORDER))
-                continue
-            _copy(w.stage, w.y, w.states)
-            t += share * length
-            _happen(w, which, t)
-            events += 1
-            fresh = False
-            continue
-        _copy(w.stage, w.y, w.states)
-        t = until if last else t + length
-        _copy(w.k[_STAGES - 1], w.k[0], w.states)
-        h = max(h if last else 0.0, length * min(5.0, 0.9 * max(error, 1e-4) ** (-1.0 / _ORDER)))
-        if not abs(w.y[0]) < w.far:
-            return h, False
-    return h, fresh
 
 
 @compiled
@@ -512,30 +468,93 @@ def _exponential(w: Work, h: float) -> None:
 
 
 @compiled
-def _linear_law(w: Work, t: float) -> None:
-    """Write the matrix of a linear law, column by column, and its constant under the input."""
+def _affine_law(w: Work, t: float) -> None:
+    """Write the constant of an affine law, and its matrix, column by column, where it has changed."""
     _clear(w.stage, w.states)
     _evaluate(w, t, w.stage, w.constant)
-    for j in range(w.states):
-        w.stage[j] = 1.0
-        _evaluate(w, t, w.stage, w.k[1])
-        for i in range(w.states):
-            w.matrix[i, j] = w.k[1, i] - w.constant[i]
-        w.stage[j] = 0.0
-    w.leap = 0.0
+    if w.stale == 2:
+        for j in range(w.states):
+            w.stage[j] = 1.0
+            _evaluate(w, t, w.stage, w.k[_STAGES])
+            for i in range(w.states):
+                w.matrix[i, j] = w.k[_STAGES, i] - w.constant[i]
+            w.stage[j] = 0.0
+        w.leap = 0.0
+    w.stale = 0
 
 
 @compiled
-def _leap(w: Work, length: float) -> None:
-    """Step exactly: the plant is linear, its input held."""
-    if abs(w.leap - length) > 1e-12 * length:
+def _leaps(w: Work, t: float, until: float) -> bool:
+    """Go to `until` in one exact step, where the law is affine and nothing happens on the way."""
+    length = until - t
+    if w.stale:
+        _affine_law(w, t)
+    if w.leaps == 1 and -w.matrix[1, 0] * length * length > _SWING:
+        return False
+    if abs(w.leap - length) > _SAME * length:
         _exponential(w, length)
     for i in range(w.states):
         total = 0.0
         for j in range(w.states):
             total += w.phi[i, j] * w.y[j] + w.psi[i, j] * w.constant[j]
         w.stage[i] = total
+    if w.leaps == 1:
+        _margins(w, until, w.stage)
+        for j in range(1 + w.switches):
+            if w.margin[j] < -_CROSSED:
+                return False
     _copy(w.stage, w.y, w.states)
+    return True
+
+
+@compiled
+def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[float, bool]:
+    """Follow the plant to `until`, its input one polynomial; return the next step's length, if `w.k[0]` is known."""
+    shortest = _SHORTEST * (until - t)
+    events, steps = 0, 0
+    while t < until:
+        steps += 1
+        if steps > _MOST_STEPS:
+            w.y[0] = np.inf
+            return h, fresh
+        left = until - t
+        held = w.m[HELD] > 0.0
+        if held and _stays(w, t, until):
+            return h, False
+        length = min(h, 0.25 * (left + shortest)) if held else h
+        last = length >= left
+        if last:
+            length = left
+        elif length > 0.5 * left:
+            length = 0.5 * left
+        if not fresh:
+            _evaluate(w, t, w.y, w.k[0])
+            fresh = True
+        error = _step(w, t, length)
+        if error > 1.0 and length > shortest:
+            h = length * max(0.1, 0.9 * error ** (-1.0 / _ORDER))
+            continue
+        which, share = -1, 1.0
+        if events < _EVENTS and (w.reverses or w.switches > 0):
+            which, share = _first_event(w, t, length)
+        if which >= 0:
+            error = _step(w, t, share * length)
+            if error > 1.0 and share * length > shortest:  # what the law does next to an event can be narrow
+                h = share * length * max(0.1, 0.9 * error ** (-1.0 / _ORDER))
+                continue
+            _copy(w.stage, w.y, w.states)
+            t += share * length
+            _happen(w, which, t)
+            events += 1
+            fresh = False
+            continue
+        _copy(w.stage, w.y, w.states)
+        t = until if last else t + length
+        _copy(w.k[_STAGES - 1], w.k[0], w.states)
+        h = max(h if last else 0.0, length * min(5.0, 0.9 * max(error, 1e-4) ** (-1.0 / _ORDER)))
+        if not abs(w.y[0]) < w.far:
+            return h, False
+    return h, fresh
 
 
 @compiled
@@ -608,10 +627,8 @@ def _change_input(w: Work, t: float, since: float, polynomial: Array) -> None:
     w.u[0] = since
     for r in range(polynomial.size):
         w.u[1 + r] = polynomial[r]
-    if w.exact:
-        _clear(w.stage, w.states)
-        _evaluate(w, t, w.stage, w.constant)
-    elif w.m[HELD] > 0.0 or w.y[1] == 0.0:
+    w.stale = max(w.stale, 1)
+    if w.m[HELD] > 0.0 or w.y[1] == 0.0:
         _choose_direction(w, t)
 
 
@@ -629,17 +646,21 @@ def _follow_record(w: Work, time: Array, coefficients: Array, delay: float, read
             break
         while t < time[i + 1] and not runaway:
             changed = False
-            while piece + 1 < n and time[piece + 1] + delay <= t:
+            while piece + 1 < n:
+                level = w.u[1] if piece < 0 else coefficients[piece, 0]
+                differs = coefficients.shape[1] > 1 or coefficients[piece + 1, 0] != level
+                if differs and time[piece + 1] + delay > t:
+                    break  # what is held on unchanged is no other piece
                 piece += 1
-                changed = changed or coefficients.shape[1] > 1 or coefficients[piece, 0] != w.u[1]
+                changed = changed or differs
             if changed:
                 _change_input(w, t, time[piece] + delay, coefficients[piece])
                 fresh = False
             until = time[i + 1]
             if piece + 1 < n:
                 until = min(until, time[piece + 1] + delay)
-            if w.exact:
-                _leap(w, until - t)
+            if w.leaps and w.m[HELD] == 0.0 and _leaps(w, t, until):
+                fresh = False
             else:
                 h, fresh = _advance(w, t, until, h, fresh)
             t = until
@@ -658,7 +679,7 @@ def simulate(
     moving: Array,
     tolerance: float,
     scale: float,
-    exact: bool,
+    leaps: int,
     offset: Array,
     reading: Array,
     states: Array,
@@ -689,8 +710,9 @@ def simulate(
         m, error of one step in position.
     scale : float
         m, typical displacement.
-    exact : bool
-        Whether to take exact steps: the plant is linear, the input held.
+    leaps : int
+        Whether to take exact steps: 2 where the plant is linear and the input held, 1 where the law is affine between
+        its events, 0 where neither.
     offset : array of int, shape (L,)
         Where each lane's samples begin in `reading` and `states`.
     reading : array, shape (N,)
@@ -712,10 +734,8 @@ def simulate(
         r = run[lane]
         first, at, n = bounds[r], offset[lane], bounds[r + 1] - bounds[r]
         _clear(w.u, 5)
-        w.u[1], w.far, w.exact = before[r], _FAR * scale, exact
+        w.u[1], w.far, w.leaps, w.stale = before[r], _FAR * scale, leaps, 2
         _begin(w, time[first], start[lane], moving[r], scale)
-        if exact:
-            _linear_law(w, time[first])
         _follow_record(
             w, time[first : first + n], coefficients[first : first + n], _delay(w), reading[at : at + n],
             states[:, at : at + n],

@@ -63,6 +63,8 @@ class Simulator:
         self.records, self.effects, self.tolerance, self.workers = records, effects, tolerance, workers
         self.layout = ParameterLayout(records, effects)
         self.linear = all(e.linear for e in effects)
+        affine = all((e.linear or e.affine) and not e.n_extra for e in effects)
+        self._leaps = 2 if self.linear else int(affine)  # see `stepid.simulation.kernel.simulate`
         self.scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), _STILL)
         self._powers = exponents(tuple(q for e in effects for q in e.parameters))
         self._planned: tuple[bytes, tuple[Index, Index, Index]] | None = None
@@ -97,7 +99,7 @@ class Simulator:
         from stepid.simulation.work import structure
 
         r = self.records
-        exact = self.linear and r.coefficients.shape[1] == 1
+        leaps = self._leaps if r.coefficients.shape[1] == 1 else 0
         values, start = np.ascontiguousarray(values), np.ascontiguousarray(start)
         scale = self.scale
         if scale <= _STILL:  # records without motion, of a plant that is to be simulated only
@@ -110,7 +112,7 @@ class Simulator:
             work = structure(self.effects).copy()
             kernel.simulate(
                 work, values[lanes], start[lanes], run[lanes], r.bounds, r.time, r.coefficients, r.before, r.moving,
-                self.tolerance * scale, scale, exact, offset[lanes], reading, states,
+                self.tolerance * scale, scale, leaps, offset[lanes], reading, states,
             )  # fmt: skip
 
         if self.workers == 1 or len(run) <= 1:
@@ -189,7 +191,9 @@ class Simulator:
         )  # fmt: skip
         out = np.zeros((of.n_global + of.n_run, r.size))
         with np.errstate(all="ignore"):
-            out[row] = (found - reading) / steps[:, None]
+            found -= reading
+            found /= steps[:, None]
+        out[row] = found
         return out[: of.n_global], out[of.n_global :]
 
     def _lanes(self, wanted: Mask, active: Mask) -> tuple[Index, Index, Index]:
