@@ -29,10 +29,12 @@ def covariance(optimum: Optimum, floor: float) -> tuple[Array, Array]:
     own correlation: J⁺ Ω J⁺ᵀ with Ω from the residual's autocovariance over one swing at most (a sandwich).
     """
     problem = optimum.problem
-    jacobian = np.nan_to_num(problem.jacobian(optimum.solved), posinf=0.0, neginf=0.0)
+    jacobian = np.nan_to_num(problem.jacobian(optimum.solved), copy=False, posinf=0.0, neginf=0.0)
     scale = np.linalg.norm(jacobian, axis=0)
     scale[scale == 0] = 1.0
-    u, s, vt = np.linalg.svd(jacobian / scale, full_matrices=False)
+    jacobian /= scale
+    u, s, vt = np.linalg.svd(jacobian, full_matrices=False)
+    del jacobian  # as large as the data, times the parameters
     usable = s > 1e-6 * s[0]  # the sensitivities are no better than that
     inverse = (vt.T * np.where(usable, 1 / np.where(usable, s, 1.0), 0.0)) / scale[:, None]
     residual = problem.residual(optimum.solved)
