@@ -60,9 +60,7 @@ def by_scipy(problem: Problem, shared: np.ndarray, local: np.ndarray, **options:
 
 
 def main(count: int) -> None:
-    print(
-        "effect                fits   own s  scipy s  scipy, loose s   ends: own  scipy  scipy, loose (median over best)"
-    )
+    print("effect                fits   own s  scipy s  scipy, loose s   ends: own  scipy  loose (median over best)")
     for name in EFFECTS:
         times, costs = np.zeros(3), []
         for number in range(count):
