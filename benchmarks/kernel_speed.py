@@ -95,6 +95,7 @@ def stepid_kernel(row: Row) -> tuple[Simulate, float]:
                 share * travel,
                 travel,
                 leaps,
+                10_000,
                 SAMPLES * np.arange(copies),
                 reading,
                 states,

@@ -55,7 +55,6 @@ _STILL = 1e-7  # m/s, slower than this is at rest where dry friction acts
 _CROSSED = 1e-13  # m or m/s, by which a margin must be past zero
 _EVENTS = 64  # between two changes of the input, at most; the rest of such a sample is followed without
 _SHORTEST = 1e-7  # of a sample, to which a step may shrink
-_MOST_STEPS = 2000  # between two samples: a plant that needs more is too stiff to follow, and left like a runaway
 _LOCATE = 60  # tries to locate an event
 _FAR = 1e3  # positions this many times larger than the scale are a runaway
 _SWING = 1.0  # (ω h)², up to which an affine plant may leap: it cannot reverse twice on the way
@@ -89,6 +88,7 @@ WORK = np.dtype(
         ("y", np.float64, MOST_STATES),  # the state
         ("stage", np.float64, MOST_STATES),  # the state at a stage; after a step, where it leads
         ("margin", np.float64, 1 + MOST_SWITCHES),  # how far each event is
+        ("patience", np.int64),  # steps from sample to sample, and more for each radian; beyond, a plant is too stiff
         ("far", np.float64),  # m, from where on it is a runaway
         ("net", np.float64),  # force on a held cart, N, when it was last looked at
         ("chain", np.float64, (MOST_EFFECTS, 4)),  # volts that reach each effect of the drive in a step, a cubic
@@ -512,9 +512,10 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
     """Follow the plant to `until`, its input one polynomial; return the next step's length, if `w.k[0]` is known."""
     shortest = _SHORTEST * (until - t)
     events, steps = 0, 0
+    most = w.patience * (1.0 + (until - t) * np.sqrt(abs(w.q[Q_STIFFNESS]) / w.q[Q_MASS]))
     while t < until:
         steps += 1
-        if steps > _MOST_STEPS:
+        if steps > most:
             w.y[0] = np.inf
             return h, fresh
         left = until - t
@@ -680,6 +681,7 @@ def simulate(
     tolerance: float,
     scale: float,
     leaps: int,
+    patience: int,
     offset: Array,
     reading: Array,
     states: Array,
@@ -713,6 +715,9 @@ def simulate(
     leaps : int
         Whether to take exact steps: 2 where the plant is linear and the input held, 1 where the law is affine between
         its events, 0 where neither.
+    patience : int
+        Steps between two samples, and as many for each radian of the plant's swing, beyond which it is given up like a
+        runaway: something in it is far faster than the samples can show.
     offset : array of int, shape (L,)
         Where each lane's samples begin in `reading` and `states`.
     reading : array, shape (N,)
@@ -734,7 +739,7 @@ def simulate(
         r = run[lane]
         first, at, n = bounds[r], offset[lane], bounds[r + 1] - bounds[r]
         _clear(w.u, 5)
-        w.u[1], w.far, w.leaps, w.stale = before[r], _FAR * scale, leaps, 2
+        w.u[1], w.far, w.leaps, w.stale, w.patience = before[r], _FAR * scale, leaps, 2, patience
         _begin(w, time[first], start[lane], moving[r], scale)
         _follow_record(
             w, time[first : first + n], coefficients[first : first + n], _delay(w), reading[at : at + n],

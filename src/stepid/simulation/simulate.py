@@ -12,7 +12,7 @@ from stepid.errors import ConvergenceError, InputError
 from stepid.simulation.layout import own_state_names
 from stepid.simulation.model import PlantModel, RunState
 from stepid.simulation.records import Records, lay_out
-from stepid.simulation.simulator import FINE, Simulator, Solved
+from stepid.simulation.simulator import FINE, PATIENT, Simulator, Solved
 
 
 def pack(model: PlantModel, records: Records, effects: tuple[Effect, ...]) -> tuple[Array, Array]:
@@ -57,11 +57,12 @@ def solve_model(
     effects = resolve([e.name for e in model.effects], catalogue=catalogue)
     records = lay_out(as_campaign(campaign))
     shared, local = pack(model, records, effects)
-    solved = Simulator(records, effects, tolerance).solve(shared, local)
+    solved = Simulator(records, effects, tolerance, patience=PATIENT).solve(shared, local)
     if solved is None:
         raise ConvergenceError(
             f"the simulation of campaign {campaign.name!r} runs away",
-            "Check the model's parameters: a softening spring or a negative mass has no bounded response.",
+            "Check the model's parameters: a softening spring or a negative mass has no bounded response, and a part "
+            "that is far faster than the samples cannot be followed.",
         )
     return records, solved
 

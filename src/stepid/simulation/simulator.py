@@ -21,6 +21,8 @@ Index = npt.NDArray[np.intp]
 
 FINE = 1e-8  # of the typical displacement, error of one step: RMS errors below a thousandth of a count on a 2 cm swing
 COARSE = 1e-6  # the same while searching
+SEEN = 150  # steps from sample to sample: a mode that needs more is ten times too fast to show in the samples
+PATIENT = 20_000  # the same where one plant is to be simulated, whatever it takes
 _STILL = 1e-9  # m, a record that moves less does not move
 _DIFFERENCE = 1e-5  # relative step of a forward difference
 
@@ -54,13 +56,22 @@ class Simulator:
         Error of one step, as a share of the typical displacement.
     workers : int
         Threads.
+    patience : int
+        See `stepid.simulation.kernel.simulate`.
     """
 
     def __init__(
-        self, records: Records, effects: tuple[Effect, ...], tolerance: float = FINE, *, workers: int = 1
+        self,
+        records: Records,
+        effects: tuple[Effect, ...],
+        tolerance: float = FINE,
+        *,
+        workers: int = 1,
+        patience: int = SEEN,
     ) -> None:
         check_size(effects)
-        self.records, self.effects, self.tolerance, self.workers = records, effects, tolerance, workers
+        self.records, self.effects, self.tolerance = records, effects, tolerance
+        self.workers, self.patience = workers, patience
         self.layout = ParameterLayout(records, effects)
         self.linear = all(e.linear for e in effects)
         affine = all((e.linear or e.affine) and not e.n_extra for e in effects)
@@ -112,7 +123,7 @@ class Simulator:
             work = structure(self.effects).copy()
             kernel.simulate(
                 work, values[lanes], start[lanes], run[lanes], r.bounds, r.time, r.coefficients, r.before, r.moving,
-                self.tolerance * scale, scale, leaps, offset[lanes], reading, states,
+                self.tolerance * scale, scale, leaps, self.patience, offset[lanes], reading, states,
             )  # fmt: skip
 
         if self.workers == 1 or len(run) <= 1:

@@ -53,6 +53,6 @@ def _simulate() -> None:
     time = np.array([0.0, 0.01])
     kernel.simulate(
         structure(()).copy(), np.array([[1.0, 200.0, 4.0, 8.0]]), np.zeros((1, 2)), np.zeros(1, dtype=np.intp),
-        np.array([0, 2]), time, np.zeros((2, 1)), np.zeros(1), np.zeros(1, dtype=bool), 1e-9, 0.02, 2,
+        np.array([0, 2]), time, np.zeros((2, 1)), np.zeros(1), np.zeros(1, dtype=bool), 1e-9, 0.02, 2, 100,
         np.zeros(1, dtype=np.intp), np.empty(2), np.empty((2, 2)),
     )  # fmt: skip
