@@ -57,6 +57,7 @@ _EVENTS = 64  # between two changes of the input, at most; the rest of such a sa
 _SHORTEST = 1e-7  # of a sample, to which a step may shrink
 _LOCATE = 60  # tries to locate an event
 _FAR = 1e3  # positions this many times larger than the scale are a runaway
+_CREDIT = 1000.0  # steps that a plant may take beside its patience, where something is narrow
 _SWING = 1.0  # (ω h)², up to which an affine plant may leap: it cannot reverse twice on the way
 _SAME = 1e-9  # relative, lengths of steps that differ by the rounding of times only
 _TERMS = 16  # of the exponential's series, for a matrix of norm 1/2
@@ -88,7 +89,8 @@ WORK = np.dtype(
         ("y", np.float64, MOST_STATES),  # the state
         ("stage", np.float64, MOST_STATES),  # the state at a stage; after a step, where it leads
         ("margin", np.float64, 1 + MOST_SWITCHES),  # how far each event is
-        ("patience", np.int64),  # steps from sample to sample, and more for each radian; beyond, a plant is too stiff
+        ("patience", np.int64),  # steps a sample that a plant is worth, and as many a radian of its swing
+        ("credit", np.float64),  # what is left of them
         ("far", np.float64),  # m, from where on it is a runaway
         ("net", np.float64),  # force on a held cart, N, when it was last looked at
         ("chain", np.float64, (MOST_EFFECTS, 4)),  # volts that reach each effect of the drive in a step, a cubic
@@ -511,11 +513,11 @@ def _leaps(w: Work, t: float, until: float) -> bool:
 def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[float, bool]:
     """Follow the plant to `until`, its input one polynomial; return the next step's length, if `w.k[0]` is known."""
     shortest = _SHORTEST * (until - t)
-    events, steps = 0, 0
-    most = w.patience * (1.0 + (until - t) * np.sqrt(abs(w.q[Q_STIFFNESS]) / w.q[Q_MASS]))
+    events = 0
+    w.credit += w.patience * (1.0 + (until - t) * np.sqrt(abs(w.q[Q_STIFFNESS]) / w.q[Q_MASS]))
     while t < until:
-        steps += 1
-        if steps > most:
+        w.credit -= 1.0
+        if w.credit < 0.0:
             w.y[0] = np.inf
             return h, fresh
         left = until - t
@@ -716,8 +718,8 @@ def simulate(
         Whether to take exact steps: 2 where the plant is linear and the input held, 1 where the law is affine between
         its events, 0 where neither.
     patience : int
-        Steps between two samples, and as many for each radian of the plant's swing, beyond which it is given up like a
-        runaway: something in it is far faster than the samples can show.
+        Steps a sample, on the way so far, and as many for each radian of the plant's swing, beyond which it is given up
+        like a runaway: something in it is faster than the samples can show.
     offset : array of int, shape (L,)
         Where each lane's samples begin in `reading` and `states`.
     reading : array, shape (N,)
@@ -740,6 +742,7 @@ def simulate(
         first, at, n = bounds[r], offset[lane], bounds[r + 1] - bounds[r]
         _clear(w.u, 5)
         w.u[1], w.far, w.leaps, w.stale, w.patience = before[r], _FAR * scale, leaps, 2, patience
+        w.credit = _CREDIT
         _begin(w, time[first], start[lane], moving[r], scale)
         _follow_record(
             w, time[first : first + n], coefficients[first : first + n], _delay(w), reading[at : at + n],

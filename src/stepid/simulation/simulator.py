@@ -21,7 +21,7 @@ Index = npt.NDArray[np.intp]
 
 FINE = 1e-8  # of the typical displacement, error of one step: RMS errors below a thousandth of a count on a 2 cm swing
 COARSE = 1e-6  # the same while searching
-SEEN = 150  # steps from sample to sample: a mode that needs more is ten times too fast to show in the samples
+SEEN = 30  # steps a sample: a mode that needs more is too fast to show in the samples
 PATIENT = 20_000  # the same where one plant is to be simulated, whatever it takes
 _STILL = 1e-9  # m, a record that moves less does not move
 _DIFFERENCE = 1e-5  # relative step of a forward difference
