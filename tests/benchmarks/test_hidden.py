@@ -55,6 +55,7 @@ def test_the_two_routes_agree(name: str) -> None:
     assert np.max(np.abs(one - plain)) > 20 * COUNT  # the effect is there at all
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "pair",
     [
@@ -86,6 +87,7 @@ def test_a_slip_shorter_than_a_solver_step_is_seen() -> None:
         assert np.max(np.abs(one - two)) < 0.01 * COUNT
 
 
+@pytest.mark.slow
 def test_a_mode_begins_past_its_edge() -> None:
     # an edge located a rounding too early ended the new mode where it began, again and again
     (campaign, truth), number = sets.one("pairs", 233), 6
@@ -104,6 +106,7 @@ def test_a_mode_begins_past_its_edge() -> None:
     assert np.max(np.abs(reference(run) - truth["exact"][number])) < 0.01 * COUNT
 
 
+@pytest.mark.slow
 def test_company_does_not_change_a_run() -> None:
     short = np.repeat([0.0, 0.5, 0.0], [3, 60, 60])
     chosen = [n for n in EFFECTS if n != "stribeck_friction"]

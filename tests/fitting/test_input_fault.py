@@ -96,6 +96,7 @@ def test_a_delay_is_no_fault(samples: float) -> None:
     assert find_input_fault(context) is None
 
 
+@pytest.mark.slow
 def test_steps_are_not_asked() -> None:
     made = [c for which in ("single", "none") for c, _ in sets.make(sets.requests(which, 15), which=which)]
     assert not any(changes_throughout(run) for c in made for run in c.experiments)

@@ -113,6 +113,7 @@ def test_tiny_uncertainty_is_the_limit_of_an_exact_difference() -> None:
     assert tiny.stiffness["medium"] == pytest.approx(exact.stiffness["medium"], rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_covariance_is_that_of_repeats(solver: Solver) -> None:
     rng = np.random.default_rng(7)

@@ -41,6 +41,7 @@ def with_a_copy() -> Diagnosis:
     return changed(d, data=data, notes=notes)
 
 
+@pytest.mark.slow
 def test_runs_left_out_are_listed_with_the_reason_and_have_no_picture(tmp_path: Path) -> None:
     d = with_a_copy()
     write_all(d, provenance.of_data(d), tmp_path)

@@ -14,7 +14,7 @@ from hidden_runs import plant_of, records_of, simulated, simulator_of
 from stepid.effects import CATALOGUE, resolve
 from stepid.errors import InputError
 from stepid.simulation import kernel
-from stepid.simulation.simulator import Simulator
+from stepid.simulation.simulator import PATIENT, Simulator
 
 PERIOD = 0.0088542
 LINEAR = [e.name for e in CATALOGUE if e.linear]
@@ -176,7 +176,7 @@ def test_as_much_as_there_is_room_for_is_simulated() -> None:
     names += ["flexible_coupling", "actuator_lag", "actuator_dead_zone"]
     assert len(names) == kernel.MOST_EFFECTS
     told = replace(run("linear step"), effects={n: ALONE[n] for n in names})
-    assert np.ptp(simulated(told)) > 1e-3
+    assert np.ptp(simulated(told, patience=PATIENT)) > 1e-3
 
 
 def test_a_lone_sample_is_where_the_plant_starts() -> None:

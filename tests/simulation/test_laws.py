@@ -214,6 +214,7 @@ print(repr(float(stepid.simulate(model, campaign, catalogue=(Mine(),))["case 1"]
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not JIT, reason="nothing is compiled")
 def test_an_edited_file_never_runs_its_old_machine_code(tmp_path: Path) -> None:
     paths = [str(tmp_path), str(Path(__file__).parents[1]), str(Path(stepid.__file__).parents[1])]
