@@ -21,9 +21,10 @@ Index = npt.NDArray[np.intp]
 
 FINE = 1e-8  # of the typical displacement, error of one step: RMS errors below a thousandth of a count on a 2 cm swing
 COARSE = 1e-6  # the same while searching
-SEEN = 30  # steps a sample: a mode that needs more is too fast to show in the samples
+SEEN = 150  # steps a sample: a mode that needs more is too fast to show in the samples
 PATIENT = 20_000  # the same where one plant is to be simulated, whatever it takes
 _STILL = 1e-9  # m, a record that moves less does not move
+_TRAVEL = 1e-3  # m, where nothing says how far a plant goes: no input, no displacement
 _DIFFERENCE = 1e-5  # relative step of a forward difference
 
 
@@ -117,7 +118,7 @@ class Simulator:
             mass, stiffness, gain = values[:, 0], np.abs(values[:, 1]), values[:, 3]
             swing = np.abs(start[:, 0]) + np.abs(start[:, 1]) * np.sqrt(mass / stiffness)
             answer = np.abs(gain * np.abs(np.append(r.volts, r.before)).max()) / stiffness
-            scale = max(float((answer + swing).max()), _STILL)
+            scale = float((answer + swing).max()) or _TRAVEL
 
         def some(lanes: slice) -> None:
             work = structure(self.effects).copy()
