@@ -18,7 +18,7 @@ from stepid.errors import ConvergenceError, UndeterminedError
 from stepid.fitting.covariance import estimates
 from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.levenberg_marquardt import Optimum
-from stepid.fitting.multistart import Contender, FitContext, Start, race_starts
+from stepid.fitting.multistart import CandidateFit, FitContext, Start, race_starts
 from stepid.fitting.multistart_cogging import well_starts
 from stepid.fitting.noise_floor import enough, noise_floor, repeat_notes, weights
 from stepid.fitting.outlier_run import find_suspect
@@ -161,31 +161,31 @@ def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | N
         return context.linear
     starts = well_starts(context, effects[0])
     starts += race_starts(context, effects[0], score(context, context.outline, columns(context, effects[:1])))
-    contender = _raced(context, effects[:1], starts, context.outline)
+    fitted = _raced(context, effects[:1], starts, context.outline)
     for count in range(2, len(effects) + 1):
-        if contender.best is None:
+        if fitted.best is None:
             return None
-        n = contender.best.problem.layout.linear.stop
-        scored = score(context, contender.best, columns(context, (effects[count - 1],)))
+        n = fitted.best.problem.layout.linear.stop
+        scored = score(context, fitted.best, columns(context, (effects[count - 1],)))
         guesses = [s.values for s in scored[:3]]
         guesses += [tuple(v) for v in effects[count - 1].starts(context.scales)]
-        linear, values = contender.best.shared[:n], contender.best.shared[n:]
+        linear, values = fitted.best.shared[:n], fitted.best.shared[n:]
         starts = [Start(linear, (tuple(values), v)) for v in guesses]
-        contender = _raced(context, effects[:count], starts, contender.best)
-    contender.polish(laps=40)
-    return contender.polished
+        fitted = _raced(context, effects[:count], starts, fitted.best)
+    fitted.polish(laps=40)
+    return fitted.polished
 
 
-def _raced(context: FitContext, effects: tuple[Effect, ...], starts: list[Start], like: Optimum) -> Contender:
+def _raced(context: FitContext, effects: tuple[Effect, ...], starts: list[Start], like: Optimum) -> CandidateFit:
     """Race the starts; where the winner leaves more than noise, run them to their ends until some agree on the best."""
-    best = Contender(context, effects)
+    best = CandidateFit(context, effects)
     best.begin(starts, like=like)
     best.run(laps=40)
     agree = 0
     for start in starts:
         if best.excess < _NOISY * context.noise_cost or agree == _AGREE:
             break
-        other = Contender(context, effects)
+        other = CandidateFit(context, effects)
         other.begin([start], like=like)
         other.run(laps=40)
         agree = agree + 1 if abs(other.cost - best.cost) < _SAME * best.cost else agree

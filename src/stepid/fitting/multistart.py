@@ -11,6 +11,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Motion, Scales
+from stepid.fitting.deviations import with_deviations
 from stepid.fitting.decimation import outline, shortest_period, sketch
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.multistart_sticking import resettle
@@ -24,12 +25,16 @@ _POOR = 0.1  # share of what is left to gain that the best of many starts must t
 
 
 class Scored(NamedTuple):
-    """A start of one effect on top of a fit: the part of the cost it could remove [m²], the fit's parameters then."""
+    """A start of one effect on a fit: the part of the cost that it could remove [m²], the fit's parameters then.
+
+    `left` is the cost that would be left, m².
+    """
 
     effect: Effect
     values: tuple[float, ...]
     gain: float
     shared: Array
+    left: float
 
 
 class Start(NamedTuple):
@@ -97,17 +102,21 @@ class FitContext:
         return [start for _, start in found[:count]]
 
 
-class Contender:
-    """One set of effects in the race: its starts, and the best fit so far."""
+class CandidateFit:
+    """One set of effects in the search: its starts, and the best fit so far.
 
-    def __init__(self, context: FitContext, effects: tuple[Effect, ...]) -> None:
-        self.context, self.effects = context, effects
-        self.coarse = build(context.sketch, effects, tolerance=COARSE, workers=context.workers)
-        self.fine = build(context.records, effects, workers=context.workers)
+    `deviations` are conditions that differ from run to run, see `stepid.fitting.deviations`.
+    """
+
+    def __init__(
+        self, context: FitContext, effects: tuple[Effect, ...], deviations: frozenset[str] = frozenset()
+    ) -> None:
+        self.context, self.effects, self.deviations = context, effects, deviations
+        coarse = build(context.sketch, effects, tolerance=COARSE, workers=context.workers)
+        fine = build(context.records, effects, workers=context.workers)
+        self.coarse, self.fine = (with_deviations(problem, deviations) for problem in (coarse, fine))
         self.best: Optimum | None = None
         self.polished: Optimum | None = None  # on all samples
-        self.judged: tuple[Optimum, Any] | None = None  # a polished fit, and what was made of it
-        self.promised: dict[Effect, tuple[Optimum, list[Any]]] = {}  # what more general effects promised over a fit
         self._resettled: Optimum | None = None  # where other patterns of sticking led last
         self._tolerance = 0.0  # with which the best fit so far ended, m²
 

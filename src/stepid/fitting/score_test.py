@@ -14,7 +14,7 @@ from stepid.effects.base import Effect, Motion, Scales
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext, Scored, Start
 from stepid.fitting.problem import build, start_local
-from stepid.simulation.records import Records
+from stepid.simulation.records import Index, Records
 from stepid.simulation.simulator import COARSE, Simulator
 
 _HARDLY = 0.02  # share of the change to a general law that a linearized step must ask for
@@ -123,18 +123,29 @@ def _difference(context: FitContext, effect: Effect, values: tuple[float, ...]) 
     return np.concatenate(parts, axis=1)
 
 
-def score(context: FitContext, base: Optimum, table: list[_Column]) -> list[Scored]:
-    """Score every start against the residual of a fit to the sketch: the best few of each effect, best first."""
-    records = context.sketch
-    problem = base.problem
-    residual = problem.residual(base.solved)
-    jacobian = problem.jacobian(base.solved)
+def score(
+    context: FitContext, base: Optimum, table: list[_Column], *, instead: tuple[slice, Array] | None = None
+) -> list[Scored]:
+    """Score every start against the residual of a fit to the decimated records: the best few of each effect first.
+
+    Parameters
+    ----------
+    context : FitContext
+    base : Optimum
+    table : list
+        From `columns`.
+    instead : (slice, array), optional
+        Place and values of parameters that are held there, for example of an effect that is taken away.
+    """
+    residual, jacobian, kept = _linearized(base, instead)
     if not np.isfinite(jacobian).all():  # a fit at a runaway's edge gives no direction
         return []
+    problem, records = base.problem, context.sketch
     size = np.linalg.norm(jacobian, axis=0)
     size[size == 0] = np.inf
     q, upper = np.linalg.qr(jacobian / size)
-    n_free = int(problem.free.sum())
+    residual = residual - q @ (q.T @ residual) if instead else residual
+    total = float(residual @ residual)
     found = []
     for column in table:
         seen = records.weighted(column.responses.T).T
@@ -145,7 +156,7 @@ def score(context: FitContext, base: Optimum, table: list[_Column]) -> list[Scor
         scale[scale < 1e-12 * scale.max()] = np.inf
         coefficients = np.linalg.lstsq(r / scale, residual, rcond=1e-9)[0] / scale
         left = residual - r @ coefficients
-        found.append((float(residual @ residual - left @ left), column, coefficients, seen))
+        found.append((total - float(left @ left), column, coefficients, seen))
     out: list[Scored] = []
     starts = Counter[Effect]()
     for gain, column, coefficients, seen in sorted(found, key=lambda item: -item[0]):
@@ -155,10 +166,30 @@ def score(context: FitContext, base: Optimum, table: list[_Column]) -> list[Scor
         starts[column.effect] += 1
         change = np.linalg.lstsq(upper, q.T @ (residual - seen @ coefficients), rcond=_OPEN)[0] / size
         shared = base.shared.copy()
-        shared[problem.free] += change[:n_free]
+        if instead:
+            shared[instead[0]] = instead[1]
+        shared[kept] += change[: kept.size]
         shared = np.clip(shared, problem.lower, problem.upper)
-        out.append(Scored(column.effect, values, gain, shared))
+        out.append(Scored(column.effect, values, gain, shared, total - gain))
     return out
+
+
+def _linearized(base: Optimum, instead: tuple[slice, Array] | None) -> tuple[Array, Array, Index]:
+    """Residual, derivatives by what may move, and which global parameters those are."""
+    problem = base.problem
+    residual, jacobian = problem.residual(base.solved), problem.jacobian(base.solved)
+    place = np.flatnonzero(problem.free)
+    if instead is None:
+        return residual, jacobian, place
+    own, values = instead
+    shared = base.shared.copy()
+    shared[own] = values
+    reading = problem.simulator.readings(shared[None], base.local[None])[0]
+    if not np.isfinite(reading).all():
+        return residual, np.full_like(jacobian, np.nan), place
+    held = (place >= own.start) & (place < own.stop)
+    kept = np.concatenate([~held, np.ones(jacobian.shape[1] - place.size, dtype=bool)])
+    return problem.records.weighted(problem.records.position - reading), jacobian[:, kept], place[~held]
 
 
 def promises(context: FitContext, inner: Optimum, effects: tuple[Effect, ...], starts: list[Start]) -> list[float]:

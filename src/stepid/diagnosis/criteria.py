@@ -1,0 +1,82 @@
+"""The numbers that decide an answer, each with its unit, its reason and where it comes from."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from stepid.core.base import Model
+
+Share = Annotated[float, Field(gt=0, le=1)]
+Times = Annotated[float, Field(ge=1)]
+Positive = Annotated[float, Field(gt=0)]
+
+
+class Criteria(Model):
+    """What decides an answer; what only saves time is in `stepid.Effort`.
+
+    Parameters
+    ----------
+    tie : float
+        Difference of QBIC below which two candidates are not told apart. "Very strong" evidence (Kass and Raftery
+        1995, J. Am. Stat. Assoc. 90, 773).
+    further : float
+        Decrease of QBIC that a further effect must bring: the catalogue offers some twenty, of which the best by
+        chance gains more than one alone (2 ln 23 = 6 above `tie`).
+    white : float
+        Standard deviations of block-mean χ² and of the von Neumann ratio that white noise may show; 1 in 3,000,000
+        for a normal deviate at 5.
+    floor : float
+        Times the noise floor that a complete model may leave: the floor is estimated from a few hundred differences
+        to some 3 per cent.
+    near : float
+        Times the floor within which a single effect is named although a faint rest remains.
+    faint : float
+        Times the floor that the linear plant must leave for a name that rivals dispute.
+    rival : float
+        χ² that the freedom of a more general effect must gain to count as a rival of the simpler one: two standard
+        deviations, squared, and one for the choice.
+    open : float
+        Standard uncertainty over value above which a parameter is not determined: at ½, zero is within two of them.
+    lead : float
+        Share of the misfit's power that an effect must take on runs left out to be named where a rest remains.
+    sure : float
+        Weight (sum of Akaike-like weights exp(−ΔQBIC/2)) that the candidates which hold an effect must have (Burnham
+        and Anderson 2002, section 4.3).
+    steady : float
+        Least ratio of the smallest to the largest share that an answer takes in single runs left out.
+    resolution : float
+        Least difference of two rates, over the plant's natural frequency, that are told apart in a short record.
+    pitch : float
+        Largest pitch of a force periodic in position, over the largest displacement: longer ones bend the spring.
+    slow : float
+        Longest relaxation time, in 1/ω₀, that is not a shift of the rest position.
+    fast : float
+        Shortest relaxation time, in 1/ω₀, that is not damping.
+    swings : float
+        Least number of periods of a disturbance within the longest record.
+    size : float
+        Standard deviations (of the other runs' scatter and of its own uncertainty) beyond which a run is accused.
+    scatter : float
+        Decrease of QBIC for which runs are said to differ in one of their conditions.
+    """
+
+    tie: Positive = 10.0
+    further: Positive = 16.0
+    white: Positive = 5.0
+    floor: Times = 1.05
+    near: Times = 1.15
+    faint: Times = 1.05
+    rival: Positive = 5.0
+    open: Share = 0.5
+    lead: Share = 0.6
+    sure: Share = 0.95
+    steady: Share = 0.4
+    resolution: Share = 0.05
+    pitch: Positive = 1.0
+    slow: Positive = 20.0
+    fast: Positive = 0.05
+    swings: Positive = 1.0
+    size: Positive = 5.0
+    scatter: Positive = 10.0

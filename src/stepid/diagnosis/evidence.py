@@ -1,0 +1,97 @@
+"""What a candidate earns, on one scale, whether or not the noise floor is in reach: QBIC and its weights."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.multistart import FitContext
+from stepid.fitting.noise_floor import structure, succession
+from stepid.simulation.records import Records
+
+
+def effective_samples(records: Records, residual: Array) -> Array:
+    """Effective number of independent samples of each run's residual, shape (R,).
+
+    n/(1 + 2 Σρ²) over the lags below n/3 (Bartlett 1946), less what white noise shows by chance, 1/n a lag.
+
+    Parameters
+    ----------
+    records : Records
+    residual : array, shape (S,)
+        m.
+    """
+    out = np.empty(len(records.runs))
+    for r, piece in enumerate(records.pieces()):
+        y = residual[piece] - residual[piece].mean()
+        n = y.size
+        power = float(y @ y)
+        if power <= 0 or n < 2:
+            out[r] = n
+            continue
+        spectrum = np.fft.rfft(y, 2 * n)
+        lags = np.fft.irfft(np.abs(spectrum) ** 2)[1 : max(2, n // 3)] / power
+        out[r] = n / (1.0 + 2.0 * max(0.0, float(np.sum(lags**2 - 1.0 / n))))
+    return np.maximum(out, 2.0)
+
+
+def price(optimum: Optimum, counts: Array) -> float:
+    """Price of the free parameters: ln of the effective samples that each of them is fitted to."""
+    problem = optimum.problem
+    own = np.log(np.maximum(counts, 2.0))
+    return float(problem.free.sum()) * math.log(float(counts.sum())) + float(np.sum(problem.active * own))
+
+
+class Weighed(NamedTuple):
+    """A candidate with its QBIC, less the least of all, and its weight among all."""
+
+    candidate: Candidate
+    loss: float
+    weight: float
+
+
+def weigh(context: FitContext, candidates: Sequence[Candidate]) -> list[Weighed]:
+    """Rank candidates by QBIC = N ln cost + price, N the effective samples of the best one's residual; best first.
+
+    Where the best leaves white noise this is the usual BIC with the noise estimated; where it does not, the residual's
+    own correlation says how few independent samples there are (Burnham and Anderson 2002, section 2.5).
+    """
+    best = min(candidates, key=lambda c: c.optimum.cost)
+    counts = effective_samples(context.records, best.optimum.problem.residual(best.optimum.solved))
+    samples = float(counts.sum())
+    least = max(best.optimum.cost, np.finfo(float).tiny)
+    scores = [samples * math.log(max(c.optimum.cost, least) / least) + price(c.optimum, counts) for c in candidates]
+    lowest = min(scores)
+    raw = [math.exp(-0.5 * min(s - lowest, 1400.0)) for s in scores]
+    found = [
+        Weighed(c, s - lowest, w / math.fsum(raw)) for c, s, w in zip(candidates, scores, raw, strict=True)
+    ]
+    return sorted(found, key=lambda w: w.loss)
+
+
+def at_floor(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
+    """Tell whether a fit leaves nothing but noise, whose size is known to some per cent only."""
+    records = context.records
+    samples = float((records.weight**2).sum())
+    times = found.optimum.rms / context.floor
+    if found.structure >= criteria.white or times > criteria.near:
+        return False
+    return times <= criteria.floor + 2.0 / math.sqrt(samples) or is_white(context, found, 2.0)
+
+
+def is_white(context: FitContext, found: Candidate, deviations: float) -> bool:
+    """Tell whether a residual is as white as noise of its own size, within so many standard deviations."""
+    ratio, count = succession(context.records, found.optimum.residual)
+    return ratio < 1.0 + deviations / math.sqrt(max(count, 1))
+
+
+def block_means(context: FitContext, optimum: Optimum) -> float:
+    """Standard deviations by which a residual's means over blocks exceed those of white noise of the floor's size."""
+    return structure(context.records, optimum.problem.residual(optimum.solved), context.floor, context.period)

@@ -1,0 +1,97 @@
+"""How hard the search tries: numbers that save time and, as a rule, change no answer."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from stepid.core.base import Model
+
+Count = Annotated[int, Field(ge=1)]
+Share = Annotated[float, Field(gt=0, le=1)]
+Positive = Annotated[float, Field(gt=0)]
+
+
+class Effort(Model):
+    """How hard the search tries; what decides an answer is in `stepid.Criteria`.
+
+    Parameters
+    ----------
+    effects : int
+        Most effects in one answer; the kernel holds four.
+    fits : int
+        Most proposals that are fitted in one search.
+    first : int
+        Proposals on the linear plant that are fitted whatever they promise less than the best.
+    width : int
+        Proposals fitted in one round.
+    beam : int
+        Candidates that are expanded in one round.
+    rounds : int
+        Most rounds.
+    worth : float
+        Share of the best gain that a proposal must promise (a linearized step tells it within a factor of some four).
+    rival : float
+        The same where an effect is at the noise floor already.
+    price : float
+        Share of what is left that a further parameter counts as, in the order of the proposals.
+    costly : float
+        Times what a proposal on a general effect promises to leave: those are slow, simple ones go first.
+    starts : int
+        Starts of one effect that are tried.
+    keep : int
+        Starts that are run on.
+    begin : int
+        Iterations that a start is given at first.
+    promote : int
+        Iterations of the first promotion; each further one has twice as many, for half as many candidates.
+    promoted : int
+        Candidates that are promoted first.
+    polish : int
+        Candidates that are fitted to all samples in a round.
+    polishing : int
+        Iterations of a fit to all samples.
+    spread : float
+        Relative difference of cost within which candidates are as good, and fitted to all samples.
+    attenuated : float
+        Share of an effect at which hardly any of it is there: a start from which there is a way downhill.
+    stuck : float
+        χ² by which a more general law may seem worse than one inside it before it is taken as stuck.
+    """
+
+    effects: Annotated[int, Field(ge=1, le=4)] = 3
+    fits: Count = 60
+    first: Count = 5
+    width: Count = 6
+    beam: Count = 3
+    rounds: Count = 8
+    worth: Share = 0.25
+    rival: Share = 0.7
+    price: Positive = 0.25
+    costly: Positive = 3.0
+    starts: Count = 3
+    keep: Count = 2
+    begin: Count = 3
+    promote: Count = 6
+    promoted: Count = 4
+    polish: Count = 2
+    polishing: Count = 15
+    spread: Share = 0.02
+    attenuated: Share = 0.03
+    stuck: Positive = 6.0
+
+    @classmethod
+    def quick(cls) -> Effort:
+        """Half the default: for a first look."""
+        return cls().scaled(0.5)
+
+    @classmethod
+    def thorough(cls) -> Effort:
+        """Twice the default, and sets of four effects."""
+        return cls(effects=4).scaled(2)
+
+    def scaled(self, times: float) -> Effort:
+        """Return an effort with `times` as many fits, rounds and candidates."""
+        counts = ("fits", "first", "width", "beam", "rounds", "starts", "keep", "promoted", "polish")
+        return self.model_copy(update={name: max(1, round(times * getattr(self, name))) for name in counts})

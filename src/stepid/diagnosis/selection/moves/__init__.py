@@ -1,0 +1,20 @@
+"""The moves of the search, one a file; a move of your own is a file and an entry in `MOVES`."""
+
+from __future__ import annotations
+
+from stepid.diagnosis.selection.moves.add import Add
+from stepid.diagnosis.selection.moves.deviate import Deviate
+from stepid.diagnosis.selection.moves.drop import Drop
+from stepid.diagnosis.selection.moves.exchange import Exchange
+from stepid.diagnosis.selection.moves.generalize import Generalize
+from stepid.diagnosis.selection.moves.specialize import Specialize
+from stepid.diagnosis.selection.moves.split import Split
+from stepid.diagnosis.selection.proposal import Move
+
+EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Deviate(), Split())
+"""Moves to sets that explain more."""
+
+CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Exchange(), Drop())
+"""Moves to sets that may explain as much: rivals of an answer."""
+
+MOVES: tuple[Move, ...] = tuple({m.name: m for m in (*EXPLORING, *CONFIRMING)}.values())

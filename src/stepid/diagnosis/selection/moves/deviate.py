@@ -1,0 +1,23 @@
+"""Let one condition differ from run to run."""
+
+from __future__ import annotations
+
+from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, standing
+from stepid.fitting.deviations import SCATTER, promised
+
+
+class Deviate:
+    """Free one condition in every run: start time, gain, damping, friction."""
+
+    name = "deviate"
+
+    def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
+        """Propose the node's effects with one more condition that differs from run to run."""
+        out = []
+        new = frozenset(SCATTER) - node.deviations
+        for kind, found in promised(node.best, new).items():
+            left = max(node.cost - found.gain, 0.0)
+            deviations = node.deviations | {kind}
+            here = (standing(node),)
+            out.append(Proposal(node.effects, deviations, here, node.best, left, 1.0, self.name))
+        return out

@@ -1,0 +1,57 @@
+"""Put another effect in the place of one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepid.diagnosis.selection.moves.drop import without
+from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, related
+
+from stepid.fitting.multistart import Start
+from stepid.fitting.score_test import columns, score
+
+class Exchange:
+    """Replace each effect of a set by any other simple one, by its score on what the set leaves without that effect."""
+
+    name = "exchange"
+
+    def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
+        """Propose the node's effects with one of them exchanged."""
+        out = []
+        for place in range(len(node.effects)):
+            out += self._instead(node, place, context)
+        return out
+
+    def _instead(self, node: Node, place: int, context: SearchContext) -> list[Proposal]:
+        fit, effort, effect = context.fit, context.effort, node.effects[place]
+        rest = [i for i in range(len(node.effects)) if i != place]
+        known = {e.name for e in context.catalogue}
+        new = tuple(
+            e
+            for e in context.catalogue
+            if not known.intersection(e.contains) and not any(related(e, own) for own in node.effects)
+        )
+        of = node.best.problem.layout
+        own = of.values[place]
+        values = np.array(effect.faint(tuple(float(v) for v in node.best.shared[own]), 0.0))
+        moved, _ = without(node.best, own, values)
+        out: dict[str, Proposal] = {}
+        for scored in score(fit, node.best, columns(fit, new), instead=(own, values)):
+            name = scored.effect.name
+            shared = [np.array(moved), scored.shared]
+            starts = [
+                Start(s[of.linear], (*(tuple(map(float, s[of.values[i]])) for i in rest), scored.values)) for s in shared
+            ]
+            if name in out:
+                old = out[name]
+                if len(old.starts) < 2 * effort.starts:
+                    out[name] = _with_starts(old, (*old.starts, *starts[1:]))
+                continue
+            left = scored.left
+            effects = (*(node.effects[i] for i in rest), scored.effect)
+            costly = 1.0 + effort.price * (n_parameters((scored.effect,)) - 1)
+            out[name] = Proposal(effects, node.deviations, tuple(starts[::-1]), node.best, left, costly, self.name)
+        return list(out.values())
+
+def _with_starts(old: Proposal, starts: tuple[Start, ...]) -> Proposal:
+    return Proposal(old.effects, old.deviations, starts, old.like, old.left, old.costly, old.move)

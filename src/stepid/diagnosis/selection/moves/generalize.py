@@ -1,0 +1,38 @@
+"""Put a more general effect in the place of one that it contains."""
+
+from __future__ import annotations
+
+from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, standing
+from stepid.effects.base import Effect
+from stepid.fitting.multistart import Start
+from stepid.fitting.score_test import promises
+
+
+class Generalize:
+    """Replace an effect by one that contains it, from where the simpler one stands."""
+
+    name = "generalize"
+
+    def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
+        """Propose the node's effects with one of them more general."""
+        out = []
+        for place, effect in enumerate(node.effects):
+            for general in context.catalogue:
+                if effect.name in general.contains and all(general.name != e.name for e in node.effects):
+                    out += self._proposal(node, place, general, context)
+        return out
+
+    def _proposal(self, node: Node, place: int, general: Effect, context: SearchContext) -> list[Proposal]:
+        fit, here = context.fit, standing(node)
+        inner = here.values[place]
+        grown = [tuple(v) for v in general.grow(inner, fit.scales) or general.starts(fit.scales)]
+        effects = (*node.effects[:place], general, *node.effects[place + 1 :])
+        starts = [Start(here.linear, (*here.values[:place], v, *here.values[place + 1 :])) for v in grown]
+        gains = promises(fit, node.best, effects, starts)
+        order = sorted(range(len(starts)), key=lambda i: -gains[i])
+        if not order:
+            return []
+        left = max(node.cost - gains[order[0]], 0.0)
+        costly = 1.0 + context.effort.price * (n_parameters((general,)) - 1)
+        kept = tuple(starts[i] for i in order)
+        return [Proposal(effects, node.deviations, kept, node.best, left, costly, self.name)]

@@ -1,0 +1,70 @@
+"""A candidate fitted to all samples, with the initial states that it needs and no more."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from stepid.diagnosis.evidence import price
+from stepid.diagnosis.selection.effort import Effort
+from stepid.fitting.levenberg_marquardt import Optimum, minimize
+from stepid.fitting.multistart import CandidateFit, FitContext
+
+_ENOUGH = 0.05  # χ² that a step promises where a fit has converged
+_ROOM = 6.0  # times the price of the initial offsets that holding them at zero may seem to cost
+
+
+def polished(context: FitContext, fitted: CandidateFit, effort: Effort) -> Optimum | None:
+    """Converge a candidate on all samples, with its initial states free and at rest; the better of the two."""
+    tolerance = _ENOUGH * context.floor**2
+    if fitted.excess > 0.5 * fitted.cost:
+        tolerance = max(tolerance, 0.002 * fitted.excess)
+    for _ in range(2):
+        fitted.polish(laps=effort.polishing, tolerance=tolerance)
+        if fitted.polished is None or fitted.polished.converged:
+            break
+    best = fitted.polished
+    return None if best is None else _at_rest(context, fitted, best)
+
+
+def _at_rest(context: FitContext, fitted: CandidateFit, best: Optimum) -> Optimum:
+    """The fit with the runs at rest where they may be, if that costs less than what the initial states are worth."""
+    problem = best.problem
+    active = problem.active.copy()
+    active[:2] &= context.records.moving
+    active[problem.layout.own_states] &= context.records.moving
+    if np.array_equal(active, problem.active) or not _worth_holding(context, best, active):
+        return best
+    held = minimize(
+        replace(problem, active=active),
+        best.shared,
+        np.where(active, best.local, 0.0),
+        tolerance=_ENOUGH * context.floor**2,
+        iterations=12,
+    )
+    if held is None:
+        return best
+    counts = np.add.reduceat(context.records.weight**2, context.records.first)
+    cheaper = price(best, counts) - price(held, counts)
+    return held if (held.cost - best.cost) / context.floor**2 < cheaper else best
+
+
+def _worth_holding(context: FitContext, best: Optimum, active: npt.NDArray[np.bool_]) -> bool:
+    """Tell whether initial states may be those at rest: by one linearized step, with room for its error."""
+    problem = best.problem
+    jacobian, residual = problem.jacobian(best.solved), problem.residual(best.solved)
+    if not np.isfinite(jacobian).all():  # at a runaway's edge nothing is linear
+        return True
+    where = np.argwhere(problem.active)
+    kept = np.concatenate([np.ones(int(problem.free.sum()), dtype=bool), active[where[:, 0], where[:, 1]]])
+    own = best.local[where[:, 0], where[:, 1]][~kept[-len(where) :]]
+    residual = residual + jacobian[:, ~kept] @ own
+    size = np.linalg.norm(jacobian, axis=0)
+    size[size == 0] = np.inf
+    q = np.linalg.qr((jacobian / size)[:, kept])[0]
+    left = residual - q @ (q.T @ residual)
+    worth = own.size * math.log(context.records.size)
+    return bool(float(left @ left) - best.cost < _ROOM * worth * context.floor**2)

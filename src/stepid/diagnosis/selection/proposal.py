@@ -1,0 +1,120 @@
+"""What may be fitted next: a set of effects with its starts and what they promise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from stepid.core.base import Array
+from stepid.diagnosis.selection.candidate import Deviations, Key
+from stepid.diagnosis.selection.effort import Effort
+from stepid.effects.base import Effect
+from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.multistart import CandidateFit, FitContext, Start
+
+
+@dataclass(frozen=True)
+class SearchContext:
+    """What every move may use."""
+
+    fit: FitContext
+    catalogue: tuple[Effect, ...]
+    effort: Effort
+
+
+@dataclass
+class Node:
+    """A set of effects in the search, with its fit so far; `settled` says which moves were made from it."""
+
+    fitted: CandidateFit
+    moves_made: set[str] = field(default_factory=set)
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """Effects of the node."""
+        return self.fitted.effects
+
+    @property
+    def deviations(self) -> Deviations:
+        """Conditions that differ from run to run."""
+        return self.fitted.deviations
+
+    @property
+    def key(self) -> Key:
+        """See `Candidate.key`."""
+        return frozenset(e.name for e in self.effects), self.deviations
+
+    @property
+    def cost(self) -> float:
+        """Sum of squared residuals on the decimated records, m²."""
+        return self.fitted.cost
+
+    @property
+    def best(self) -> Optimum:
+        """The fit so far."""
+        assert self.fitted.best is not None
+        return self.fitted.best
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A set of effects to fit: where from, and what is promised.
+
+    Parameters
+    ----------
+    effects : tuple of Effect
+    deviations : frozenset of str
+    starts : tuple of Start
+        Most promising first.
+    like : Optimum
+        The fit that it is proposed on: local parameters begin there.
+    left : float
+        m², cost that it promises to leave.
+    costly : float
+        Times that `left` counts in the order of proposals.
+    move : str
+        Who proposed it.
+    """
+
+    effects: tuple[Effect, ...]
+    deviations: Deviations
+    starts: tuple[Start, ...]
+    like: Optimum
+    left: float
+    costly: float = 1.0
+    move: str = ""
+
+    @property
+    def key(self) -> Key:
+        """See `Candidate.key`."""
+        return frozenset(e.name for e in self.effects), self.deviations
+
+
+class Move(Protocol):
+    """A way from one set of effects to others."""
+
+    @property
+    def name(self) -> str:
+        """Name."""
+        ...
+
+    def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
+        """Propose sets of effects to fit next, from where a node stands; nothing is fitted here."""
+        ...
+
+
+def standing(node: Node, shared: Array | None = None) -> Start:
+    """Where a node stands (or where `shared` says), as a start."""
+    of = node.best.problem.layout
+    shared = node.best.shared if shared is None else shared
+    return Start(shared[of.linear], tuple(tuple(float(v) for v in shared[place]) for place in of.values))
+
+
+def n_parameters(effects: tuple[Effect, ...]) -> int:
+    """Count parameters of effects, those of a run once."""
+    return sum(len(e.parameters) + len(e.run_parameters) for e in effects)
+
+
+def related(one: Effect, other: Effect) -> bool:
+    """Tell whether two effects are the same, or one contains the other."""
+    return one.name == other.name or one.name in other.contains or other.name in one.contains

@@ -1,0 +1,214 @@
+"""The search: best first over sets of effects. Moves propose, the most promising proposals are fitted a little."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, is_white, price
+from stepid.diagnosis.selection.candidate import Candidate, Key
+from stepid.diagnosis.selection.effort import Effort
+from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING
+from stepid.diagnosis.selection.polish import polished
+from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
+from stepid.effects.base import Effect
+from stepid.fitting.multistart import CandidateFit, FitContext
+
+Tell = Callable[["Search", Proposal], None]
+
+
+def _silent(search: Search, proposal: Proposal) -> None:
+    return None
+
+
+class Search:
+    """One search on one campaign.
+
+    Parameters
+    ----------
+    fit : FitContext
+    catalogue : tuple of Effect
+    criteria : Criteria
+    effort : Effort
+    tell : callable
+        Called with the search before each fit of a proposal, and the proposal.
+    """
+
+    def __init__(
+        self,
+        fit: FitContext,
+        catalogue: tuple[Effect, ...],
+        *,
+        criteria: Criteria,
+        effort: Effort,
+        tell: Tell = _silent,
+    ) -> None:
+        self.fit, self.criteria, self.effort, self.tell = fit, criteria, effort, tell
+        self.context = SearchContext(fit, catalogue, effort)
+        root = CandidateFit(fit, ())
+        root.best, root.polished = fit.outline, fit.linear
+        self.root = Node(root)
+        self.nodes: dict[Key, Node] = {self.root.key: self.root}
+        self.proposals: list[Proposal] = []
+        self.candidates: dict[Key, Candidate] = {}
+        self.fits = 0
+        self._polish(self.root)
+
+    # ---- the loop -------------------------------------------------------------------------------------------------
+
+    def run(self) -> list[Candidate]:
+        """Search until nothing promises more or the effort is used up; candidates, least cost first."""
+        self._expand(self.root, EXPLORING)
+        for _ in range(self.effort.rounds):
+            batch = self._promising()
+            for proposal in batch:
+                if not self._idle(proposal):
+                    self._fit(proposal)
+            if batch:
+                self._promote()
+            best = self._polish_best()
+            if self._complete(best):
+                break
+            if not self._expand_best(EXPLORING) and not batch:
+                break
+        self._confirm()
+        return sorted(self.candidates.values(), key=lambda c: c.optimum.cost)
+
+    def _confirm(self) -> None:
+        """Look for rivals of the best: simpler and more general laws, other effects in the place of one."""
+        for _ in range(self.effort.rounds):
+            best = self.best
+            node = self.nodes[best.key]
+            if not self._expand(node, CONFIRMING):
+                break
+            batch = [p for p in self._promising() if p.like is node.best]
+            for proposal in batch:
+                self._fit(proposal)
+            self._promote()
+            self._polish_best()
+
+    @property
+    def best(self) -> Candidate:
+        """The candidate of least QBIC so far."""
+        return min(self.candidates.values(), key=lambda c: self._score(c))
+
+    def _score(self, found: Candidate) -> float:
+        """QBIC by the samples that are effective in this candidate's own residual, up to what all have in common."""
+        least = min(self.candidates.values(), key=lambda c: c.optimum.cost)
+        counts = self._counts(least)
+        ratio = found.optimum.cost / max(least.optimum.cost, 1e-300)
+        return float(counts.sum()) * math.log(max(ratio, 1.0)) + price(found.optimum, counts)
+
+    def _counts(self, found: Candidate):  # type: ignore[no-untyped-def]
+        known = getattr(self, "_counted", None)
+        if known is None or known[0] is not found:
+            optimum = found.optimum
+            counts = effective_samples(self.fit.records, optimum.problem.residual(optimum.solved))
+            known = self._counted = (found, counts)
+        return known[1]
+
+    def _complete(self, best: Candidate) -> bool:
+        """Tell whether the best leaves nothing that a further effect could explain."""
+        return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, 2.0)
+
+    # ---- proposals ------------------------------------------------------------------------------------------------
+
+    def _expand(self, node: Node, moves: Sequence[Move]) -> bool:
+        """Make the moves not made yet from a node; True where one was made."""
+        new = [m for m in moves if m.name not in node.moves_made]
+        for move in new:
+            node.moves_made.add(move.name)
+            self.proposals += [p for p in move.propose(node, self.context) if p.key not in self.nodes]
+        return bool(new)
+
+    def _expand_best(self, moves: Sequence[Move]) -> bool:
+        """Expand the best nodes of those not expanded yet."""
+        order = sorted(self.nodes.values(), key=self._rank)[: self.effort.beam]
+        return any([self._expand(node, moves) for node in order])
+
+    def _rank(self, node: Node) -> float:
+        costly = self.effort.costly if any(e.contains for e in node.effects) else 1.0
+        return node.cost * costly ** (0.0 if len(node.effects) < 2 else 0.0)
+
+    def _promising(self) -> list[Proposal]:
+        """The proposals to fit next, the most promising first: single effects before sets of more."""
+        best: dict[Key, Proposal] = {}
+        for p in self.proposals:
+            if p.key not in best or p.left < best[p.key].left:
+                best[p.key] = p
+        order = sorted(best.values(), key=lambda p: p.left * p.costly)
+        singles = [p for p in order if p.like is self.root.best]
+        gain = self.root.cost - min((p.left for p in singles), default=self.root.cost)
+        open_ = {p.key for p in singles[: self.effort.first] if self.root.cost - p.left > self.effort.worth * gain}
+        least = min(node.cost for node in self.nodes.values())
+        out = [p for p in order if p.key not in self.nodes and (p.key in open_ or self._gains(least, p))]
+        out = [p for p in out if p.key in open_] or out
+        return out[: min(self.effort.width, self.effort.fits - self.fits)]
+
+    def _idle(self, proposal: Proposal) -> bool:
+        """Tell whether a single effect is at the noise floor already and another promises far less than it did."""
+        least = min(self.nodes.values(), key=lambda n: n.cost)
+        if least.cost > self.fit.floored or proposal.like is not self.root.best:
+            return False
+        told = min((p.left for p in self.proposals if p.key == least.key), default=0.0)
+        gain, other = self.root.cost - told, self.root.cost - proposal.left
+        return other < self.effort.rival * gain and gain - other > 2 * self.criteria.tie * self.fit.unit
+
+    def _gains(self, least: float, proposal: Proposal) -> bool:
+        """Tell whether a proposal promises more than chance, over the best so far or as its rival."""
+        slack = self.criteria.tie * self.fit.unit
+        if proposal.move in ("drop", "specialize", "exchange", "generalize"):
+            return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
+        return proposal.left < least - slack
+
+    # ---- fits -----------------------------------------------------------------------------------------------------
+
+    def _fit(self, proposal: Proposal) -> None:
+        """Fit a proposal a little."""
+        self.fits += 1
+        self.tell(self, proposal)
+        fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
+        fitted.begin(list(proposal.starts), like=proposal.like, keep=self.effort.keep + 1, laps=self.effort.begin)
+        if fitted.best is not None:
+            self.nodes[proposal.key] = Node(fitted)
+
+    def _promote(self) -> None:
+        """Let the promising nodes run on: the fewer, the further."""
+        laps, count = self.effort.promote, self.effort.promoted
+        while count:
+            order = sorted(self.nodes.values(), key=lambda n: n.cost)
+            best = order[0].cost
+            for place, node in enumerate(order):
+                if place < count or node.cost < best + (1 + self.effort.promoted - count) * self.fit.unit * self.criteria.tie:
+                    fitted = node.fitted
+                    enough = max(0.003 * (node.cost - best), 0.002 * fitted.excess, 0.2 * self.fit.unit)
+                    fitted.run(laps=laps, tolerance=enough)
+            laps, count = 2 * laps, count // 2
+
+    def _polish_best(self) -> Candidate:
+        """Fit the best nodes to all samples."""
+        order = sorted(self.nodes.values(), key=lambda n: n.cost)
+        best = order[0].cost
+        near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
+        for place, node in enumerate(order):
+            if place < self.effort.polish or node.cost < near:
+                self._polish(node)
+        found = self.best
+        if not self._complete(found):
+            node = self.nodes[found.key]
+            if any(e.dry for e in node.effects) and node.fitted.resettle():
+                self._polish(node)
+        return self.best
+
+    def _polish(self, node: Node) -> None:
+        found = polished(self.fit, node.fitted, self.effort)
+        if found is not None:
+            optimum = found
+            self.candidates[node.key] = Candidate(
+                node.effects, node.deviations, optimum, block_means(self.fit, optimum)
+            )
+
+
+__all__ = ["Search", "replace"]
