@@ -174,6 +174,37 @@ def score(
     return out
 
 
+def without(base: Optimum, own: slice, values: Array) -> tuple[Array, float]:
+    """Take an effect away from a fit, the others moved to where that asks for them, to first order.
+
+    Parameters
+    ----------
+    base : Optimum
+    own : slice
+        Place of the effect's parameters among the global ones.
+    values : array
+        At which it is as good as absent.
+
+    Returns
+    -------
+    array, shape (P,)
+        Global parameters.
+    float
+        Cost that would be left, m²; infinite where that plant cannot be simulated.
+    """
+    residual, jacobian, kept = _linearized(base, (own, values))
+    shared = base.shared.copy()
+    shared[own] = values
+    if not np.isfinite(jacobian).all():
+        return shared, np.inf
+    size = np.linalg.norm(jacobian, axis=0)
+    size[size == 0] = np.inf
+    change = np.linalg.lstsq(jacobian / size, residual, rcond=_OPEN)[0]
+    left = residual - (jacobian / size) @ change
+    shared[kept] += (change / size)[: kept.size]
+    return np.clip(shared, base.problem.lower, base.problem.upper), float(left @ left)
+
+
 def _linearized(base: Optimum, instead: tuple[slice, Array] | None) -> tuple[Array, Array, Index]:
     """Residual, derivatives by what may move, and which global parameters those are."""
     problem = base.problem

@@ -26,6 +26,8 @@ class Effort(Model):
         Proposals on the linear plant that are fitted whatever they promise less than the best.
     width : int
         Proposals fitted in one round.
+    share : int
+        Of these, on one candidate.
     beam : int
         Candidates that are expanded in one round.
     rounds : int
@@ -34,6 +36,8 @@ class Effort(Model):
         Share of the best gain that a proposal must promise (a linearized step tells it within a factor of some four).
     rival : float
         The same where an effect is at the noise floor already.
+    optimism : float
+        Share of what a linearized step promises to leave that may really be left.
     price : float
         Share of what is left that a further parameter counts as, in the order of the proposals.
     costly : float
@@ -62,12 +66,14 @@ class Effort(Model):
 
     effects: Annotated[int, Field(ge=1, le=4)] = 3
     fits: Count = 60
-    first: Count = 5
-    width: Count = 6
+    first: Count = 12
+    width: Count = 8
+    share: Count = 3
     beam: Count = 3
     rounds: Count = 8
-    worth: Share = 0.25
+    worth: Share = 0.15
     rival: Share = 0.7
+    optimism: Share = 0.5
     price: Positive = 0.25
     costly: Positive = 3.0
     starts: Count = 3
@@ -93,5 +99,5 @@ class Effort(Model):
 
     def scaled(self, times: float) -> Effort:
         """Return an effort with `times` as many fits, rounds and candidates."""
-        counts = ("fits", "first", "width", "beam", "rounds", "starts", "keep", "promoted", "polish")
+        counts = ("fits", "first", "width", "share", "beam", "rounds", "starts", "keep", "promoted", "polish")
         return self.model_copy(update={name: max(1, round(times * getattr(self, name))) for name in counts})

@@ -66,12 +66,14 @@ class Proposal:
     deviations : frozenset of str
     starts : tuple of Start
         Most promising first.
+    base : tuple
+        Key of the node that it is proposed on.
     like : Optimum
-        The fit that it is proposed on: local parameters begin there.
+        That node's fit: local parameters begin there.
     left : float
         m², cost that it promises to leave.
     costly : float
-        Times that `left` counts in the order of proposals.
+        By which what it promises to gain is divided, in the order of proposals.
     move : str
         Who proposed it.
     """
@@ -79,10 +81,16 @@ class Proposal:
     effects: tuple[Effect, ...]
     deviations: Deviations
     starts: tuple[Start, ...]
+    base: Key
     like: Optimum
     left: float
     costly: float = 1.0
     move: str = ""
+
+    @property
+    def gain(self) -> float:
+        """Decrease of the cost that it promises, m², less where it is costly."""
+        return (self.like.cost - self.left) / self.costly
 
     @property
     def key(self) -> Key:

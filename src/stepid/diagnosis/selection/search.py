@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -11,11 +12,13 @@ from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, 
 from stepid.diagnosis.selection.candidate import Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING
+from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import CandidateFit, FitContext
 
+_RIVALS = {move.name for move in CONFIRMING}
 Tell = Callable[["Search", Proposal], None]
 
 
@@ -54,6 +57,7 @@ class Search:
         self.proposals: list[Proposal] = []
         self.candidates: dict[Key, Candidate] = {}
         self.fits = 0
+        self._tried: set[tuple[Key, Key]] = set()  # base and set
         self._polish(self.root)
 
     # ---- the loop -------------------------------------------------------------------------------------------------
@@ -83,7 +87,7 @@ class Search:
             node = self.nodes[best.key]
             if not self._expand(node, CONFIRMING):
                 break
-            batch = [p for p in self._promising() if p.like is node.best]
+            batch = [p for p in self._promising() if p.base == node.key]
             for proposal in batch:
                 self._fit(proposal)
             self._promote()
@@ -120,7 +124,7 @@ class Search:
         new = [m for m in moves if m.name not in node.moves_made]
         for move in new:
             node.moves_made.add(move.name)
-            self.proposals += [p for p in move.propose(node, self.context) if p.key not in self.nodes]
+            self.proposals += move.propose(node, self.context)
         return bool(new)
 
     def _expand_best(self, moves: Sequence[Move]) -> bool:
@@ -133,46 +137,75 @@ class Search:
         return node.cost * costly ** (0.0 if len(node.effects) < 2 else 0.0)
 
     def _promising(self) -> list[Proposal]:
-        """The proposals to fit next, the most promising first: single effects before sets of more."""
+        """The proposals to fit next: the smallest sets first, of these the most promising."""
         best: dict[Key, Proposal] = {}
         for p in self.proposals:
-            if p.key not in best or p.left < best[p.key].left:
+            if (p.base, p.key) not in self._tried and (p.key not in best or p.like.cost - p.gain < best[p.key].like.cost - best[p.key].gain):
                 best[p.key] = p
-        order = sorted(best.values(), key=lambda p: p.left * p.costly)
-        singles = [p for p in order if p.like is self.root.best]
-        gain = self.root.cost - min((p.left for p in singles), default=self.root.cost)
-        open_ = {p.key for p in singles[: self.effort.first] if self.root.cost - p.left > self.effort.worth * gain}
+        order = sorted(best.values(), key=lambda p: p.like.cost - p.gain)
         least = min(node.cost for node in self.nodes.values())
-        out = [p for p in order if p.key not in self.nodes and (p.key in open_ or self._gains(least, p))]
-        out = [p for p in out if p.key in open_] or out
+        out = [p for p in self._worthy(order) if self._new(p) and self._gains(least, p)]
+        smallest = min((len(p.effects) for p in out), default=0)
+        out = [p for p in out if len(p.effects) == smallest]
         return out[: min(self.effort.width, self.effort.fits - self.fits)]
+
+    def _worthy(self, order: list[Proposal]) -> list[Proposal]:
+        """Of each node's proposals those that promise a share of what its best promises; most on the best nodes."""
+        size = {key: len(node.effects) for key, node in self.nodes.items()}
+        leading = {min((n.cost, k) for k, n in self.nodes.items() if size[k] == s)[1] for s in set(size.values())}
+        most: dict[Key, float] = {}
+        for p in order:
+            most[p.base] = max(most.get(p.base, 0.0), p.gain)
+        taken: Counter[Key] = Counter()
+        out = []
+        for p in order:
+            taken[p.base] += 1
+            room = self.effort.first if p.base in leading else self.effort.share
+            adds = p.move not in _RIVALS
+            if not adds or (taken[p.base] <= room and p.gain > self.effort.worth * most[p.base]):
+                out.append(p)
+        return out
 
     def _idle(self, proposal: Proposal) -> bool:
         """Tell whether a single effect is at the noise floor already and another promises far less than it did."""
         least = min(self.nodes.values(), key=lambda n: n.cost)
-        if least.cost > self.fit.floored or proposal.like is not self.root.best:
+        if least.cost > self.fit.floored or proposal.base != self.root.key:
             return False
         told = min((p.left for p in self.proposals if p.key == least.key), default=0.0)
         gain, other = self.root.cost - told, self.root.cost - proposal.left
         return other < self.effort.rival * gain and gain - other > 2 * self.criteria.tie * self.fit.unit
 
+    def _new(self, proposal: Proposal) -> bool:
+        """Tell whether a set has not been fitted yet, or only to an end that its rival shows to be a poor one."""
+        if proposal.key not in self.nodes:
+            return True
+        if proposal.move not in _RIVALS or (proposal.base, proposal.key) in self._tried:
+            return False
+        return self.nodes[proposal.key].cost > proposal.like.cost + self.effort.stuck * self.fit.unit
+
     def _gains(self, least: float, proposal: Proposal) -> bool:
-        """Tell whether a proposal promises more than chance, over the best so far or as its rival."""
+        """Tell whether a proposal may better the best so far, or be its rival."""
         slack = self.criteria.tie * self.fit.unit
-        if proposal.move in ("drop", "specialize", "exchange", "generalize"):
+        if proposal.move == Drop.name:
+            return True
+        if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
-        return proposal.left < least - slack
+        return self.effort.optimism * proposal.left < least - slack and proposal.left < proposal.like.cost - slack
 
     # ---- fits -----------------------------------------------------------------------------------------------------
 
     def _fit(self, proposal: Proposal) -> None:
         """Fit a proposal a little."""
         self.fits += 1
+        self._tried.add((proposal.base, proposal.key))
         self.tell(self, proposal)
         fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
         fitted.begin(list(proposal.starts), like=proposal.like, keep=self.effort.keep + 1, laps=self.effort.begin)
-        if fitted.best is not None:
-            self.nodes[proposal.key] = Node(fitted)
+        known = self.nodes.get(proposal.key)
+        if known is not None:
+            fitted.run(laps=self.effort.promote)
+        if fitted.best is not None and (known is None or fitted.cost < known.cost):
+            self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
 
     def _promote(self) -> None:
         """Let the promising nodes run on: the fewer, the further."""

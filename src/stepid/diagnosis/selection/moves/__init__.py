@@ -11,7 +11,7 @@ from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.moves.split import Split
 from stepid.diagnosis.selection.proposal import Move
 
-EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Deviate(), Split())
+EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Deviate(), Split(), Drop())
 """Moves to sets that explain more."""
 
 CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Exchange(), Drop())

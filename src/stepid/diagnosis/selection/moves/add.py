@@ -38,7 +38,7 @@ class Add:
             own = [s for s in scored if s.effect is effect]
             starts = race_starts(fit, effect, own)
             left = node.cost - max((s.gain for s in own), default=0.0)
-            out.append(Proposal((effect,), node.deviations, tuple(starts), node.best, left, 1.0, self.name))
+            out.append(Proposal((effect,), node.deviations, tuple(starts), node.key, node.best, left, 1.0, self.name))
         return out
 
     def _further(self, node: Node, new: tuple[Effect, ...], context: SearchContext) -> list[Proposal]:
@@ -70,7 +70,7 @@ class Add:
         costly = effort.costly if any(e.contains for e in node.effects) else 1.0
         costly *= 1.0 + effort.price * (n_parameters((effect,)) - 1)
         effects = (*node.effects, effect)
-        return Proposal(effects, node.deviations, tuple(starts), node.best, left, costly, self.name)
+        return Proposal(effects, node.deviations, tuple(starts), node.key, node.best, left, costly, self.name)
 
 
 def inside(values: tuple[float, ...], effect: Effect) -> tuple[float, ...]:

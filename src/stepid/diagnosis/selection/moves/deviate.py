@@ -19,5 +19,5 @@ class Deviate:
             left = max(node.cost - found.gain, 0.0)
             deviations = node.deviations | {kind}
             here = (standing(node),)
-            out.append(Proposal(node.effects, deviations, here, node.best, left, 1.0, self.name))
+            out.append(Proposal(node.effects, deviations, here, node.key, node.best, left, 1.0, self.name))
         return out

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from stepid.diagnosis.selection.moves.drop import without
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, related
 
 from stepid.fitting.multistart import Start
-from stepid.fitting.score_test import columns, score
+from stepid.fitting.score_test import columns, score, without
 
 class Exchange:
     """Replace each effect of a set by any other simple one, by its score on what the set leaves without that effect."""
@@ -50,8 +49,8 @@ class Exchange:
             left = scored.left
             effects = (*(node.effects[i] for i in rest), scored.effect)
             costly = 1.0 + effort.price * (n_parameters((scored.effect,)) - 1)
-            out[name] = Proposal(effects, node.deviations, tuple(starts[::-1]), node.best, left, costly, self.name)
+            out[name] = Proposal(effects, node.deviations, tuple(starts[::-1]), node.key, node.best, left, costly, self.name)
         return list(out.values())
 
 def _with_starts(old: Proposal, starts: tuple[Start, ...]) -> Proposal:
-    return Proposal(old.effects, old.deviations, starts, old.like, old.left, old.costly, old.move)
+    return Proposal(old.effects, old.deviations, starts, old.base, old.like, old.left, old.costly, old.move)

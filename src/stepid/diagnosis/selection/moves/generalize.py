@@ -35,4 +35,4 @@ class Generalize:
         left = max(node.cost - gains[order[0]], 0.0)
         costly = 1.0 + context.effort.price * (n_parameters((general,)) - 1)
         kept = tuple(starts[i] for i in order)
-        return [Proposal(effects, node.deviations, kept, node.best, left, costly, self.name)]
+        return [Proposal(effects, node.deviations, kept, node.key, node.best, left, costly, self.name)]

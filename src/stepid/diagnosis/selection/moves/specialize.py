@@ -27,7 +27,7 @@ class Specialize:
                 effects = (*node.effects[:place], inner, *node.effects[place + 1 :])
                 values = (*here.values[:place], (level,), *here.values[place + 1 :])
                 starts = (Start(here.linear, values),)
-                out.append(Proposal(effects, node.deviations, starts, node.best, node.cost, 1.0, self.name))
+                out.append(Proposal(effects, node.deviations, starts, node.key, node.best, node.cost, 1.0, self.name))
         return out
 
 

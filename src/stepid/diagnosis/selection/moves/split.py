@@ -40,7 +40,7 @@ class Split:
                 left, start = _fitted(force[seen], table, pair, seen, here.linear, node)
                 known = found.get(other.name)
                 if start is not None and left < _LEFT and (known is None or left < known[0]):
-                    done = Proposal((one, other), node.deviations, (start,), node.best, 0.5 * node.cost, 1.0, self.name)
+                    done = Proposal((one, other), node.deviations, (start,), node.key, node.best, 0.5 * node.cost, 1.0, self.name)
                     found[other.name] = left, done
         best = sorted(found.values(), key=lambda item: item[0])[:2]
         return [proposal for _, proposal in best]
