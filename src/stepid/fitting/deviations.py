@@ -23,6 +23,7 @@ FAULTS = ("damping", "stiffness", "added_mass", "gain", "start_time")
 Mask = npt.NDArray[np.bool_]
 Kind = str | tuple[int, str]  # in all runs; in one run, by index
 
+_SLIGHT = 1e-6  # of the largest singular value: the sensitivities are no better than that
 _OPEN = 1e-7  # share of a deviation's power that other parameters leave, below which the data leave it open
 
 
@@ -153,26 +154,20 @@ def promised(optimum: Optimum, kinds: Iterable[Kind]) -> dict[Kind, Promise]:
     dict
         Kind to Promise, nothing for a kind that is free already, makes no sense or goes beyond the simulation.
     """
-    problem, solved = optimum.problem, optimum.solved
+    problem = optimum.problem
     masks = {kind: _fresh(problem, kind) for kind in kinds}
     masks = {kind: mask for kind, mask in masks.items() if mask.any()}
-    jacobian, residual = problem.jacobian(solved), problem.residual(solved)
-    if not masks or not np.isfinite(jacobian).all():
+    basis = _Basis(optimum) if masks else None
+    if basis is None or not basis.finite:
         return {}
     where = np.argwhere(np.any(list(masks.values()), axis=0))
     columns = _columns(optimum, where)
-    size = np.linalg.norm(jacobian, axis=0)
-    jacobian /= np.where(size > 0, size, np.inf)
-    q = _basis(jacobian)
-    residual = residual - q @ (q.T @ residual)
-    inside = q.T @ columns
-    pull = columns.T @ residual
+    pull, gram = basis.project(columns)
     own = np.sum(columns**2, axis=0)
-    gram = columns.T @ columns - inside.T @ inside
     out: dict[Kind, Promise] = {}
     for kind, mask in masks.items():
         chosen = np.flatnonzero(mask[where[:, 0], where[:, 1]])
-        usable = chosen[np.isfinite(own[chosen]) & (own[chosen] > 0)]
+        usable = chosen[own[chosen] > 0]
         values, errors = np.zeros(mask.shape[1]), np.full(mask.shape[1], np.inf)
         if usable.size:
             scale = np.sqrt(own[usable])
@@ -186,6 +181,50 @@ def promised(optimum: Optimum, kinds: Iterable[Kind]) -> dict[Kind, Promise]:
             errors[runs] = np.where(determined, np.sqrt(np.diag(inverse)) / scale, np.inf)
             out[kind] = Promise(float(step @ (pull[usable] / scale)), values, errors)
     return out
+
+
+def promised_by(optimum: Optimum, columns: Array) -> tuple[Array, Array, Array]:
+    """What one step along each of some changes of the reading would gain, one at a time, all else adapted.
+
+    Parameters
+    ----------
+    optimum : Optimum
+    columns : array, shape (S, n)
+        Derivatives of the weighted reading; see `Records.weighted`.
+
+    Returns
+    -------
+    gain, value, error : array, shape (n,)
+        Decrease of the cost [m²], step, its standard error per meter of white noise; 0, 0, infinite where left open.
+    """
+    basis = _Basis(optimum)
+    if not basis.finite:
+        return np.zeros(columns.shape[1]), np.zeros(columns.shape[1]), np.full(columns.shape[1], np.inf)
+    pull, gram = basis.project(columns)
+    power = np.diag(gram)
+    power = np.where(power > _OPEN * np.sum(columns**2, axis=0), power, np.inf)
+    return pull**2 / power, pull / power, np.where(np.isfinite(power), 1 / np.sqrt(power), np.inf)
+
+
+class _Basis:
+    """What the free parameters of a fit can do to the reading: orthonormal, those that depend on others left out."""
+
+    def __init__(self, optimum: Optimum) -> None:
+        problem = optimum.problem
+        jacobian, residual = problem.jacobian(optimum.solved), problem.residual(optimum.solved)
+        self.finite = bool(np.isfinite(jacobian).all())
+        if not self.finite:
+            return
+        size = np.linalg.norm(jacobian, axis=0)
+        jacobian /= np.where(size > 0, size, np.inf)
+        u, s, _ = np.linalg.svd(jacobian, full_matrices=False)
+        self._q = u[:, s > _SLIGHT * s.max(initial=1e-300)]
+        self._left = residual - self._q @ (self._q.T @ residual)
+
+    def project(self, columns: Array) -> tuple[Array, Array]:
+        """Products of columns with the residual, and with one another, all less what the free parameters can do."""
+        inside = self._q.T @ columns
+        return columns.T @ self._left, columns.T @ columns - inside.T @ inside
 
 
 def _fresh(problem: Problem, kind: Kind) -> Mask:
@@ -213,11 +252,4 @@ def _columns(optimum: Optimum, where: npt.NDArray[np.intp]) -> Array:
     pieces = problem.records.pieces()
     for column, (row, run) in enumerate(where):
         out[pieces[run], column] = np.nan_to_num(seen[row, pieces[run]], posinf=0.0, neginf=0.0)
-    return out
-
-
-def _basis(jacobian: Array) -> Array:
-    """Orthonormal basis of scaled columns, those that depend on others left out."""
-    u, s, _ = np.linalg.svd(jacobian, full_matrices=False)
-    out: Array = u[:, s > 1e-6 * s.max(initial=1e-300)]
     return out
