@@ -12,6 +12,7 @@ import stepid
 from hidden.accuracy_cases import COUNTS, Case, reference, run
 from hidden.plant import Run
 from stepid.effects import resolve
+from stepid.simulation.layout import DEVIATIONS
 from stepid.simulation.records import Records, lay_out
 from stepid.simulation.simulator import FINE, Simulator
 
@@ -54,7 +55,7 @@ def plant_of(told: Run, names: list[str]) -> tuple[np.ndarray, np.ndarray]:
         shared += [told.effects[effect.name][q.name] for q in effect.parameters]
         local += [told.phase for _ in effect.run_parameters]
         own += effect.n_extra + effect.n_memory
-    return np.array(shared), np.array(local + [0.0] * own)[:, None]
+    return np.array(shared), np.array(local + [0.0] * (own + len(DEVIATIONS)))[:, None]
 
 
 def simulator_of(told: Run, **options: Any) -> Simulator:

@@ -36,7 +36,7 @@ def _held(level: float) -> tuple[Problem, Array, Array]:
     """A start near the best fit, with another level of friction [N]."""
     records = lay_out(stepid.datasets.lab_campaign())
     problem = build(records, resolve(["coulomb_friction"]))
-    local = np.zeros((2, len(records.runs)))
+    local = np.zeros((problem.layout.n_run, len(records.runs)))
     local[0] = 1e-6 * np.array([-40.4, 984.2, -626.5, 132.8, -368.2, 535.7, 318.2, 895.8, -346.8, -226.3])
     shared = [0.95583, 0.83556, 216.619, 450.206, 175.512, 12.052, 22.0577, 4.6074, 5.0179, 7.82033, level]
     return problem, np.array(shared), local

@@ -25,7 +25,7 @@ from stepid.fitting.outlier_run import find_suspect
 from stepid.fitting.problem import fit_linear
 from stepid.fitting.score_test import columns, score
 from stepid.fitting.screening import screen
-from stepid.simulation.layout import own_state_names
+from stepid.simulation.layout import DEVIATIONS, own_state_names
 from stepid.simulation.model import EffectModel, PlantModel, RunState
 from stepid.simulation.records import lay_out
 from stepid.simulation.threads import single_threaded
@@ -246,6 +246,7 @@ def unpack(optimum: Optimum, effects: tuple[Effect, ...]) -> PlantModel:
             velocity=float(own[1]),
             phases=dict(zip(keys, map(float, own[2 : of.own_states.start]), strict=True)),
             states=dict(zip(own_keys, map(float, own[of.own_states]), strict=True)) if r.moving[i] else {},
+            deviations={q.name: float(d) for q, d in zip(DEVIATIONS, own[of.deviations], strict=True) if d},
         )
 
     def by_label(labels: tuple[str, ...], place: slice) -> dict[str, float]:

@@ -125,6 +125,7 @@ def _with_effect(context: FitContext, effect: Effect) -> Optimum | None:
     problem = build(context.records, (effect,))
     local = np.zeros((problem.layout.n_run, len(context.records.runs)))
     local[:2] = context.linear.local[:2]
+    local[problem.layout.deviations] = context.linear.local[context.linear.problem.layout.deviations]
     shared = np.append(context.linear.shared, 0.5 * float(context.records.sample_time.mean()))
     return minimize(problem, shared, local, tolerance=context.tolerance)
 

@@ -56,7 +56,9 @@ class Problem:
         """Add the derivatives by what is free to a simulation."""
         if solved.shared is not None:
             return solved
-        by_shared, by_local = self.simulator.derivatives(shared, local, solved.reading, self.free, self.active)
+        by_shared, by_local = self.simulator.derivatives(
+            shared, local, solved.reading, self.free, self.active, solved.states
+        )
         return solved._replace(shared=by_shared, local=by_local)
 
     def _weighted(self, solved: Solved) -> tuple[Array, Array]:

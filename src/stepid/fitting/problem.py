@@ -50,7 +50,7 @@ def build(records: Records, effects: tuple[Effect, ...], *, tolerance: float = F
     active = np.zeros((of.n_run, len(records.runs)), dtype=bool)
     active[0] = records.moving | any(e.rests_anywhere or e.never_rests for e in effects)
     active[1] = records.moving | any(e.never_rests for e in effects)
-    active[2:] = True
+    active[2 : of.own_states.start] = True
     unknown = [not e.settled for e in effects for _ in range(e.n_extra + e.n_memory)]
     active[of.own_states] = records.moving & np.array(unknown, dtype=bool)[:, None]
     return Problem(sim, free, lower, upper, active)
@@ -63,6 +63,7 @@ def start_local(problem: Problem, like: Optimum | None = None) -> Array:
     if like is not None:
         local[:2] = like.local[:2]
         local[0, ~problem.active[0]] = 0.0
+        local[problem.layout.deviations] = like.local[like.problem.layout.deviations]
         return local
     for r, piece in enumerate(records.pieces()):
         if records.moving[r]:

@@ -127,10 +127,12 @@ class Alone:
         free = np.zeros_like(problem.free)
         free[index] = True
         active = problem.active.copy()
-        rows = min(active.shape[0], self.fit.problem.active.shape[0])
-        active[:rows] = self.fit.problem.active[:rows, [self.run]]
         local = np.zeros((problem.layout.n_run, 1))
-        local[:rows] = self.fit.local[:rows, [self.run]]
+        here, there = problem.layout, self.fit.problem.layout
+        rows = slice(0, min(here.own_states.stop, there.own_states.stop))
+        for to, of in ((rows, rows), (here.deviations, there.deviations)):
+            active[to] = self.fit.problem.active[of][:, [self.run]]
+            local[to] = self.fit.local[of][:, [self.run]]
         found = minimize(replace(problem, free=free, active=active), shared, local, tolerance=self.context.tolerance)
         return found if found is not None and at_floor(self.context, found, self.slack, self.white) else None
 

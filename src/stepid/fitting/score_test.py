@@ -235,8 +235,9 @@ def promises(context: FitContext, inner: Optimum, effects: tuple[Effect, ...], s
     sim = Simulator(context.sketch, effects, COARSE)
     shared = np.array([np.concatenate([start.linear, *start.values]) for start in starts])
     local = np.zeros((sim.layout.n_run, inner.local.shape[1]))
-    known = inner.problem.layout.own_states.start
-    local[:known] = inner.local[:known]
+    of = inner.problem.layout
+    local[: of.own_states.start] = inner.local[: of.own_states.start]
+    local[sim.layout.deviations] = inner.local[of.deviations]
     readings = sim.readings(shared, np.repeat(local[None], len(shared), axis=0))
     size = np.linalg.norm(jacobian, axis=0)
     size[size == 0] = np.inf

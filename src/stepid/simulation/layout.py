@@ -9,10 +9,21 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array
-from stepid.effects.base import Effect
+from stepid.effects.base import Effect, Parameter
 from stepid.simulation.records import Records
 
 Index = npt.NDArray[np.intp]
+DEVIATIONS: tuple[Parameter, ...] = (
+    Parameter("start_time", "s", -np.inf),
+    Parameter("gain", "", -np.inf),
+    Parameter("damping", "", -np.inf),
+    Parameter("friction", "", -np.inf),
+    Parameter("stiffness", "", -np.inf),
+    Parameter("added_mass", "kg", -np.inf),
+)
+"""By how much a run differs from the plant: later by, relative change of force gain, damping, dry friction (what an
+effect holds the cart with, in N) and stiffness, mass beside what its record says."""
+_LEAST_MASS = 1e-3  # kg
 
 
 @dataclass(frozen=True)
@@ -21,7 +32,7 @@ class ParameterLayout:
 
     Global: base mass of every base label [kg], stiffness of every spring label [N/m], damping of every damper label
     [N·s/m], force gain [N/V], then each effect's parameters. Per run: displacement [m] and velocity [m/s] at the first
-    sample, the effects' run parameters, the effects' own states at the first sample.
+    sample, the effects' run parameters, the effects' own states at the first sample, `DEVIATIONS`.
     """
 
     records: Records
@@ -76,6 +87,15 @@ class ParameterLayout:
         first = 2 + sum(len(e.run_parameters) for e in self.effects)
         return slice(first, first + sum(e.n_extra + e.n_memory for e in self.effects))
 
+    @cached_property
+    def deviations(self) -> slice:
+        """`DEVIATIONS` among the parameters of a run."""
+        return slice(self.own_states.stop, self.own_states.stop + len(DEVIATIONS))
+
+    def deviation(self, name: str) -> int:
+        """Row of one deviation among the parameters of a run."""
+        return int(self.deviations.start) + _NAMES.index(name)
+
     @property
     def n_global(self) -> int:
         """Number of global parameters."""
@@ -84,7 +104,7 @@ class ParameterLayout:
     @property
     def n_run(self) -> int:
         """Number of parameters of a run."""
-        return int(self.own_states.stop)
+        return int(self.deviations.stop)
 
     def touched(self, parameter: int) -> Index:
         """Runs that a global parameter enters."""
@@ -112,7 +132,25 @@ class ParameterLayout:
         for values, own in zip(self.values, self.run_values, strict=True):
             columns += [np.repeat(column[:, None], runs, axis=1) for column in shared[:, values].T]
             columns += list(local[:, own].swapaxes(0, 1))
-        return np.stack(columns, axis=-1)
+        out = np.stack(columns, axis=-1)
+        if local[:, self.deviations].any():
+            self._deviate(out, local)
+        return out
+
+    def _deviate(self, plants: Array, local: Array) -> None:
+        """Change plants, as `plants` gives them, by what is different in each run."""
+        plants[..., 0] = np.maximum(plants[..., 0] + local[:, self.deviation("added_mass")], _LEAST_MASS)
+        changes = [("stiffness", 1), ("damping", 2), ("gain", 3)]
+        at = 4
+        for effect in self.effects:
+            if effect.dry:
+                changes += [("friction", at + i) for i, q in enumerate(effect.parameters) if q.unit == "N"]
+            at += len(effect.parameters) + len(effect.run_parameters)
+        for name, column in changes:
+            plants[..., column] *= 1.0 + local[:, self.deviation(name)]
+
+
+_NAMES = [q.name for q in DEVIATIONS]
 
 
 def own_state_names(effects: tuple[Effect, ...]) -> list[str]:

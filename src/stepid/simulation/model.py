@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
+
+from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 from stepid.core.base import Finite, Label, Model
 
@@ -38,6 +41,9 @@ class RunState(Model):
     states : mapping
         Where a record starts in motion: how far the effects' own states are from those of a plant at rest there, for
         example ``"flexible_coupling.1"`` [m].
+    deviations : mapping
+        By how much the run differs from the plant, where it does: ``"start_time"`` [s] (later), ``"gain"``,
+        ``"damping"``, ``"friction"``, ``"stiffness"`` (relative), ``"added_mass"`` [kg].
     """
 
     rest: Finite = 0.0
@@ -45,6 +51,14 @@ class RunState(Model):
     velocity: Finite = 0.0
     phases: Mapping[str, Finite] = {}
     states: Mapping[str, Finite] = {}
+    deviations: Mapping[str, Finite] = {}
+
+    @model_serializer(mode="wrap")
+    def _without_empty(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        out: dict[str, Any] = serialize(self)
+        if not self.deviations:
+            out.pop("deviations", None)
+        return out
 
 
 class PlantModel(Model):

@@ -9,7 +9,7 @@ from stepid.core.base import Array
 from stepid.core.experiment import Campaign
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, InputError
-from stepid.simulation.layout import own_state_names
+from stepid.simulation.layout import DEVIATIONS, own_state_names
 from stepid.simulation.model import PlantModel, RunState
 from stepid.simulation.records import Records, lay_out
 from stepid.simulation.simulator import FINE, PATIENT, Simulator, Solved
@@ -47,6 +47,7 @@ def pack(model: PlantModel, records: Records, effects: tuple[Effect, ...]) -> tu
             key = f"{effect.name}.{parameter.name}"
             local.append([s.phases.get(key, 0.0) for s in states])
     local += [[s.states.get(key, 0.0) for s in states] for key in own_state_names(effects)]
+    local += [[s.deviations.get(q.name, 0.0) for s in states] for q in DEVIATIONS]
     return np.array(shared), np.array(local)
 
 

@@ -88,6 +88,7 @@ class Simulator:
         local = np.full(self.layout.n_run, _DIFFERENCE)
         local[:2] = _DIFFERENCE * self.scale, 10 * _DIFFERENCE * self.scale
         local[self.layout.own_states] = _DIFFERENCE * self.scale
+        local[self.layout.deviation("added_mass")] *= max(float(np.abs(shared[self.layout.base_mass]).max()), 0.1)
         return np.concatenate([_DIFFERENCE * np.maximum(np.abs(shared), 1e-2 * self.typical(shared)), local])
 
     def typical(self, shared: Array) -> Array:
@@ -140,12 +141,29 @@ class Simulator:
 
     def _every(self, shared: Array, local: Array, n_states: int) -> tuple[Array, Array]:
         r, copies = self.records, len(shared)
-        values = self.layout.plants(shared, local)
+        values, late = self.layout.plants(shared, local), self._late(local)
         run = np.tile(np.arange(len(r.runs)), copies)
         offset = (np.arange(copies)[:, None] * r.size + r.first).ravel()
-        reading, states = np.empty(copies * r.size), np.empty((n_states, copies * r.size))
+        seen = n_states if late is None else max(n_states, 2)
+        reading, states = np.empty(copies * r.size), np.empty((seen, copies * r.size))
         self._run(values.reshape(-1, values.shape[-1]), self._starts(local), run, offset, reading, states)
+        if late is not None:
+            self._shift(late.ravel(), run, offset, reading, states)
+            states = states[:n_states]
         return reading.reshape(copies, r.size), states.reshape(n_states, copies, r.size)
+
+    def _late(self, local: Array) -> Array | None:
+        """Start times of driven runs [s], shape (C, R); None where all are zero."""
+        late = local[:, self.layout.deviation("start_time")]
+        return np.where(self.records.moving, 0.0, late) if late.any() else None
+
+    def _shift(
+        self, late: Array, run: Index, offset: Index, reading: Array, states: Array, *, slope: bool = False
+    ) -> None:
+        from stepid.simulation.shift import shift
+
+        r = self.records
+        shift(late, run, offset, r.bounds, r.time, states[0], states[1], slope, reading)
 
     def _starts(self, local: Array) -> Array:
         """Displacement, velocity and own states at the start of every lane, shape (C·R, states)."""
@@ -170,12 +188,18 @@ class Simulator:
 
     def start(self, shared: Array, local: Array) -> Array:
         """State in which each record begins, shape (states, R)."""
-        n_states = 2 + self.layout.n_run - self.layout.own_states.start
+        n_states = 2 + self.layout.own_states.stop - self.layout.own_states.start
         out: Array = self._every(shared[None], local[None], n_states)[1][:, 0, self.records.first]
         return out
 
     def derivatives(
-        self, shared: Array, local: Array, reading: Array, wanted: Mask, active: Mask
+        self,
+        shared: Array,
+        local: Array,
+        reading: Array,
+        wanted: Mask,
+        active: Mask,
+        states: Array | None = None,
     ) -> tuple[Array, Array]:
         """Derivatives of the reading by parameters, shapes (P, S) and (Q, S), zero by those that are not wanted.
 
@@ -187,6 +211,8 @@ class Simulator:
             m, of that plant.
         wanted : array of bool, shape (P,)
         active : array of bool, shape (Q, R)
+        states : array, shape (2, S), optional
+            m and m/s, position and velocity of that plant, where known: start times ask for them.
         """
         r, of = self.records, self.layout
         row, copies, run = self._lanes(wanted, active)
@@ -197,15 +223,26 @@ class Simulator:
         moved[0][here[:first], row[:first]] += steps[:first]
         moved[1][here[first:], row[first:] - of.n_global] += steps[first:, None]
         found = np.repeat(reading[None], row.size, axis=0)
+        late, offset = self._late(moved[1]), copies * r.size + r.first[run]
+        apart = np.empty((0, 0) if late is None else (2, found.size))
         self._run(
             of.plants(*moved)[copies, run], self._starts(moved[1])[copies * len(r.runs) + run], run,
-            copies * r.size + r.first[run], found.ravel(), np.empty((0, 0)),
+            offset, found.ravel(), apart,
         )  # fmt: skip
+        if late is not None:
+            self._shift(late[copies, run], run, offset, found.ravel(), apart)
         out = np.zeros((of.n_global + of.n_run, r.size))
         with np.errstate(all="ignore"):
             found -= reading
             found /= steps[:, None]
         out[row] = found
+        started = active[of.deviation("start_time")] & ~r.moving
+        if started.any():
+            if states is None:
+                states = self._every(shared[None], local[None], 2)[1][:, 0]
+            run = np.flatnonzero(started)
+            late = local[of.deviation("start_time"), run]
+            self._shift(late, run, r.first[run], out[of.n_global + of.deviation("start_time")], states, slope=True)
         return out[: of.n_global], out[of.n_global :]
 
     def _lanes(self, wanted: Mask, active: Mask) -> tuple[Index, Index, Index]:
@@ -214,7 +251,9 @@ class Simulator:
         if self._planned is None or self._planned[0] != key:
             of = self.layout
             touched = [(int(p), of.touched(int(p))) for p in np.flatnonzero(wanted)]
-            touched += [(of.n_global + int(q), np.flatnonzero(active[q])) for q in np.flatnonzero(active.any(axis=1))]
+            simulated = np.array(active.any(axis=1))
+            simulated[of.deviation("start_time")] = False  # a shift of what is known
+            touched += [(of.n_global + int(q), np.flatnonzero(active[q])) for q in np.flatnonzero(simulated)]
             row = np.array([p for p, _ in touched], dtype=np.intp)
             run = np.concatenate([np.zeros(0, dtype=np.intp), *(runs for _, runs in touched)])
             copies = np.repeat(np.arange(row.size), [runs.size for _, runs in touched])
