@@ -105,20 +105,21 @@ def _difference(context: FitContext, effect: Effect, values: tuple[float, ...]) 
     free[of.linear] = False
     local = start_local(problem, linear)
     solved = replace(problem, free=free).solve(np.concatenate([linear.shared, values]), local)
-    if solved is None or solved.shared is None or solved.local is None:
+    if solved is None:
         return None
+    by_shared, by_local = solved.derivatives
     parts = [(solved.reading - linear.solved.reading)[:, None]]
     if effect.run_parameters:  # a phase a run: both quadratures are free
         split = np.zeros((records.size, 2 * len(records.runs)))
         for r, piece in enumerate(records.pieces()):
             split[piece, 2 * r] = parts[0][piece, 0]
-            split[piece, 2 * r + 1] = solved.local[2, piece]
+            split[piece, 2 * r + 1] = by_local[2, piece]
         return split
-    parts.append(solved.shared[of.linear.stop :].T)
+    parts.append(by_shared[of.linear.stop :].T)
     pieces = records.pieces()
     for row, run in np.argwhere(problem.active[of.own_states]):
         started = np.zeros((records.size, 1))
-        started[pieces[run], 0] = solved.local[of.own_states][row, pieces[run]]
+        started[pieces[run], 0] = by_local[of.own_states][row, pieces[run]]
         parts.append(started)
     return np.concatenate(parts, axis=1)
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -25,21 +27,28 @@ SEEN = 150  # steps a sample: a mode that needs more is too fast to show in the 
 PATIENT = 20_000  # the same where one plant is to be simulated, whatever it takes
 _STILL = 1e-9  # m, a record that moves less does not move
 _TRAVEL = 1e-3  # m, where nothing says how far a plant goes: no input, no displacement
+STEEPEST = 1e120  # a derivative whose square would overflow
 _DIFFERENCE = 1e-5  # relative step of a forward difference
 
 
-class Solved(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Solved:
     """A simulated campaign.
 
     `states` (2, S) are position from rest [m] and velocity [m/s], `reading` (S,) what the sensor says [m];
-    `shared` (P, S) and `local` (Q, S) its derivatives by the global and the per-run parameters, zero where not wanted,
-    None where none was.
+    `derivatives` (P, S) and (Q, S) are its derivatives by the global and the per-run parameters, zero by those that are
+    not wanted, simulated when they are first asked for.
     """
 
     states: Array
     reading: Array
-    shared: Array | None = None
-    local: Array | None = None
+    derive: Callable[[], tuple[Array, Array]] | None = None
+
+    @cached_property
+    def derivatives(self) -> tuple[Array, Array]:
+        """Derivatives of the reading by the global and the per-run parameters."""
+        assert self.derive is not None
+        return self.derive()
 
 
 class Simulator:
