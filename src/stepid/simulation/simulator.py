@@ -260,7 +260,7 @@ class Simulator:
         if self._planned is None or self._planned[0] != key:
             of = self.layout
             touched = [(int(p), of.touched(int(p))) for p in np.flatnonzero(wanted)]
-            simulated = active.any(axis=1)
+            simulated = np.array(active.any(axis=1))
             simulated[of.deviation("start_time")] = False  # a shift of what is known
             touched += [(of.n_global + int(q), np.flatnonzero(active[q])) for q in np.flatnonzero(simulated)]
             row = np.array([p for p, _ in touched], dtype=np.intp)

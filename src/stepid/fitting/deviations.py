@@ -1,0 +1,255 @@
+"""What repeated runs differ by: start time, gain, damping and friction of each run, and what a free one promises."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from stepid.core.base import Array
+from stepid.effects.base import Effect
+from stepid.fitting.levenberg_marquardt import Optimum, Problem
+from stepid.simulation.laws import changes
+from stepid.simulation.records import Records
+
+SCATTER = ("start_time", "gain", "damping", "friction")
+"""What runs of a healthy plant differ by; their rest positions differ, too, and need no parameter."""
+FAULTS = ("damping", "stiffness", "added_mass", "gain", "start_time")
+"""What may be wrong with one run."""
+
+Mask = npt.NDArray[np.bool_]
+Kind = str | tuple[int, str]  # in all runs; in one run, by index
+
+_SLIGHT = 1e-6  # of the largest singular value: the sensitivities are no better than that
+_OPEN = 1e-7  # share of a deviation's power that other parameters leave, below which the data leave it open
+
+
+class Promise(NamedTuple):
+    """One linearized step along a deviation, all other parameters free.
+
+    Parameters
+    ----------
+    gain : float
+        m², decrease of the cost.
+    values : array, shape (R,)
+        The deviation's change in each run, in its unit; 0 where it has none.
+    errors : array, shape (R,)
+        Standard errors of `values` per meter of white noise.
+    """
+
+    gain: float
+    values: Array
+    errors: Array
+
+
+def driven(records: Records) -> Mask:
+    """Runs that an input moves, shape (R,)."""
+    volts = np.maximum.reduceat(np.abs(records.volts), records.first)
+    out: Mask = (volts > 0) | (records.before != 0)
+    return out
+
+
+def applies(problem: Problem, kind: str) -> Mask:
+    """Runs in which a deviation makes sense, shape (R,)."""
+    records, effects = problem.records, problem.simulator.effects
+    every = np.ones(len(records.runs), dtype=bool)
+    if kind == "start_time":
+        return driven(records) & ~records.moving
+    if kind == "gain":
+        return driven(records)
+    if kind == "friction":
+        return every & any(_held_by(e) for e in effects)
+    return every
+
+
+def _held_by(effect: Effect) -> bool:
+    return effect.dry and any(q.unit == "N" for q in effect.parameters)
+
+
+def with_deviations(problem: Problem, kinds: Iterable[str]) -> Problem:
+    """Free deviations in every run that may have them, but for one of those whose common change is a global parameter.
+
+    Parameters
+    ----------
+    problem : Problem
+    kinds : iterable of str
+        Of `SCATTER`, or ``"stiffness"``. Start times are free in every driven run, unless an effect delays the input.
+    """
+    active = problem.active.copy()
+    for kind in kinds:
+        use = applies(problem, kind)
+        use[_references(problem, kind, use)] = False
+        active[problem.layout.deviation(kind)] |= use
+    return replace(problem, active=active)
+
+
+def with_fault(problem: Problem, run: int, kind: str) -> Problem:
+    """Free one deviation in one run, given by its index."""
+    active = problem.active.copy()
+    active[problem.layout.deviation(kind), run] = True
+    return replace(problem, active=active)
+
+
+def _references(problem: Problem, kind: str, use: Mask) -> list[int]:
+    """Runs that stand for the plant: the first of those whose common deviation is a free global parameter."""
+    records, n = problem.records, len(problem.records.runs)
+    groups = {"damping": records.damper, "stiffness": records.spring}.get(kind, np.zeros(n, dtype=np.intp))
+    if kind == "start_time" and not any(changes(e, "delay") for e in problem.simulator.effects):
+        return []
+    if kind == "gain" and not problem.free[problem.layout.force_gain]:
+        return []
+    return [int(np.flatnonzero(use & (groups == g))[0]) for g in np.unique(groups[use])]
+
+
+def scatter_values(optimum: Optimum) -> dict[str, Array]:
+    """Deviations of each run about their own mean, for every kind that is free in some run, and rest positions.
+
+    Returns
+    -------
+    dict
+        ``"rest"`` [m] and kinds of `SCATTER` to array, shape (R,), not a number in runs that have none. Damping's are
+        about the mean of each damper label.
+    """
+    problem = optimum.problem
+    records, of = problem.records, problem.layout
+    square = records.weight**2
+    left = records.position - optimum.solved.reading
+    rest = np.add.reduceat(left * square, records.first) / np.add.reduceat(square, records.first)
+    out = {"rest": rest - rest.mean()}
+    for kind in SCATTER:
+        row = of.deviation(kind)
+        if not problem.active[row].any():
+            continue
+        use = applies(problem, kind)
+        groups = records.damper if kind == "damping" else np.zeros_like(records.damper)
+        values = np.full(len(records.runs), np.nan)
+        for g in np.unique(groups[use]):
+            own = use & (groups == g)
+            if own.sum() > 1:
+                values[own] = optimum.local[row, own] - optimum.local[row, own].mean()
+        out[kind] = values
+    return out
+
+
+def deviation_std(values: Mapping[str, Array]) -> dict[str, float]:
+    """Standard deviation of each kind over the runs that have it, in its unit; see `scatter_values`."""
+    found = {kind: v[np.isfinite(v)] for kind, v in values.items()}
+    return {kind: float(np.sqrt(np.sum(v**2) / (v.size - 1))) for kind, v in found.items() if v.size > 1}
+
+
+def promised(optimum: Optimum, kinds: Iterable[Kind]) -> dict[Kind, Promise]:
+    """What one linearized step along each deviation would gain, all free parameters adapted: no fit, no search.
+
+    Parameters
+    ----------
+    optimum : Optimum
+    kinds : iterable of str or (int, str)
+        A kind of `SCATTER` is freed as by `with_deviations`, the kind of one run as by `with_fault`.
+
+    Returns
+    -------
+    dict
+        Kind to Promise, nothing for a kind that is free already, makes no sense or goes beyond the simulation.
+    """
+    problem = optimum.problem
+    masks = {kind: _fresh(problem, kind) for kind in kinds}
+    masks = {kind: mask for kind, mask in masks.items() if mask.any()}
+    basis = _Basis(optimum) if masks else None
+    if basis is None or not basis.finite:
+        return {}
+    where = np.argwhere(np.any(list(masks.values()), axis=0))
+    columns = _columns(optimum, where)
+    pull, gram = basis.project(columns)
+    own = np.sum(columns**2, axis=0)
+    out: dict[Kind, Promise] = {}
+    for kind, mask in masks.items():
+        chosen = np.flatnonzero(mask[where[:, 0], where[:, 1]])
+        usable = chosen[own[chosen] > 0]
+        values, errors = np.zeros(mask.shape[1]), np.full(mask.shape[1], np.inf)
+        if usable.size:
+            scale = np.sqrt(own[usable])
+            w, v = np.linalg.eigh(gram[np.ix_(usable, usable)] / np.outer(scale, scale))
+            good = w > _OPEN
+            inverse = (v[:, good] / w[good]) @ v[:, good].T
+            step = inverse @ (pull[usable] / scale)
+            runs = where[usable, 1]
+            values[runs] = step / scale
+            determined = np.sum(v[:, good] ** 2, axis=1) > 0.5
+            errors[runs] = np.where(determined, np.sqrt(np.diag(inverse)) / scale, np.inf)
+            out[kind] = Promise(float(step @ (pull[usable] / scale)), values, errors)
+    return out
+
+
+def promised_by(optimum: Optimum, columns: Array) -> tuple[Array, Array, Array]:
+    """What one step along each of some changes of the reading would gain, one at a time, all else adapted.
+
+    Parameters
+    ----------
+    optimum : Optimum
+    columns : array, shape (S, n)
+        Derivatives of the weighted reading; see `Records.weighted`.
+
+    Returns
+    -------
+    gain, value, error : array, shape (n,)
+        Decrease of the cost [m²], step, its standard error per meter of white noise; 0, 0, infinite where left open.
+    """
+    basis = _Basis(optimum)
+    if not basis.finite:
+        return np.zeros(columns.shape[1]), np.zeros(columns.shape[1]), np.full(columns.shape[1], np.inf)
+    pull, gram = basis.project(columns)
+    power = np.diag(gram)
+    power = np.where(power > _OPEN * np.sum(columns**2, axis=0), power, np.inf)
+    return pull**2 / power, pull / power, np.where(np.isfinite(power), 1 / np.sqrt(power), np.inf)
+
+
+class _Basis:
+    """What the free parameters of a fit can do to the reading: orthonormal, those that depend on others left out."""
+
+    def __init__(self, optimum: Optimum) -> None:
+        problem = optimum.problem
+        jacobian, residual = problem.jacobian(optimum.solved), problem.residual(optimum.solved)
+        self.finite = bool(np.isfinite(jacobian).all())
+        if not self.finite:
+            return
+        size = np.linalg.norm(jacobian, axis=0)
+        jacobian /= np.where(size > 0, size, np.inf)
+        u, s, _ = np.linalg.svd(jacobian, full_matrices=False)
+        self._q = u[:, s > _SLIGHT * s.max(initial=1e-300)]
+        self._left = residual - self._q @ (self._q.T @ residual)
+
+    def project(self, columns: Array) -> tuple[Array, Array]:
+        """Products of columns with the residual, and with one another, all less what the free parameters can do."""
+        inside = self._q.T @ columns
+        return columns.T @ self._left, columns.T @ columns - inside.T @ inside
+
+
+def _fresh(problem: Problem, kind: Kind) -> Mask:
+    """Rows and runs that a kind would free."""
+    if isinstance(kind, str):
+        return with_deviations(problem, (kind,)).active & ~problem.active
+    run, name = kind
+    if not applies(problem, name)[run]:
+        return np.zeros_like(problem.active)
+    return with_fault(problem, run, name).active & ~problem.active
+
+
+def _columns(optimum: Optimum, where: npt.NDArray[np.intp]) -> Array:
+    """Weighted derivatives of the reading by some per-run parameters (row, run), shape (S, n); zero if not finite."""
+    problem, solved = optimum.problem, optimum.solved
+    active = np.zeros_like(problem.active)
+    active[where[:, 0], where[:, 1]] = True
+    none = np.zeros_like(problem.free)
+    _, by_run = problem.simulator.derivatives(
+        optimum.shared, optimum.local, solved.reading, none, active, solved.states
+    )
+    with np.errstate(all="ignore"):
+        seen = problem.records.weighted(by_run)
+    out = np.zeros((problem.records.size, len(where)))
+    pieces = problem.records.pieces()
+    for column, (row, run) in enumerate(where):
+        out[pieces[run], column] = np.nan_to_num(seen[row, pieces[run]], posinf=0.0, neginf=0.0)
+    return out

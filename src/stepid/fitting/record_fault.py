@@ -1,0 +1,29 @@
+"""What is wrong with one run's record, as fits and diagnoses tell it."""
+
+from __future__ import annotations
+
+from stepid.core.base import Finite, Label, Model
+
+
+class RecordFault(Model):
+    """A fault of one record, with its size.
+
+    Parameters
+    ----------
+    run : str
+        Name of the run.
+    kind : str
+        What sort of fault: ``"outliers"``, ``"stuck readings"``, ``"hum"``, …
+    size : float
+        In `unit`.
+    unit : str
+        SI, ``"m"``; ``""`` for a pure number.
+    words : str
+        One sentence for the user.
+    """
+
+    run: Label
+    kind: Label
+    size: Finite
+    unit: str
+    words: str

@@ -1,0 +1,267 @@
+"""One run that one deviation sets apart: a wrong label, mass, scale, sign or start. An accusation needs a size."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.fitting.deviations import FAULTS, applies, driven, promised, promised_by, with_fault
+from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
+from stepid.fitting.problem import fixes_mass
+from stepid.fitting.record_fault import RecordFault
+from stepid.fitting.run_fault_words import DRIFT, ROUND, UNITS, fault_words
+from stepid.simulation.records import Records
+from stepid.simulation.simulator import Simulator
+
+_SURE = 5.0  # times the other runs' standard deviation, and its own error, that a fault must be
+_WORTH = {"added_mass": 0.02, "stiffness": 0.05, "damping": 0.05, "gain": 0.03, "start_time": 1.0}
+# worth mentioning, as a share of the run's moving mass, stiffness, damping and gain, and in samples
+_HINT = 0.05  # share of the misfit that a linearized step must promise for a fit to be tried
+_TRIED = 6  # fits
+_REACHED = 1.08  # times the floor, to have explained all
+_STANDS_OUT = 0.3  # share of the cost left, by far less than by any other run's fault, where more is missing
+_DECIDES = 10.0  # χ² by which one run must be the better explanation
+_NEAR, _ROUGH = 0.03, 0.15  # relative, of a factor to a round one: linear plants, plants with effects
+_ALIKE = 0.3  # relative difference of inputs that are of one size
+_UNIT, _SHARP = 0.05, 1e-6  # χ², and share of the cost, that no longer matter to a fit
+_ROUNDS, _SETTLED = 6, 1e-3  # of a drift's rate and the plant in turn; its relative change at the end
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A fault's fit: what it changes, by how much, and the cost [m²] left."""
+
+    run: int
+    kind: str
+    size: float
+    error: float  # of the size, at the level of the residual
+    scatter: float  # of the same deviation over the other runs
+    optimum: Optimum
+
+    @property
+    def cost(self) -> float:
+        return self.optimum.cost
+
+
+def find_fault(optimum: Optimum, floor: float) -> RecordFault | None:
+    """Find the run that one deviation brings in line with the others.
+
+    Parameters
+    ----------
+    optimum : Optimum
+        A fit to all runs, of the linear plant or with effects.
+    floor : float
+        m, noise floor.
+
+    Returns
+    -------
+    RecordFault or None
+        None where no fault is five times what the other runs scatter by and five of its standard errors, is worth
+        mentioning, and explains the misfit. `kind` is ``"added_mass"`` [kg], ``"stiffness"`` [N/m], ``"damping"``
+        [N·s/m] (what the run has less what its record says), ``"gain"`` (factor on its readings), ``"start_time"``
+        [s] or ``"sensor_drift"`` [m/s].
+    """
+    records = optimum.problem.records
+    excess = optimum.cost - (_REACHED * floor) ** 2 * _samples(records)
+    if len(records.runs) < 3 or excess <= 0:
+        return None
+    tried = [_fitted(optimum, run, kind, floor) for run, kind in _candidates(optimum, excess)]
+    found = sorted((f for f in tried if f is not None), key=lambda f: f.cost)
+    for best in found:
+        others = [f for f in found if f.run != best.run]
+        if not (_has_size(best) and _explains(best, optimum, others, floor)):
+            continue
+        near = best.cost + _DECIDES * floor**2
+        rivals = dict.fromkeys(records.runs[f.run].name for f in others if f.cost < near and _has_size(f))
+        return RecordFault(
+            run=records.runs[best.run].name,
+            kind=best.kind,
+            size=_told(best),
+            unit=UNITS[best.kind],
+            words=fault_words(best.optimum, best.run, best.kind, best.size, tuple(rivals)),
+        )
+    return None
+
+
+def _samples(records: Records) -> float:
+    return float((records.weight**2).sum())
+
+
+def _candidates(optimum: Optimum, excess: float) -> list[tuple[int, str]]:
+    """Runs and kinds whose fit is worth the time, most promising first."""
+    records = optimum.problem.records
+    kinds = [k for k in FAULTS if k != "added_mass" or fixes_mass(records) is None]
+    every = [(run, kind) for run in range(len(records.runs)) for kind in kinds]
+    steps = promised(optimum, every)
+    gains = {key: steps[key].gain for key in every if key in steps}
+    gains |= {(run, DRIFT): float(gain) for run, gain in enumerate(_drifts(optimum)[0])}
+    return sorted((key for key, gain in gains.items() if gain > _HINT * excess), key=lambda key: -gains[key])[:_TRIED]
+
+
+def _tolerance(optimum: Optimum, floor: float) -> float:
+    """Predicted decrease of the cost that does not matter [m²]."""
+    return max(_UNIT * floor**2, _SHARP * optimum.cost)
+
+
+def _fitted(optimum: Optimum, run: int, kind: str, floor: float) -> _Found | None:
+    """Fit all runs with one fault in one of them."""
+    if kind == DRIFT:
+        return _drifted(optimum, run, floor)
+    problem = with_fault(optimum.problem, run, kind)
+    row = problem.layout.deviation(kind)
+    tolerance = _tolerance(optimum, floor)
+    found = minimize(problem, optimum.shared, optimum.local, tolerance=tolerance)
+    if found is None:
+        return None
+    size = float(found.local[row, run])
+    if kind == "gain":
+        better = _rescaled(optimum, run, 1.0 + size, tolerance)
+        if better is not None and better[1].cost < found.cost:
+            size, found = better[0] - 1.0, better[1]
+    error = _error(found, optimum.problem, run, kind, floor)
+    return _Found(run, kind, size, error, _scatter(found, run, kind), found)
+
+
+def _rescaled(optimum: Optimum, run: int, factor: float, tolerance: float) -> tuple[float, Optimum] | None:
+    """Fit with the readings of a run divided by the nearest round factor: with effects that is no matter of gain."""
+    effects = optimum.problem.simulator.effects
+    near = [r for r in ROUND if abs(factor / r - 1) < _ROUGH]
+    if not effects or not near:
+        return None
+    nearest = min(near, key=lambda r: abs(factor / r - 1))
+    records = optimum.problem.records
+    own = records.pieces()[run]
+    position, weight = records.position.copy(), records.weight.copy()
+    position[own] /= nearest
+    weight[own] *= abs(nearest)  # its noise is divided, too
+    found = _refit(optimum, replace(records, position=position, weight=weight), tolerance)
+    return None if found is None else (nearest, found)
+
+
+def _refit(optimum: Optimum, records: Records, tolerance: float) -> Optimum | None:
+    sim = optimum.problem.simulator
+    other = Simulator(records, sim.effects, sim.tolerance, workers=sim.workers, patience=sim.patience)
+    return minimize(replace(optimum.problem, simulator=other), optimum.shared, optimum.local, tolerance=tolerance)
+
+
+def _drifts(optimum: Optimum) -> tuple[Array, Array, Array]:
+    """Of a drifting zero in each run alone: promised gain [m²], rate [m/s], its error per meter of noise."""
+    records = optimum.problem.records
+    clocks = np.where(np.arange(len(records.runs))[:, None] == records.run, records.time, 0.0)
+    return promised_by(optimum, records.weighted(clocks).T)
+
+
+def _drifted(optimum: Optimum, run: int, floor: float) -> _Found | None:
+    """Fit with a drift of one run's zero: its rate and the plant in turn, until the rate stays."""
+    records, total, found = optimum.problem.records, 0.0, optimum
+    own = records.pieces()[run]
+    for _ in range(_ROUNDS):
+        rate = float(_drifts(found)[1][run])
+        total += rate
+        position = records.position.copy()
+        position[own] -= total * records.time[own]
+        again = _refit(found, replace(records, position=position), _tolerance(found, floor))
+        if again is None:
+            return None
+        found = again
+        if abs(rate) < _SETTLED * abs(total):
+            break
+    _, rates, errors = _drifts(found)
+    error, scatter = float(errors[run]) * _level(found, floor), float(np.std(np.delete(rates, run), ddof=1))
+    return _Found(run, DRIFT, total, error, scatter, found)
+
+
+def _level(found: Optimum, floor: float) -> float:
+    """Size of the noise [m] that parameters are uncertain by: the residual's, the more so where it is correlated."""
+    records, residual = found.problem.records, found.problem.residual(found.solved)
+    level = float(np.sqrt(found.cost / _samples(records)))
+    if level <= _REACHED * floor:
+        return max(level, floor)
+    total = 1.0
+    for lag in range(1, int(np.diff(records.bounds).min()) // 3):
+        same = records.run[lag:] == records.run[:-lag]
+        rho = float(np.sum(residual[lag:] * residual[:-lag] * same)) / found.cost
+        total += 2 * rho**2
+    return level * float(np.sqrt(total))
+
+
+def _error(found: Optimum, plain: Problem, run: int, kind: str, floor: float) -> float:
+    """Standard error of a fault's size, in the deviation's unit."""
+    without = replace(found, problem=replace(found.problem, active=plain.active))
+    promise = promised(without, [(run, kind)]).get((run, kind))
+    return np.inf if promise is None else float(promise.errors[run]) * _level(found, floor)
+
+
+def _scatter(found: Optimum, run: int, kind: str) -> float:
+    """Standard deviation of the same deviation over the other runs, about the mean of each label."""
+    problem = found.problem
+    records = problem.records
+    row = problem.layout.deviation(kind)
+    others = applies(problem, kind)
+    others[run] = False
+    # each alone, the others as they are: a step to first order
+    steps = promised(found, [(int(r), kind) for r in np.flatnonzero(others)])
+    values: Array = found.local[row].copy()
+    for r in np.flatnonzero(others):
+        promise = steps.get((int(r), kind))
+        if promise is not None:
+            values[r] += promise.values[r]
+    groups = {"damping": records.damper, "stiffness": records.spring}.get(kind, np.zeros_like(records.spring))
+    squares, freedom = 0.0, 0
+    for g in np.unique(groups[others]):
+        own = values[others & (groups == g)]
+        if own.size > 1:
+            squares += float(np.sum((own - own.mean()) ** 2))
+            freedom += own.size - 1
+    return float(np.sqrt(squares / freedom)) if freedom else 0.0
+
+
+def _has_size(found: _Found) -> bool:
+    """Tell whether a fault is beyond what the other runs and its error allow, and worth mentioning in its unit."""
+    size = abs(found.size)
+    if size < _SURE * max(found.error, found.scatter):
+        return False
+    if found.kind == DRIFT:
+        return True
+    of, records = found.optimum.problem.layout, found.optimum.problem.records
+    unit = {
+        "added_mass": float(of.mass(found.optimum.shared)[found.run]),
+        "start_time": float(records.sample_time[found.run]),
+    }.get(found.kind, 1.0)
+    return size >= _WORTH[found.kind] * unit
+
+
+def _explains(found: _Found, optimum: Optimum, others: list[_Found], floor: float) -> bool:
+    """Tell whether a fault leaves nothing but noise, or stands out where more is missing in all runs.
+
+    A drive that is not linear gives a run whose input is of another size than all others a gain of its own.
+    """
+    records = optimum.problem.records
+    round_ = found.kind == "gain" and any(abs((1 + found.size) / r - 1) < _NEAR for r in ROUND)
+    lone = found.kind in ("gain", "damping") and not round_ and not _has_equal(records, found.run)
+    room = _REACHED + 3.0 / np.sqrt(2.0 * _samples(records))
+    if found.cost <= (room * floor) ** 2 * _samples(records):
+        return not lone
+    second = min((f.cost for f in others), default=np.inf)
+    return not lone and found.cost <= _STANDS_OUT * min(optimum.cost, second)
+
+
+def _has_equal(records: Records, run: int) -> bool:
+    """Tell whether another run moves under an input of about the same size."""
+    if not driven(records)[run]:
+        return True
+    sizes = np.maximum.reduceat(np.abs(records.volts - records.before[records.run]), records.first)
+    near = np.abs(np.delete(sizes, run) - sizes[run]) < _ALIKE * sizes[run]
+    return bool(near.any())
+
+
+def _told(found: _Found) -> float:
+    """Size in the unit that users know: labels in N/m and N·s/m, scales as the factor."""
+    of, records, shared = found.optimum.problem.layout, found.optimum.problem.records, found.optimum.shared
+    if found.kind == "stiffness":
+        return found.size * float(shared[of.stiffness][records.spring[found.run]])
+    if found.kind == "damping":
+        return found.size * float(shared[of.damping][records.damper[found.run]])
+    return 1.0 + found.size if found.kind == "gain" else found.size
