@@ -139,7 +139,7 @@ class _Linearized:
         return np.where(size > 1e-14 * size.max(initial=1e-300), size, np.inf)
 
     def step(self, damping: float, blocked: npt.NDArray[np.bool_]) -> tuple[Array, Array, float]:
-        """Damped step of the global parameters and of all per-run ones, and the decrease of the cost that it promises."""
+        """Damped step of the global and of the per-run parameters, and the decrease of the cost that it promises."""
         from stepid.simulation.triangles import damped_step
 
         c = self._columns

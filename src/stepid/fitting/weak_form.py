@@ -15,7 +15,6 @@ from stepid.core.base import Array
 from stepid.effects.base import Effect, Moment, Motion
 from stepid.simulation.records import Records
 
-
 _LONG = 200  # samples of a kernel that is applied by transforms
 
 

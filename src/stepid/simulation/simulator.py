@@ -131,7 +131,7 @@ class Simulator:
             scale = float((answer + swing).max()) or _TRAVEL
 
         def some(lanes: slice) -> None:
-            work = structure(self.effects).copy()
+            work = structure(self.effects)
             kernel.simulate(
                 work, values[lanes], start[lanes], run[lanes], r.bounds, r.time, r.coefficients, r.before, r.moving,
                 self.tolerance * scale, scale, leaps, self.patience, offset[lanes], reading, states,
@@ -223,6 +223,8 @@ class Simulator:
         states : array, shape (2, S), optional
             m and m/s, position and velocity of that plant, where known: start times ask for them.
         """
+        from stepid.simulation.triangles import slopes
+
         r, of = self.records, self.layout
         row, copies, run = self._lanes(wanted, active)
         steps = self.steps(shared)[row]
@@ -231,20 +233,16 @@ class Simulator:
         first = int(np.sum(row < of.n_global))
         moved[0][here[:first], row[:first]] += steps[:first]
         moved[1][here[first:], row[first:] - of.n_global] += steps[first:, None]
-        found = np.repeat(reading[None], row.size, axis=0)
-        late, offset = self._late(moved[1]), copies * r.size + r.first[run]
-        apart = np.empty((0, 0) if late is None else (2, found.size))
+        out = np.zeros((of.n_global + of.n_run, r.size))
+        late, offset = self._late(moved[1]), row[copies] * r.size + r.first[run]
+        apart = np.empty((0, 0) if late is None else (2, out.size))
         self._run(
             of.plants(*moved)[copies, run], self._starts(moved[1])[copies * len(r.runs) + run], run,
-            offset, found.ravel(), apart,
+            offset, out.ravel(), apart,
         )  # fmt: skip
         if late is not None:
-            self._shift(late[copies, run], run, offset, found.ravel(), apart)
-        out = np.zeros((of.n_global + of.n_run, r.size))
-        with np.errstate(all="ignore"):
-            found -= reading
-            found /= steps[:, None]
-        out[row] = found
+            self._shift(late[copies, run], run, offset, out.ravel(), apart)
+        slopes(out.ravel(), reading, steps[copies], run, offset, r.bounds)
         started = active[of.deviation("start_time")] & ~r.moving
         if started.any():
             if states is None:

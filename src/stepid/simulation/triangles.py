@@ -46,6 +46,29 @@ def _fold(triangle: Array, rows: Array, pivots: int, size: int, count: int) -> N
                 y[i] += x[i] * share
 
 
+@compiled
+def slopes(moved: Array, reading: Array, steps: Array, run: Array, offset: Array, bounds: Array) -> None:
+    """Turn the readings of lanes, each of a plant with one parameter moved, into derivatives.
+
+    Parameters
+    ----------
+    moved : array, shape (N,)
+        m, changed into derivatives.
+    reading : array, shape (S,)
+        m, of the plant itself.
+    steps : array, shape (L,)
+        By how much each lane's parameter is moved.
+    run, offset : arrays of int, shape (L,)
+        Record of each lane, and where its samples begin in `moved`.
+    bounds : array of int, shape (R + 1,)
+        Where each record's samples begin and end.
+    """
+    for lane in range(run.size):
+        first, at = bounds[run[lane]], offset[lane]
+        for i in range(bounds[run[lane] + 1] - first):
+            moved[at + i] = (moved[at + i] - reading[first + i]) / steps[lane]
+
+
 @compiled_sums
 def weigh(position: Array, reading: Array, weight: Array, bounds: Array, out: Array) -> float:
     """Write measured minus simulated, each run's rest position fitted, times the weights, m; return its square, m²."""
@@ -157,6 +180,43 @@ def reduce_runs(
 
 
 @compiled
+def _set_aside(top: Array, k: int, n: int, root: float, room: Array, rest: Array) -> None:
+    """Damp a block's own parameters, and fold what they cannot explain into the triangle of the global ones."""
+    m = k + n + 1
+    for j in range(m):
+        for i in range(k):
+            room[j, i] = root if i == j else 0.0
+    _fold(top, room, k, m, k)
+    for j in range(k, m):
+        for i in range(k, m):
+            room[j, i] = top[i, j]
+    _fold(rest, room[k:], n + 1, n + 1, m)
+
+
+@compiled
+def _solve(top: Array, right: Array, size: int) -> None:
+    """Solve an upper triangular system in place."""
+    for j in range(size - 1, -1, -1):
+        for i in range(j + 1, size):
+            right[j] -= top[j, i] * right[i]
+        right[j] /= top[j, j]
+
+
+@compiled
+def _decrease(triangle: Array, k: int, step: Array, own_step: Array) -> float:
+    """Decrease of the cost by a step, m²."""
+    n, out = step.size, 0.0
+    for i in range(k + n + 1):
+        change = 0.0
+        for j in range(k):
+            change += triangle[i, j] * own_step[j]
+        for j in range(n):
+            change += triangle[i, k + j] * step[j]
+        out += change * (2.0 * triangle[i, k + n] - change)
+    return out
+
+
+@compiled
 def damped_step(
     triangles: Array, own: Array, damping: float, size: Array, own_size: Array, step: Array, own_step: Array
 ) -> float:
@@ -176,52 +236,29 @@ def damped_step(
         Written.
     """
     n, root, most = size.size, np.sqrt(damping), triangles.shape[1]
-    rest, room = np.zeros((n + 1, n + 1)), np.zeros((most, most))
+    rest, room, tops = np.zeros((n + 1, n + 1)), np.zeros((most, most)), triangles.copy()
     for j in range(n):
         rest[j, j] = root
-    tops = np.empty(triangles.shape)
     for b in range(own.size):
-        k, m = own[b], own[b] + n + 1
-        top = tops[b]
-        for i in range(m):
-            for j in range(m):
-                top[i, j] = triangles[b, i, j]
-                if j < k:
-                    top[i, j] /= own_size[b, j]
-                elif j < m - 1:
-                    top[i, j] /= size[j - k]
-        room[:m, :k] = 0.0
+        k, top = own[b], tops[b]
         for j in range(k):
-            room[j, j] = root
-        _fold(top, room, k, m, k)
-        for j in range(k, m):
-            for i in range(k, m):
-                room[j, i] = top[i, j]
-        _fold(rest, room[k:], n + 1, n + 1, m)
-    for j in range(n - 1, -1, -1):
-        total = rest[j, n]
-        for i in range(j + 1, n):
-            total -= rest[j, i] * step[i]
-        step[j] = total / rest[j, j]
-    gain = 0.0
+            top[:, j] /= own_size[b, j]
+        for j in range(n):
+            top[:, k + j] /= size[j]
+        _set_aside(top, k, n, root, room, rest)
+    step[:] = rest[:n, n]
+    _solve(rest, step, n)
     for b in range(own.size):
-        k, m = own[b], own[b] + n + 1
-        for j in range(k - 1, -1, -1):
-            total = tops[b, j, m - 1]
-            for i in range(j + 1, k):
-                total -= tops[b, j, i] * own_step[b, i]
+        k, top = own[b], tops[b]
+        for j in range(k):
+            own_step[b, j] = top[j, k + n]
             for i in range(n):
-                total -= tops[b, j, k + i] * step[i]
-            own_step[b, j] = total / tops[b, j, j]
-        for i in range(m):
-            change = 0.0
-            for j in range(i, k):
-                change += triangles[b, i, j] * own_step[b, j] / own_size[b, j]
-            for j in range(n):
-                change += triangles[b, i, k + j] * step[j] / size[j]
-            gain += change * (2.0 * triangles[b, i, m - 1] - change)
+                own_step[b, j] -= top[j, k + i] * step[i]
+        _solve(top, own_step[b], k)
         for j in range(k):
             own_step[b, j] /= own_size[b, j]
-    for j in range(n):
-        step[j] /= size[j]
+    step /= size
+    gain = 0.0
+    for b in range(own.size):
+        gain += _decrease(triangles[b], own[b], step, own_step[b])
     return gain
