@@ -25,7 +25,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import lmfit
 import numpy as np
 from scipy.optimize import least_squares
 
@@ -128,6 +127,8 @@ def by_least_squares(campaign: stepid.Campaign, truth: Values, route: Route, sta
 
 
 def by_lmfit(campaign: stepid.Campaign, truth: Values, route: Route, start: np.ndarray) -> tuple[Values, float]:
+    import lmfit  # not needed with --quick
+
     p = lmfit.Parameters()
     keys = {name: f"q{i}" for i, name in enumerate(truth)}
     for (name, v), factor in zip(truth.items(), start, strict=True):

@@ -7,9 +7,8 @@ of runs, whose own parameters it eliminates run by run; a dense Jacobian's is no
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -17,10 +16,9 @@ import numpy.typing as npt
 from stepid.core.base import Array
 from stepid.simulation.layout import ParameterLayout
 from stepid.simulation.records import Records
-from stepid.simulation.simulator import Simulator, Solved
+from stepid.simulation.simulator import STEEPEST, Simulator, Solved
 
 _MOST_DAMPING = 1e12
-_STEEPEST = 1e120  # a derivative whose square would overflow
 
 
 @dataclass(frozen=True)
@@ -45,56 +43,38 @@ class Problem:
 
     def residual(self, solved: Solved) -> Array:
         """Measured minus simulated, each run's rest position fitted, times the weights, m."""
-        return self.records.weighted(self.records.position - solved.reading)
+        return self.weigh(solved)[0]
+
+    def weigh(self, solved: Solved) -> tuple[Array, float]:
+        """The residual, and its square [m²]."""
+        from stepid.simulation.triangles import weigh
+
+        r = self.records
+        out = np.empty(r.size)
+        cost = weigh(r.position, solved.reading, r.weight, r.bounds, out)
+        return out, cost
 
     def solve(self, shared: Array, local: Array) -> Solved | None:
-        """Simulate all records with the derivatives by what is free; None where the plant runs away."""
+        """Simulate all records, ready for the derivatives by what is free; None where the plant runs away."""
         solved = self.simulator.solve(shared, local)
-        return None if solved is None else self.with_derivatives(solved, shared, local)
-
-    def with_derivatives(self, solved: Solved, shared: Array, local: Array) -> Solved:
-        """Add the derivatives by what is free to a simulation."""
-        if solved.shared is not None:
-            return solved
-        by_shared, by_local = self.simulator.derivatives(
-            shared, local, solved.reading, self.free, self.active, solved.states
-        )
-        return solved._replace(shared=by_shared, local=by_local)
-
-    def _weighted(self, solved: Solved) -> tuple[Array, Array]:
-        """Derivatives by the free global and by all per-run parameters, weighted; ±inf at a runaway's edge."""
-        assert solved.shared is not None
-        assert solved.local is not None
-        with np.errstate(all="ignore"):
-            out = self.records.weighted(solved.shared[self.free]), self.records.weighted(solved.local)
-            for part in out:
-                part[~(np.abs(part) < _STEEPEST)] = np.inf
-        return out
+        if solved is None:
+            return None
+        here = shared.copy(), local.copy(), solved.reading, self.free, self.active, solved.states
+        return replace(solved, derive=partial(self.simulator.derivatives, *here))
 
     def jacobian(self, solved: Solved) -> Array:
         """Derivative of the simulated reading by the free parameters, shape (S, columns); ±inf at a runaway's edge."""
-        shared, local = self._weighted(solved)
-        where = np.argwhere(self.active)
-        block = np.zeros((self.records.size, len(where)))
-        pieces = self.records.pieces()
-        for column, (q, run) in enumerate(where):
-            block[pieces[run], column] = local[q, pieces[run]]
-        return np.concatenate([shared.T, block], axis=1)
-
-    def blocks(self, solved: Solved, residual: Array) -> Iterator[tuple[list[int], Array]]:
-        """Runs, and their own columns, global columns and residual side by side: (samples, ·).
-
-        One block for each run with parameters of its own, one for all the others together.
-        """
-        shared, local = self._weighted(solved)
-        common = np.concatenate([shared, residual[None]])
-        apart = np.any(self.active, axis=0)
-        if not apart.all():
-            yield np.flatnonzero(~apart).tolist(), common[:, ~apart[self.records.run]].T
-        pieces = self.records.pieces()
-        for run in np.flatnonzero(apart):
-            piece = pieces[run]
-            yield [int(run)], np.concatenate([local[self.active[:, run], piece], common[:, piece]]).T
+        shared, local = solved.derivatives
+        free, where, pieces = np.flatnonzero(self.free), np.argwhere(self.active), self.records.pieces()
+        out = np.zeros((len(free) + len(where), self.records.size))
+        out[: len(free)] = shared[free]
+        for row, (q, run) in zip(out[len(free) :], where, strict=True):
+            row[pieces[run]] = local[q, pieces[run]]
+        with np.errstate(all="ignore"):
+            for row in out:
+                row[:] = self.records.weighted(row)
+            out[~(np.abs(out) < STEEPEST)] = np.inf
+        return out.T
 
 
 @dataclass(frozen=True)
@@ -121,76 +101,55 @@ class Optimum:
         return float(np.sqrt(np.mean(self.residual**2)))
 
 
-class _Group(NamedTuple):
-    """Blocks with as many parameters of their own: their triangles of [own | global | residual], (blocks, m, m)."""
+class _Columns:
+    """Which parameters enter which run: those of a run enter that run only; runs without any are one block."""
 
-    runs: list[int]
-    own: int
-    triangles: Array
-    size: Array  # of the own columns, (runs, own)
+    def __init__(self, problem: Problem) -> None:
+        self.active = active = problem.active
+        free = np.flatnonzero(problem.free)
+        own = active.sum(axis=0)
+        self.n_shared, most = free.size, int(own.max(initial=0))
+        self.columns = np.zeros((own.size, most + free.size), dtype=np.intp)
+        for r, count in enumerate(own):
+            self.columns[r, :count] = problem.layout.n_global + np.flatnonzero(active[:, r])
+            self.columns[r, count : count + free.size] = free
+        self.own, (self.owners,) = own, np.nonzero(own)
+        self.block = np.where(own > 0, np.cumsum(own > 0) - 1, self.owners.size)
+        self.sizes = np.append(own[self.owners], 0)  # of each block, that of runs without own parameters last
 
 
 class _Linearized:
-    """The fit to first order about a point, each run reduced to a triangle: parameters of a run enter that run only."""
+    """The fit to first order about a point, each run reduced to a triangle."""
 
-    def __init__(self, problem: Problem, solved: Solved, residual: Array) -> None:
-        self.n_shared = n = int(problem.free.sum())
-        found: dict[int, list[tuple[int, Array]]] = {}
-        self.finite = True
-        for (run, *_), block in problem.blocks(solved, residual):
-            own = block.shape[1] - n - 1
-            if not np.isfinite(block).all():
-                self.finite = False
-                return
-            triangle = np.zeros((own + n + 1, own + n + 1))
-            r = np.asarray(np.linalg.qr(block, mode="r"))
-            triangle[: len(r)] = r
-            found.setdefault(own, []).append((run, triangle))
-        self._groups = []
-        square = np.zeros(n)
-        for own, members in found.items():
-            triangles = np.array([t for _, t in members])
-            columns = np.sum(triangles**2, axis=1)
-            square += columns[:, own:-1].sum(axis=0)
-            size = self._usable(np.sqrt(columns[:, :own]))
-            self._groups.append(_Group([run for run, _ in members], own, triangles, size))
-        self._size = self._usable(np.sqrt(square))
-        pulls = (np.einsum("rij,ri->j", g.triangles[:, :, g.own : -1], g.triangles[:, :, -1]) for g in self._groups)
-        self.pull = sum(pulls, np.zeros(n))  # half of the cost's decrease by each free global parameter
+    def __init__(self, problem: Problem, columns: _Columns, solved: Solved, residual: Array) -> None:
+        from stepid.simulation.triangles import reduce_runs
+
+        r, self._columns = problem.records, columns
+        n, blocks, width = columns.n_shared, columns.sizes.size, columns.columns.shape[1] + 1
+        self._triangles = np.zeros((blocks, width, width))
+        size, own_size, self.pull = np.zeros(n), np.zeros((blocks, width - 1 - n)), np.zeros(n)
+        self.finite = reduce_runs(
+            *solved.derivatives, residual, r.weight, r.bounds, columns.columns, columns.own, columns.block,
+            self._triangles, size, own_size, self.pull,
+        )  # fmt: skip
+        self._size, self._own_size = self._usable(np.sqrt(size)), self._usable(np.sqrt(own_size))
 
     @staticmethod
     def _usable(size: Array) -> Array:
         return np.where(size > 1e-14 * size.max(initial=1e-300), size, np.inf)
 
-    def step(self, damping: float, blocked: npt.NDArray[np.bool_]) -> tuple[Array, dict[int, Array], float]:
-        """Damped step of the global parameters and of each run's, and the decrease of the cost that it promises."""
-        n, root = self.n_shared, np.sqrt(damping)
+    def step(self, damping: float, blocked: npt.NDArray[np.bool_]) -> tuple[Array, Array, float]:
+        """Damped step of the global and of the per-run parameters, and the decrease of the cost that it promises."""
+        from stepid.simulation.triangles import damped_step
+
+        c = self._columns
         size = np.where(blocked, np.inf, self._size)
-        held = np.zeros((n, n + 1))
-        held[:, :n] = root * np.eye(n)
-        tops, rest = [], [held]
-        for g in self._groups:
-            common = np.broadcast_to(np.append(size, 1.0), (len(g.runs), n + 1))
-            scaled = g.triangles / np.concatenate([g.size, common], axis=1)[:, None]
-            if g.own:
-                below = np.zeros((len(g.runs), g.own, scaled.shape[2]))
-                below[:, :, : g.own] = root * np.eye(g.own)
-                scaled = np.asarray(np.linalg.qr(np.concatenate([scaled, below], axis=1), mode="r"))
-            tops.append(scaled[:, : g.own])
-            rest.append(scaled[:, g.own :, g.own :].reshape(-1, n + 1))
-        r = np.asarray(np.linalg.qr(np.concatenate(rest), mode="r"))
-        shared = np.linalg.solve(r[:n, :n], r[:n, n]) if n else np.zeros(0)
-        own_steps: dict[int, Array] = {}
-        gain = 0.0
-        for g, top in zip(self._groups, tops, strict=True):
-            local = np.linalg.solve(top[:, :, : g.own], (top[:, :, -1] - top[:, :, g.own : -1] @ shared)[..., None])
-            local = local[..., 0] / g.size
-            own_steps |= dict(zip(g.runs, local, strict=True))
-            before = g.triangles[:, :, -1]
-            after = before - np.einsum("rij,rj->ri", g.triangles[:, :, : g.own], local)
-            after = after - g.triangles[:, :, g.own : -1] @ (shared / size)
-            gain += float(np.sum(before**2) - np.sum(after**2))
-        return shared / size, own_steps, gain
+        shared, own = np.zeros(c.n_shared), np.zeros_like(self._own_size)
+        gain = damped_step(self._triangles, c.sizes, damping, size, self._own_size, shared, own)
+        local = np.zeros(c.active.shape)
+        for run, steps, count in zip(c.owners, own, c.sizes, strict=False):
+            local[c.active[:, run], run] = steps[:count]
+        return shared, local, gain
 
 
 def minimize(
@@ -213,21 +172,19 @@ def minimize(
     Optimum or None
         None where the start itself cannot be simulated.
     """
-    free, active = problem.free, problem.active
     shared = np.clip(shared, problem.lower, problem.upper)
-    solved = problem.simulator.solve(shared, local)
+    solved = problem.solve(shared, local)
     if solved is None:
         return None
-    residual = problem.residual(solved)
-    cost = float(residual @ residual)
+    residual, cost = problem.weigh(solved)
+    columns = _Columns(problem)
     damping, growth, converged, accepted = 1e-4, 4.0, False, 0
     linearized: _Linearized | None = None
     for _ in range(3 * iterations):
         if accepted >= iterations:
             break
         if linearized is None:
-            solved = problem.with_derivatives(solved, shared, local)
-            linearized = _Linearized(problem, solved, residual)
+            linearized = _Linearized(problem, columns, solved, residual)
             if not linearized.finite:  # a runaway's edge: nothing to follow
                 break
             blocked = _blocked(problem, shared, linearized.pull)
@@ -235,15 +192,12 @@ def minimize(
         if predicted <= max(tolerance, 1e-10 * cost):
             converged = True
             break
-        trial, trial_local = shared.copy(), local.copy()
-        trial[free] += delta
+        trial, trial_local = shared.copy(), local + own
+        trial[problem.free] += delta
         trial = np.clip(trial, problem.lower, problem.upper)
-        for run, change in own.items():
-            trial_local[active[:, run], run] += change
-        new = problem.simulator.solve(trial, trial_local)
-        fresh = problem.residual(new) if new is not None else None
-        fresh_cost = float(fresh @ fresh) if fresh is not None else np.inf
-        if new is not None and fresh is not None and fresh_cost < cost:
+        new = problem.solve(trial, trial_local)
+        fresh, fresh_cost = problem.weigh(new) if new is not None else (residual, np.inf)
+        if new is not None and fresh_cost < cost:
             gain = (cost - fresh_cost) / predicted
             damping *= max(1 / 10, 1 - (2 * min(gain, 1.0) - 1) ** 3)
             damping, growth = max(damping, 1e-12), 4.0
@@ -255,7 +209,6 @@ def minimize(
             converged = damping > _MOST_DAMPING
         if converged:
             break
-    solved = problem.with_derivatives(solved, shared, local)
     return Optimum(problem, shared, local, solved, cost, converged, accepted)
 
 

@@ -19,6 +19,7 @@ from stepid.simulation.simulator import COARSE, Simulator
 
 _HARDLY = 0.02  # share of the change to a general law that a linearized step must ask for
 _STARTS = 3  # of each effect: of what rings, the loudest may not be what is missing
+_AT_ONCE = 8  # forces whose responses are simulated together
 _OPEN = 1e-5  # singular value of a direction that the data leave open: no start moves along it
 
 
@@ -31,12 +32,15 @@ class _Column(NamedTuple):
 def force_responses(context: FitContext, forces: list[Array]) -> Array:
     """Reading's response of the linear plant to added forces, shapes (S,) each to (S, n)."""
     linear, records = context.outline, context.sketch
-    free, still = np.append(linear.shared[:-1], 1.0), np.zeros_like(linear.local)
-    out = np.empty((records.size, len(forces)))
-    for i, force in enumerate(forces):  # the plant driven by the force, in N
-        pushed = replace(records.with_input(_means(force, records)), before=0.0 * records.before)
-        out[:, i] = Simulator(pushed, ()).readings(free[None], still[None])[0]
-    return out
+    free = np.append(linear.shared[:-1], 1.0)
+    out = np.empty((len(forces), records.size))
+    for i in range(0, len(forces), _AT_ONCE):  # the plant driven by the forces, in N, beside each other
+        some = forces[i : i + _AT_ONCE]
+        pushed = records.repeated(len(some)).with_input(np.concatenate([_means(force, records) for force in some]))
+        pushed = replace(pushed, before=np.zeros(len(pushed.runs)))
+        still = np.zeros((1, linear.local.shape[0], len(pushed.runs)))
+        out[i : i + len(some)] = Simulator(pushed, ()).readings(free[None], still).reshape(len(some), -1)
+    return out.T
 
 
 def _means(force: Array, records: Records) -> Array:
@@ -105,20 +109,21 @@ def _difference(context: FitContext, effect: Effect, values: tuple[float, ...]) 
     free[of.linear] = False
     local = start_local(problem, linear)
     solved = replace(problem, free=free).solve(np.concatenate([linear.shared, values]), local)
-    if solved is None or solved.shared is None or solved.local is None:
+    if solved is None:
         return None
+    by_shared, by_local = solved.derivatives
     parts = [(solved.reading - linear.solved.reading)[:, None]]
     if effect.run_parameters:  # a phase a run: both quadratures are free
         split = np.zeros((records.size, 2 * len(records.runs)))
         for r, piece in enumerate(records.pieces()):
             split[piece, 2 * r] = parts[0][piece, 0]
-            split[piece, 2 * r + 1] = solved.local[2, piece]
+            split[piece, 2 * r + 1] = by_local[2, piece]
         return split
-    parts.append(solved.shared[of.linear.stop :].T)
+    parts.append(by_shared[of.linear.stop :].T)
     pieces = records.pieces()
     for row, run in np.argwhere(problem.active[of.own_states]):
         started = np.zeros((records.size, 1))
-        started[pieces[run], 0] = solved.local[of.own_states][row, pieces[run]]
+        started[pieces[run], 0] = by_local[of.own_states][row, pieces[run]]
         parts.append(started)
     return np.concatenate(parts, axis=1)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import median_filter
 
 from stepid.core.base import Array
 from stepid.simulation.records import Records
@@ -60,12 +59,18 @@ def resonances(records: Records, residual: Array, count: int = 3) -> tuple[float
 
 
 def _height(records: Records, total: Array) -> Array:
-    """How far a spectrum stands out from the median around, and from what is just beside, on the skirts of a swing."""
-    median = median_filter(total, 2 * _FINE * _AROUND + 1, mode="nearest")
+    """How far lines stand out from the median around, and from what is just beside, on the skirts of a swing.
+
+    Zero where a spectrum stands out too little from what is beside to be a line.
+    """
     aside = round(_BESIDE * _FINE * float(np.max(records.time)) / float(records.time[records.bounds[1:] - 1].min()))
     wide = np.pad(total, aside, mode="edge")
-    beside = np.maximum(wide[: total.size], wide[2 * aside :])
-    out: Array = total / np.maximum(np.maximum(median, beside), np.finfo(float).tiny)
+    beside = np.maximum(np.maximum(wide[: total.size], wide[2 * aside :]), np.finfo(float).tiny)
+    lines = np.flatnonzero(total > _LINE * beside)
+    around = np.pad(total, _FINE * _AROUND, mode="edge")
+    median = np.median(np.lib.stride_tricks.sliding_window_view(around, 2 * _FINE * _AROUND + 1)[lines], axis=1)
+    out: Array = np.zeros_like(total)
+    out[lines] = total[lines] / np.maximum(median, beside[lines])
     return out
 
 

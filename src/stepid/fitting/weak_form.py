@@ -6,7 +6,7 @@ Multiplying m x″ + c x′ + k x + Σ a_j g_j(x, v) = K_f u by a bump φ and in
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +14,8 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Moment, Motion
 from stepid.simulation.records import Records
+
+_LONG = 200  # samples of a kernel that is applied by transforms
 
 
 class WeakSolution(NamedTuple):
@@ -158,8 +160,6 @@ def measured_motion(records: Records, linear: Array, floor: float, period: float
     period : float
         s, of the strongest oscillation.
     """
-    from scipy.signal import savgol_filter  # slow to load
-
     x, v = np.empty(records.size), np.empty(records.size)
     for r, piece in enumerate(records.pieces()):
         y = records.position[piece]
@@ -171,9 +171,44 @@ def measured_motion(records: Records, linear: Array, floor: float, period: float
         window = min(2 * half + 1, y.size - 1 + y.size % 2)
         degree = min(3, window - 2)
         rest = np.median(y[-max(8, y.size // 6) :]) if records.moving[r] else y[0]
-        x[piece] = savgol_filter(y, window, degree) - rest
-        v[piece] = savgol_filter(y, window, degree, deriv=1, delta=h)
+        smooth, slope = _smoothed(y, window, degree)
+        x[piece], v[piece] = smooth - rest, slope / h
     return motion_along(records, linear, x, v)
+
+
+@lru_cache(maxsize=32)
+def _polynomials(window: int, degree: int) -> tuple[Array, Array]:
+    """Powers of the place in a window, shape (window, degree + 1), and the fit of their coefficients to its samples."""
+    half = window // 2
+    powers = np.vander(np.arange(-half, half + 1) / half, degree + 1, increasing=True)
+    return powers, np.linalg.pinv(powers)
+
+
+def _convolved(y: Array, kernel: Array) -> Array:
+    """The valid part of a convolution, by transforms where the kernel is long."""
+    if kernel.size < _LONG:
+        return np.convolve(y, kernel, "valid")
+    size = 1 << (y.size - 1).bit_length()  # what wraps around is not in the valid part
+    whole = np.fft.irfft(np.fft.rfft(y - y[0], size) * np.fft.rfft(kernel, size), size)
+    out: Array = whole[kernel.size - 1 : y.size] + y[0] * kernel.sum()
+    return out
+
+
+def _smoothed(y: Array, window: int, degree: int) -> tuple[Array, Array]:
+    """Value and change a sample of the polynomial fitted around each sample (Savitzky and Golay, 1964), shape (n,).
+
+    The first and last half window are read off the polynomials of the first and last whole one.
+    """
+    half = window // 2
+    powers, fitted = _polynomials(window, degree)
+    slopes = np.zeros_like(powers)
+    slopes[:, 1:] = powers[:, :-1] * np.arange(1, degree + 1) / half
+    first, last = fitted @ y[:window], fitted @ y[-window:]
+    out = []
+    for read in (powers, slopes):
+        inner = _convolved(y, (read[half] @ fitted)[::-1])
+        out.append(np.concatenate([read[:half] @ first, inner, read[half + 1 :] @ last]))
+    return out[0], out[1]
 
 
 def motion_along(records: Records, linear: Array, x: Array, v: Array) -> Motion:

@@ -36,6 +36,8 @@ if numba is None:
         """Leave a function as it is."""
         return function
 
+    compiled_sums = compiled
+
     def call(
         law: Address, kind: int, q: Any, values: int, m: Any, y: Any, own: int, sides: Any, side: int, out: Any
     ) -> float:
@@ -46,15 +48,19 @@ else:
     from llvmlite import ir
     from numba.extending import intrinsic
 
-    def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    def compiled(function: Callable[..., Any], **more: Any) -> Callable[..., Any]:
         """Compile a function at its first call; keep the machine code in numba's cache where one can be written."""
-        options = {"nogil": True, "error_model": "numpy"}
+        options = {"nogil": True, "error_model": "numpy"} | more
         if function.__name__.startswith("_"):  # called by compiled functions only
             options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
         try:
             return numba.njit(cache=True, **options)(function)
         except RuntimeError:
             return numba.njit(**options)(function)
+
+    def compiled_sums(function: Callable[..., Any]) -> Callable[..., Any]:
+        """Compile a function likewise; its sums may be taken in any order."""
+        return compiled(function, fastmath={"reassoc", "contract"})
 
     @intrinsic
     def call(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
 import numpy as np
 
@@ -14,6 +15,7 @@ _POWERS = {"²": 2, "³": 3}
 _ALIASES = {"Hz": ("s", -1), "J": ("N", 1)}
 
 
+@lru_cache(maxsize=1024)
 def exponents(parameters: tuple[Parameter, ...]) -> Array:
     """Powers of N, m, s, kg and V in each parameter's unit, shape (n, 5); what is not understood counts as 1."""
     out = np.zeros((len(parameters), len(_SYMBOLS)))

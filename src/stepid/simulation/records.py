@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -64,9 +65,14 @@ class Records:
 
     def centered(self, values: Array) -> Array:
         """Subtract each run's weighted mean over the last axis: what a free rest position leaves."""
+        out: Array = values - np.add.reduceat(values * self._share, self.first, axis=-1)[..., self.run]
+        return out
+
+    @cached_property
+    def _share(self) -> Array:
+        """Weight of each sample in its run, their sum 1, shape (S,)."""
         square = self.weight**2
-        sums = np.add.reduceat(values * square, self.first, axis=-1) / np.add.reduceat(square, self.first)
-        out: Array = values - sums[..., self.run]
+        out: Array = square / np.add.reduceat(square, self.first)[self.run]
         return out
 
     def weighted(self, values: Array) -> Array:
@@ -85,6 +91,22 @@ class Records:
         """Lay out other runs under the same labels."""
         none = np.zeros(len(runs))
         return _lay(list(runs), none > 0, (self.bases, self.springs, self.dampers), none.astype(np.intp), None)
+
+    def repeated(self, count: int) -> Records:
+        """Return the same records several times over, as runs of their own."""
+        by_run = ("sample_time", "added_mass", "before", "moving", "base", "spring", "damper", "begin")
+        by_sample = ("time", "position", "volts", "weight")
+        tiled = {name: np.tile(getattr(self, name), count) for name in (*by_run, *by_sample)}
+        bounds = np.append((self.first + self.size * np.arange(count)[:, None]).ravel(), count * self.size)
+        return replace(
+            self,
+            runs=self.runs * count,
+            bounds=bounds,
+            run=np.repeat(np.arange(len(bounds) - 1), np.diff(bounds)),
+            coefficients=np.tile(self.coefficients, (count, 1)),
+            at=None,
+            **tiled,
+        )
 
     def with_input(self, volts: Array) -> Records:
         """Return the same records with other inputs, shape (S,), that do between the samples what the old ones did."""
@@ -141,8 +163,12 @@ def _coefficients(runs: Sequence[Experiment], begin: Index) -> Array:
 
 def _stacked(parts: Sequence[Array]) -> Array:
     """Polynomials of all runs end to end, zeros for the terms that a run does not have."""
-    terms = max(part.shape[1] for part in parts)
-    return np.concatenate([np.pad(part, ((0, 0), (0, terms - part.shape[1]))) for part in parts])
+    out = np.zeros((sum(len(part) for part in parts), max(part.shape[1] for part in parts)))
+    at = 0
+    for part in parts:
+        out[at : at + len(part), : part.shape[1]] = part
+        at += len(part)
+    return out
 
 
 def _lay(

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -25,21 +27,28 @@ SEEN = 150  # steps a sample: a mode that needs more is too fast to show in the 
 PATIENT = 20_000  # the same where one plant is to be simulated, whatever it takes
 _STILL = 1e-9  # m, a record that moves less does not move
 _TRAVEL = 1e-3  # m, where nothing says how far a plant goes: no input, no displacement
+STEEPEST = 1e120  # a derivative whose square would overflow
 _DIFFERENCE = 1e-5  # relative step of a forward difference
 
 
-class Solved(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Solved:
     """A simulated campaign.
 
     `states` (2, S) are position from rest [m] and velocity [m/s], `reading` (S,) what the sensor says [m];
-    `shared` (P, S) and `local` (Q, S) its derivatives by the global and the per-run parameters, zero where not wanted,
-    None where none was.
+    `derivatives` (P, S) and (Q, S) are its derivatives by the global and the per-run parameters, zero by those that are
+    not wanted, simulated when they are first asked for.
     """
 
     states: Array
     reading: Array
-    shared: Array | None = None
-    local: Array | None = None
+    derive: Callable[[], tuple[Array, Array]] | None = None
+
+    @cached_property
+    def derivatives(self) -> tuple[Array, Array]:
+        """Derivatives of the reading by the global and the per-run parameters."""
+        assert self.derive is not None
+        return self.derive()
 
 
 class Simulator:
@@ -122,7 +131,7 @@ class Simulator:
             scale = float((answer + swing).max()) or _TRAVEL
 
         def some(lanes: slice) -> None:
-            work = structure(self.effects).copy()
+            work = structure(self.effects)
             kernel.simulate(
                 work, values[lanes], start[lanes], run[lanes], r.bounds, r.time, r.coefficients, r.before, r.moving,
                 self.tolerance * scale, scale, leaps, self.patience, offset[lanes], reading, states,
@@ -214,6 +223,8 @@ class Simulator:
         states : array, shape (2, S), optional
             m and m/s, position and velocity of that plant, where known: start times ask for them.
         """
+        from stepid.simulation.triangles import slopes
+
         r, of = self.records, self.layout
         row, copies, run = self._lanes(wanted, active)
         steps = self.steps(shared)[row]
@@ -222,20 +233,16 @@ class Simulator:
         first = int(np.sum(row < of.n_global))
         moved[0][here[:first], row[:first]] += steps[:first]
         moved[1][here[first:], row[first:] - of.n_global] += steps[first:, None]
-        found = np.repeat(reading[None], row.size, axis=0)
-        late, offset = self._late(moved[1]), copies * r.size + r.first[run]
-        apart = np.empty((0, 0) if late is None else (2, found.size))
+        out = np.zeros((of.n_global + of.n_run, r.size))
+        late, offset = self._late(moved[1]), row[copies] * r.size + r.first[run]
+        apart = np.empty((0, 0) if late is None else (2, out.size))
         self._run(
             of.plants(*moved)[copies, run], self._starts(moved[1])[copies * len(r.runs) + run], run,
-            offset, found.ravel(), apart,
+            offset, out.ravel(), apart,
         )  # fmt: skip
         if late is not None:
-            self._shift(late[copies, run], run, offset, found.ravel(), apart)
-        out = np.zeros((of.n_global + of.n_run, r.size))
-        with np.errstate(all="ignore"):
-            found -= reading
-            found /= steps[:, None]
-        out[row] = found
+            self._shift(late[copies, run], run, offset, out.ravel(), apart)
+        slopes(out.ravel(), reading, steps[copies], run, offset, r.bounds)
         started = active[of.deviation("start_time")] & ~r.moving
         if started.any():
             if states is None:

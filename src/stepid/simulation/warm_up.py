@@ -36,23 +36,33 @@ _loaded: list[bool] = []  # in this process
 
 def _mark(version: str) -> Path | None:
     """File that says that this kernel has been compiled on this machine; None where no cache can be written."""
-    from stepid.simulation import kernel
+    from stepid.simulation import kernel, triangles
     from stepid.simulation.laws import cache_folder
 
     folder = cache_folder()
-    what = [Path(kernel.__file__).read_bytes(), version.encode(), platform.platform().encode()]
+    sources = [Path(module.__file__).read_bytes() for module in (kernel, triangles)]
+    what = [*sources, version.encode(), platform.platform().encode()]
     digest = hashlib.sha256(b"\0".join(what)).hexdigest()[:24]
     return None if folder is None else folder / f"compiled_{digest}"
 
 
 def _simulate() -> None:
-    """Simulate two samples of a linear plant."""
-    from stepid.simulation import kernel
+    """Simulate two samples of a linear plant, and take one step of a fit to them."""
+    from stepid.simulation import kernel, triangles
     from stepid.simulation.work import structure
 
     time = np.array([0.0, 0.01])
     kernel.simulate(
-        structure(()).copy(), np.array([[1.0, 200.0, 4.0, 8.0]]), np.zeros((1, 2)), np.zeros(1, dtype=np.intp),
+        structure(()), np.array([[1.0, 200.0, 4.0, 8.0]]), np.zeros((1, 2)), np.zeros(1, dtype=np.intp),
         np.array([0, 2]), time, np.zeros((2, 1)), np.zeros(1), np.zeros(1, dtype=bool), 1e-9, 0.02, 2, 100,
         np.zeros(1, dtype=np.intp), np.empty(2), np.empty((2, 2)),
     )  # fmt: skip
+    bounds, one, by_one = np.array([0, 2]), np.ones(1), np.eye(2)
+    residual, none, first = np.empty(2), np.zeros(1, dtype=np.intp), np.zeros((1, 1), dtype=np.intp)
+    triangles.slopes(np.ones(2), time, one, none, none, bounds)
+    triangles.weigh(time, np.zeros(2), np.ones(2), bounds, residual)
+    found, size, no_own = np.zeros((1, 2, 2)), np.zeros(1), np.zeros((1, 0))
+    triangles.reduce_runs(
+        by_one, by_one, residual, np.ones(2), bounds, first, none, none, found, size, no_own, np.zeros(1)
+    )
+    triangles.damped_step(found, none, 1.0, size, no_own, np.zeros(1), no_own)

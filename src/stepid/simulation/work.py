@@ -12,10 +12,15 @@ from stepid.simulation import kernel
 from stepid.simulation.laws import changes, law
 
 
-@lru_cache(maxsize=1024)
 def structure(effects: tuple[Effect, ...]) -> Any:
-    """Record of `kernel.WORK`: the effects in the order of the drive's chain, where their values and states stand."""
-    work = np.rec.array(np.zeros(1, kernel.WORK))[0]
+    """A new record of `kernel.WORK`: the effects in the order of the drive's chain, where values and states stand."""
+    return _structure(effects).copy()[0]
+
+
+@lru_cache(maxsize=1024)
+def _structure(effects: tuple[Effect, ...]) -> Any:
+    room = np.rec.array(np.zeros(1, kernel.WORK))
+    work = room[0]
     at, own, side = kernel.Q_FIRST, 2, 0
     places = []
     for e in effects:
@@ -34,4 +39,4 @@ def structure(effects: tuple[Effect, ...]) -> Any:
     work.relaxing = max((row + 1 for row, i in enumerate(order) if changes(effects[i], "relax")), default=0)
     work.rated = any(e.n_extra for e in effects)
     work.restless = any(e.never_rests for e in effects)
-    return work
+    return room
