@@ -24,6 +24,7 @@ from stepid.fitting.noise_floor import enough, noise_floor, repeat_notes, weight
 from stepid.fitting.outlier_run import find_suspect
 from stepid.fitting.problem import fit_linear
 from stepid.fitting.score_test import columns, score
+from stepid.fitting.reading_faults import trust
 from stepid.fitting.screening import screen
 from stepid.simulation.layout import own_state_names
 from stepid.simulation.model import EffectModel, PlantModel, RunState
@@ -89,21 +90,22 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
     stepid.errors.ConvergenceError
         If no linear plant can be fitted at all.
     """
-    records = lay_out(screen(as_campaign(campaign)).campaign)
+    screened = screen(as_campaign(campaign))
+    records = lay_out(screened.campaign)
     if not enough(records):
         raise UndeterminedError(
             f"campaign {campaign.name!r}: too few samples to tell the noise from the motion ({records.size} in all)",
             "Record longer or sample faster, or give counts_per_meter, from which the smallest noise follows.",
         )
     floor = noise_floor(records)
-    records = records.reweighted(weights(records, floor))
+    records = records.reweighted(weights(records, floor) * trust(records, screened.wrong))
     linear = fit_linear(records, tolerance=0.02 * floor**2, workers=workers)
     if linear is None:
         raise ConvergenceError(
             f"campaign {campaign.name!r}: no stable mass-spring-damper can be fitted to its records",
             "Look at the records: sign of counts_per_meter, the input column, the added masses and labels.",
         )
-    return FitContext(records, linear, floor, workers=workers)
+    return FitContext(records, linear, floor, workers=workers, faults=screened.faults)
 
 
 @single_threaded
