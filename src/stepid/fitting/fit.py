@@ -20,6 +20,7 @@ from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import Contender, FitContext, Start, race_starts
 from stepid.fitting.multistart_cogging import well_starts
+from stepid.fitting.noise_color import colored_floor
 from stepid.fitting.noise_floor import enough, noise_floor, repeat_notes, weights
 from stepid.fitting.outlier_run import find_suspect
 from stepid.fitting.problem import fit_linear
@@ -105,7 +106,8 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
             f"campaign {campaign.name!r}: no stable mass-spring-damper can be fitted to its records",
             "Look at the records: sign of counts_per_meter, the input column, the added masses and labels.",
         )
-    return FitContext(records, linear, floor, workers=workers, faults=screened.faults)
+    floor, colored = colored_floor(records, records.position - linear.solved.reading)
+    return FitContext(records, linear, floor, workers=workers, faults=screened.faults, colored=colored)
 
 
 @single_threaded
