@@ -10,7 +10,9 @@ RATE, SHARE = 15.0, 0.12  # 1/s and damping ratio without added mass
 BASE = 1.0
 
 
-def swing(n: int, sample: float, added: float, *, release: bool, friction: float = 0.0, level: float = 0.012) -> np.ndarray:
+def swing(
+    n: int, sample: float, added: float, *, release: bool, friction: float = 0.0, level: float = 0.012
+) -> np.ndarray:
     """Positions, m: a step on at 8 samples and off halfway, or a release; friction as a share of the spring's force."""
     fine = 16
     m = BASE + added
@@ -33,7 +35,9 @@ def swing(n: int, sample: float, added: float, *, release: bool, friction: float
     return out
 
 
-def runs(seed: int, *, sample: float = 0.006, n: int = 500, release: bool = False, friction: float = 0.0) -> list[np.ndarray]:
+def runs(
+    seed: int, *, sample: float = 0.006, n: int = 500, release: bool = False, friction: float = 0.0
+) -> list[np.ndarray]:
     """Noise-free positions of four runs with 0, 0.5, 1.5 and 2 kg added."""
     return [swing(n, sample, w, release=release, friction=friction) for w in (0.0, 0.5, 1.5, 2.0)]
 

@@ -45,8 +45,8 @@ class Start(NamedTuple):
 class FitContext:
     """What every search on one campaign shares: records, linear fit, scales, the weak form, the measured motion.
 
-    Candidates race on `sketch`, a part of the samples; `outline` is the linear plant there. `faults` of the readings are
-    removed already; `colored` is set where their noise is not white.
+    Candidates race on `sketch`, a part of the samples; `outline` is the linear plant there. `faults` of the readings
+    are removed already; `colored` is set where their noise is not white.
     """
 
     def __init__(

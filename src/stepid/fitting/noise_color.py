@@ -76,7 +76,7 @@ class _Windows(NamedTuple):
     """Mean product of the contrasts of windows, shape (d, d) [m²]; how many that are independent; their samples."""
 
     product: Array
-    count: float
+    number: float
     width: int
 
 
@@ -141,7 +141,7 @@ def _color(records: Records, shape: _Shape, total: float) -> NoiseColor:
 
 
 def _windows(records: Records, values: Array, floor: float, length: float) -> _Windows | None:
-    """Contrasts of windows, half over half, in which the reading moves and the input does not jump; none with a kink."""
+    """Contrasts of windows, half over half, in which the reading moves and the input does not jump; no kinks."""
     most = length / float(np.median(records.sample_time))
     width = max([w for w in _WIDTHS if w <= most] or [_WIDTHS[0]])
     basis = _contrasts(width)
@@ -181,7 +181,8 @@ def _correlation(lag: Array, correlation: float) -> Array:
     """Correlation over a lag in samples: of first-order noise, or of 1/f noise as a sum of such of many times."""
     if correlation < 1.0:
         return np.asarray(correlation**lag)
-    return np.mean([np.exp(-lag / t) for t in np.geomspace(0.5, _SLOWEST, 12)], axis=0)
+    out: Array = np.mean([np.exp(-lag / t) for t in np.geomspace(0.5, _SLOWEST, 12)], axis=0)
+    return out
 
 
 @cache
@@ -217,7 +218,7 @@ def _best(windows: _Windows, slowest: float, only: _Shape | None = None) -> _Fou
     shapes, inverse, logs = _covariances(windows.width)
     d = inverse.shape[1]
     scale = np.einsum("gij,ji->g", inverse, windows.product) / d
-    cost = windows.count * (d * np.log(scale) + logs)
+    cost = windows.number * (d * np.log(scale) + logs)
     correlation = np.array([s.correlation for s in shapes])
     white = np.array([s.share == 0 for s in shapes])
     fast = correlation <= slowest
