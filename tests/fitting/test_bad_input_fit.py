@@ -124,7 +124,7 @@ def test_a_run_that_moves_before_its_first_step_is_left_out() -> None:
 
 def test_good_campaigns_are_not_touched() -> None:
     for whole in (WHOLE, campaign(2, FRICTION), campaign(3, {"free_play": {"gap": 1e-3}})):
-        assert screen(whole) == (whole, ())
+        assert screen(whole) == (whole, (), (), {})
     lab = stepid.datasets.lab_campaign()
     assert screen(lab) == (lab, ())
 

@@ -16,18 +16,22 @@ from stepid.core.noise import rms
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
 from stepid.fitting.covariance import estimates
+from stepid.fitting.hum import find_hum, without_hum
 from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import CandidateFit, FitContext, Start, race_starts
 from stepid.fitting.multistart_cogging import well_starts
+from stepid.fitting.noise_color import colored_floor
 from stepid.fitting.noise_floor import enough, noise_floor, repeat_notes, weights
 from stepid.fitting.outlier_run import find_suspect
 from stepid.fitting.problem import fit_linear
+from stepid.fitting.reading_faults import Mask, trust
+from stepid.fitting.record_fault import ALL_RUNS
 from stepid.fitting.score_test import columns, score
 from stepid.fitting.screening import screen
 from stepid.simulation.layout import DEVIATIONS, own_state_names
 from stepid.simulation.model import EffectModel, PlantModel, RunState
-from stepid.simulation.records import lay_out
+from stepid.simulation.records import Records, lay_out
 from stepid.simulation.threads import single_threaded
 
 if TYPE_CHECKING:
@@ -89,21 +93,33 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
     stepid.errors.ConvergenceError
         If no linear plant can be fitted at all.
     """
-    records = lay_out(screen(as_campaign(campaign)).campaign)
+    screened = screen(as_campaign(campaign))
+    records, linear, floor = _begun(screened.campaign, screened.wrong, workers)
+    hums = find_hum(records, linear)
+    if hums:
+        records, linear, floor = _begun(without_hum(screened.campaign, hums), screened.wrong, workers)
+    faults = (*screened.faults, *(hum.fault for hum in hums))
+    floor, colored = colored_floor(records, records.position - linear.solved.reading)
+    return FitContext(records, linear, floor, workers=workers, faults=faults, colored=colored)
+
+
+def _begun(campaign: Campaign, wrong: Mapping[str, Mask], workers: int) -> tuple[Records, Optimum, float]:
+    """Lay out and weigh a campaign's records, and fit the linear plant; also the white noise floor, m."""
+    records = lay_out(campaign)
     if not enough(records):
         raise UndeterminedError(
             f"campaign {campaign.name!r}: too few samples to tell the noise from the motion ({records.size} in all)",
             "Record longer or sample faster, or give counts_per_meter, from which the smallest noise follows.",
         )
     floor = noise_floor(records)
-    records = records.reweighted(weights(records, floor))
+    records = records.reweighted(weights(records, floor) * trust(records, wrong))
     linear = fit_linear(records, tolerance=0.02 * floor**2, workers=workers)
     if linear is None:
         raise ConvergenceError(
             f"campaign {campaign.name!r}: no stable mass-spring-damper can be fitted to its records",
             "Look at the records: sign of counts_per_meter, the input column, the added masses and labels.",
         )
-    return FitContext(records, linear, floor, workers=workers)
+    return records, linear, floor
 
 
 @single_threaded
@@ -195,7 +211,11 @@ def _raced(context: FitContext, effects: tuple[Effect, ...], starts: list[Start]
 
 
 def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum) -> tuple[str, ...]:
-    out = [*screen(campaign).notes, *repeat_notes(context.records)]
+    out = [
+        *screen(campaign).notes,
+        *(f.words for f in context.faults if f.run == ALL_RUNS),
+        *repeat_notes(context.records),
+    ]
     fault = find_input_fault(context)
     if fault is not None:
         out.append(fault.words)

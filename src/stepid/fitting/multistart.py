@@ -15,7 +15,9 @@ from stepid.fitting.deviations import with_deviations
 from stepid.fitting.decimation import outline, shortest_period, sketch
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.multistart_sticking import resettle
+from stepid.fitting.noise_color import NoiseColor
 from stepid.fitting.problem import build, fixes_mass, phase_rows, scales, start_local, start_phases
+from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.spectrum import strongest_period
 from stepid.fitting.weak_form import WeakForm, measured_motion
 from stepid.simulation.records import Records
@@ -48,11 +50,22 @@ class Start(NamedTuple):
 class FitContext:
     """What every search on one campaign shares: records, linear fit, scales, the weak form, the measured motion.
 
-    Candidates race on `sketch`, a part of the samples; `outline` is the linear plant there.
+    Candidates race on `sketch`, a part of the samples; `outline` is the linear plant there. `faults` of the readings
+    are removed already; `colored` is set where their noise is not white.
     """
 
-    def __init__(self, records: Records, linear: Optimum, floor: float, *, workers: int = 1) -> None:
+    def __init__(
+        self,
+        records: Records,
+        linear: Optimum,
+        floor: float,
+        *,
+        workers: int = 1,
+        faults: tuple[RecordFault, ...] = (),
+        colored: NoiseColor | None = None,
+    ) -> None:
         self.records, self.linear, self.floor, self.workers = records, linear, floor, workers
+        self.faults, self.colored = faults, colored
         self.scales: Scales = scales(records, linear, floor)
         self.columns: dict[Effect, list[Any]] = {}  # of `stepid.fitting.score_test`, kept for the next race
         self.responses: dict[tuple[Effect, tuple[float, ...]], Array | None] = {}  # to single starts, kept likewise

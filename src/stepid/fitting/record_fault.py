@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from stepid.core.base import Finite, Label, Model
 
+ALL_RUNS = "all runs"  # as the run of a fault that all records share
+
 
 class RecordFault(Model):
     """A fault of one record, with its size.
@@ -11,7 +13,7 @@ class RecordFault(Model):
     Parameters
     ----------
     run : str
-        Name of the run.
+        Name of the run, or `ALL_RUNS`.
     kind : str
         What sort of fault: ``"outliers"``, ``"stuck readings"``, ``"hum"``, …
     size : float

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +12,8 @@ from stepid.core.experiment import Campaign, Experiment
 from stepid.core.noise import noise_level
 from stepid.core.units import UNIT, check_speed, check_travel
 from stepid.errors import InputError
+from stepid.fitting.reading_faults import Mask, mend
+from stepid.fitting.record_fault import RecordFault
 
 _LIKE = 0.9  # share of an input change that another must have to be as strong
 _LATE = 4.0  # times the usual time to an answer
@@ -24,6 +28,8 @@ class Screened(NamedTuple):
 
     campaign: Campaign
     notes: tuple[str, ...]
+    faults: tuple[RecordFault, ...] = ()
+    wrong: Mapping[str, Mask] = MappingProxyType({})  # run name to samples that are interpolated, where there are any
 
 
 class _Answer(NamedTuple):
@@ -53,11 +59,15 @@ def screen(campaign: Campaign) -> Screened:
     stepid.errors.InputError
         If no run is left, or the positions cannot be meters.
     """
+    mended = {run.name: mend(run) for run in campaign.experiments}
+    faults = tuple(fault for found in mended.values() for fault in found.faults)
+    if faults:
+        campaign = campaign.model_copy(update={"experiments": tuple(found.run for found in mended.values())})
     for run in campaign.experiments:
         who = f"run {run.name!r}: its positions"
         check_travel(run.position, who, UNIT)
         check_speed(run.position, run.sample_time, who)
-    notes: list[str] = []
+    notes = [fault.words for fault in faults]
     kept = [run for run in campaign.experiments if not _still(run)]
     for run in campaign.experiments:
         if run not in kept:
@@ -71,7 +81,8 @@ def screen(campaign: Campaign) -> Screened:
         )
     if not notes:
         return Screened(campaign, ())
-    return Screened(campaign.model_copy(update={"experiments": tuple(kept)}), tuple(notes))
+    wrong = {run.name: mended[run.name].wrong[-run.position.size :] for run in kept if mended[run.name].faults}
+    return Screened(campaign.model_copy(update={"experiments": tuple(kept)}), tuple(notes), faults, wrong)
 
 
 def _quiet(run: Experiment) -> float:

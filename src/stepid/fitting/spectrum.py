@@ -58,6 +58,14 @@ def resonances(records: Records, residual: Array, count: int = 3) -> tuple[float
     return tuple(found)
 
 
+def sharp_line(records: Records, residual: Array, *, above: float) -> float | None:
+    """Frequency [Hz] of the sharpest line above a frequency over all runs, None where none stands out."""
+    _, grid, total = _spectrum(records, residual)
+    height = np.where(grid > above, _height(records, total), 0.0)
+    k = int(np.argmax(height))
+    return float(grid[k]) if height[k] > _LINE else None
+
+
 def _height(records: Records, total: Array) -> Array:
     """How far lines stand out from the median around, and from what is just beside, on the skirts of a swing.
 

@@ -1,0 +1,162 @@
+"""Faults and color of readings: what is wrong is found and left out, what is right is left alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+import stepid
+from made_up_readings import campaign, force, runs
+from stepid.core.base import Array
+from stepid.fitting.fit import prepare
+from stepid.fitting.hum import find_hum
+from stepid.fitting.noise_color import colored_floor
+from stepid.fitting.noise_floor import noise_floor
+from stepid.fitting.reading_faults import mend, outliers_of
+
+FINE, COARSE = 226_600.0, 56_000.0
+
+
+def white(seed: int, positions: list[Array], size: float) -> list[Array]:
+    rng = np.random.default_rng(seed)
+    return [x + size * rng.standard_normal(x.size) for x in positions]
+
+
+def colored(seed: int, positions: list[Array], size: float, correlation: float) -> list[Array]:
+    rng = np.random.default_rng(seed)
+    drive = size * np.sqrt(1 - correlation**2)
+    return [x + lfilter([drive], [1, -correlation], rng.standard_normal(x.size + 200))[200:] for x in positions]
+
+
+@pytest.mark.parametrize("length", [1, 2, 3])
+def test_outliers_are_found_told_and_left_out(length: int) -> None:
+    clean = white(1, runs(friction=0.02), 5e-6)
+    dirty = [x.copy() for x in clean]
+    for at, size in ((17, 0.4e-3), (90, -1.2e-3), (301, 0.2e-3), (410, 0.3e-3)):
+        dirty[2][at : at + length] += size
+    found = mend(campaign(dirty, counts=FINE).experiments[2])
+    wrong = np.flatnonzero(found.wrong)
+    assert wrong.tolist() == [at + j for at in (17, 90, 301, 410) for j in range(length)]
+    assert np.abs(found.run.position - clean[2]).max() < 40e-6
+    (fault,) = found.faults
+    assert (fault.run, fault.kind, fault.unit) == ("case 3", "outliers", "m")
+    assert fault.size == pytest.approx(1.2e-3, rel=0.05)
+    assert "'case 3'" in fault.words
+    assert "17" in fault.words
+    assert "1.2 mm" in fault.words
+
+
+def test_a_fit_does_not_see_outliers() -> None:
+    clean = white(2, runs(), 5e-6)
+    dirty = [x.copy() for x in clean]
+    dirty[0][[60, 200, 333]] += 1e-3
+    fits = [stepid.fit(campaign(some, counts=FINE)) for some in (clean, dirty)]
+    assert fits[1].rms == pytest.approx(fits[0].rms, rel=0.01)
+    for name, value in fits[0].parameters.items():
+        assert abs(fits[1].parameters[name].value - value.value) < 0.5 * (value.uncertainty or 0.0)
+    assert any("'case 1': 3 readings" in note for note in fits[1].notes)
+    context = prepare(campaign(dirty, counts=FINE))
+    assert [fault.kind for fault in context.faults] == ["outliers"]
+    assert np.flatnonzero(context.records.weight < 1e-5).tolist() == [60, 200, 333]
+
+
+def test_a_stuck_reading_is_found_where_the_cart_moves() -> None:
+    readings = white(3, runs(), 3e-6)
+    readings[1][30:33] = readings[1][29]
+    found = mend(campaign(readings, counts=FINE).experiments[1])
+    assert np.flatnonzero(found.wrong).tolist() == [30, 31, 32]
+    assert [fault.kind for fault in found.faults] == ["stuck readings"]
+
+
+def test_kinks_bounces_and_stops_are_no_outliers() -> None:
+    t = np.arange(200.0)
+    for late in np.linspace(0, 1, 7):
+        for shape in (np.abs(t - 100 - late), np.maximum(t - 100 - late, 0), 3.0 * (t > 100 + late)):
+            readings = np.round(1e-3 * shape * FINE) / FINE
+            assert not mend(campaign([readings] * 4, counts=FINE).experiments[0]).faults
+
+
+def test_too_many_outliers_are_none() -> None:
+    readings = white(4, runs(), 5e-6)
+    rng = np.random.default_rng(4)
+    readings[0][rng.random(readings[0].size) < 0.3] += 1e-3
+    assert not mend(campaign(readings, counts=FINE).experiments[0]).wrong.any()
+
+
+def test_outliers_of_a_residual() -> None:
+    residual = 5e-6 * np.random.default_rng(5).standard_normal(400)
+    residual[[50, 51, 52, 200]] = 60e-6
+    residual[300:330] += 70e-6  # a misfit, no outlier
+    assert np.flatnonzero(outliers_of(residual, 5e-6)).tolist() == [50, 51, 52, 200]
+    assert not outliers_of(residual, 50e-6).any()
+
+
+@pytest.mark.parametrize(("frequency", "size"), [(50.0, 20e-6), (27.3, 8e-6), (60.0, 50e-6)])
+def test_a_hum_is_subtracted_and_told(frequency: float, size: float) -> None:
+    rng = np.random.default_rng(6)
+    clean = white(6, runs(friction=0.01), 5e-6)
+    t = 0.006 * np.arange(clean[0].size)
+    noisy = [x + size * np.sin(2 * np.pi * frequency * t + rng.uniform(0, 6)) for x in clean]
+    context = prepare(campaign(noisy, counts=FINE))
+    (fault,) = context.faults
+    assert (fault.kind, fault.unit) == ("hum", "m")
+    assert fault.size == pytest.approx(size, rel=0.1)
+    assert f"{frequency:.3g}"[:2] in fault.words
+    assert "Hz" in fault.words
+    assert context.floor == pytest.approx(noise_floor(prepare(campaign(clean, counts=FINE)).records), rel=0.1)
+    assert any("hum" in note for note in stepid.fit(campaign(noisy, counts=FINE)).notes)
+
+
+@pytest.mark.parametrize("frequency", [8.0, 12.0, 17.0])
+def test_a_force_is_no_hum_nor_colored_noise(frequency: float) -> None:
+    context = prepare(campaign(white(7, force(frequency, 0.05), 5e-6), counts=FINE))
+    assert context.linear.rms > 1.2 * context.floor
+    assert not find_hum(context.records, context.linear)
+    assert not context.faults
+    assert context.colored is None
+
+
+@pytest.mark.parametrize(("correlation", "friction"), [(0.4, 0.0), (0.7, 0.0), (0.5, 0.05), (0.8, 0.01)])
+def test_the_floor_holds_the_colored_part(correlation: float, friction: float) -> None:
+    size = 30e-6
+    context = prepare(campaign(colored(8, runs(friction=friction), size, correlation), counts=FINE))
+    assert context.colored is not None
+    assert context.floor == pytest.approx(size, rel=0.15)
+    assert noise_floor(context.records) < 0.85 * size
+    true = -0.006 / np.log(correlation)
+    assert 0.5 * true < context.colored.correlation_time < 2 * true
+    expected = context.records.size * (1 - correlation) / (1 + correlation)
+    assert 0.5 * expected < context.colored.effective_samples < 2 * expected
+
+
+def test_white_and_colored_parts_are_told_apart() -> None:
+    readings = white(9, colored(9, runs(), 30e-6, 0.8), 20e-6)
+    found = prepare(campaign(readings, counts=FINE)).colored
+    assert found is not None
+    assert found.kind == "ar1"
+    assert np.hypot(found.white, found.colored) == pytest.approx(36e-6, rel=0.15)
+
+
+def test_readings_alone_give_the_floor_too() -> None:
+    records = prepare(campaign(colored(10, runs(), 30e-6, 0.5), counts=FINE)).records
+    floor, _ = colored_floor(records)
+    assert noise_floor(records) <= floor < 1.2 * 30e-6
+
+
+def _clean(seed: int) -> stepid.Campaign:
+    rng = np.random.default_rng([seed, 11])
+    release, friction = bool(seed % 2), float(rng.choice([0.0, 0.01, 0.05]))
+    sample = float(rng.choice([0.004, 0.008, 0.014]))
+    n = int(0.42 / sample * rng.uniform(3, 7))
+    noise, counts = float(rng.choice([0.0, 1e-6, 5e-6, 20e-6, 50e-6])), float(rng.choice([FINE, COARSE]))
+    readings = white(seed, runs(sample=sample, n=n, release=release, friction=friction), noise)
+    return campaign(readings, sample=sample, release=release, counts=counts)
+
+
+@pytest.mark.parametrize("ten", range(10))
+def test_clean_campaigns_have_no_fault_and_white_noise(ten: int) -> None:
+    for seed in range(10 * ten, 10 * ten + 10):
+        context = prepare(_clean(seed))
+        assert (context.faults, context.colored) == ((), None), seed
+        assert context.floor == noise_floor(context.records)
