@@ -138,6 +138,8 @@ def _render(campaign: Campaign) -> dict[str, bytes]:
             run["input_before"] = experiment.input_before
         if experiment.input_between != "held":
             run["input_between"] = experiment.input_between
+        if experiment.starts != "auto":
+            run["starts"] = experiment.starts
         stem = f"{number:02d}-" + (re.sub(r"[^a-z0-9]+", "-", experiment.name.lower()).strip("-")[:40] or "run")
         export = render_export(experiment)
         if export is not None:

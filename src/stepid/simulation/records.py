@@ -11,6 +11,7 @@ import numpy.typing as npt
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.samples import InputBetween, course
+from stepid.simulation.starts import starts_in_motion
 
 Index = npt.NDArray[np.intp]
 _HELD = 8  # samples near the farthest point that a free swing hardly stays
@@ -103,13 +104,6 @@ class Records:
         return replace(self, weight=weight)
 
 
-def starts_in_motion(experiment: Experiment) -> bool:
-    """Tell whether a record starts in motion: its motion comes from no input that the record shows."""
-    if not experiment.is_release:
-        return False
-    return bool(np.ptp(experiment.position) > 0)
-
-
 def release_index(experiment: Experiment) -> int:
     """Index of the first sample at which a cart that a hand pulled or held is surely free; 0 where none held it.
 
@@ -130,7 +124,7 @@ def lay_out(campaign: Campaign) -> Records:
     runs = list(campaign.experiments)
     labels = tuple(tuple(dict.fromkeys(getattr(e, field) for e in runs)) for field in ("base", "spring", "damper"))
     moving = np.array([starts_in_motion(e) for e in runs])
-    begin = np.array([release_index(e) if m else 0 for e, m in zip(runs, moving, strict=True)], dtype=np.intp)
+    begin = np.array([release_index(e) if m and e.is_release else 0 for e, m in zip(runs, moving, strict=True)], dtype=np.intp)
     return _lay(runs, moving, (labels[0], labels[1], labels[2]), begin, None)
 
 
