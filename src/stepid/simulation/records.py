@@ -107,8 +107,12 @@ class Records:
 def release_index(experiment: Experiment) -> int:
     """Index of the first sample at which a cart that a hand pulled or held is surely free; 0 where none held it.
 
+    Only a record without input, of which nobody said how it starts, may begin with a hand.
+
     The hand is off once the cart has left its farthest point by 3 % of the swing; what came before is the hand's.
     """
+    if not experiment.is_release or experiment.starts != "auto":
+        return 0
     y = experiment.position
     away = np.abs(y - np.median(y[-max(8, y.size // 10) :]))
     top = int(np.argmax(away))
@@ -124,7 +128,7 @@ def lay_out(campaign: Campaign) -> Records:
     runs = list(campaign.experiments)
     labels = tuple(tuple(dict.fromkeys(getattr(e, field) for e in runs)) for field in ("base", "spring", "damper"))
     moving = np.array([starts_in_motion(e) for e in runs])
-    begin = np.array([release_index(e) if m and e.is_release else 0 for e, m in zip(runs, moving, strict=True)], dtype=np.intp)
+    begin = np.array([release_index(e) if m else 0 for e, m in zip(runs, moving, strict=True)], dtype=np.intp)
     return _lay(runs, moving, (labels[0], labels[1], labels[2]), begin, None)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.noise import noise_level
+from stepid.core.noise import noise_level, rms
 from stepid.core.samples import course
 
 _LEAD = 5  # samples before the first change of the input that tell rest from motion
@@ -20,6 +20,7 @@ _SURE = 6.0  # standard errors
 _PERIODS = 3.0  # of the record's swing, which are looked at
 _ROUND = 12  # part of a period in which the speed must be seen in the readings themselves
 _BUSY = 0.05  # share of samples with a new input, above which it changes all the time
+_POOR = 0.3  # of the motion, left by a fit that says nothing about the start
 _FEWEST = 16  # samples
 
 
@@ -86,7 +87,7 @@ def _moves_by_itself(experiment: Experiment, window: int, soon: int, changes: in
     left = y - a / size @ values
     covariance = np.linalg.inv((a / size).T @ (a / size)) * float(left @ left) / free / np.outer(size, size)
     first, slope, push, damping, stiffness = (values / size)[:5] * (1, 1, 1, -1, -1)
-    if not stiffness > 0:
+    if not stiffness > 0 or rms(left) > _POOR * float(np.std(y)):
         return False
     omega, half = float(np.sqrt(stiffness)), 0.5 * float(np.ptp(experiment.position))
     speed, spread = slope - damping * first, float(np.sqrt(covariance[1, 1]))
