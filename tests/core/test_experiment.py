@@ -82,6 +82,7 @@ def test_release_means_no_input_at_all():
         ({"counts_per_meter": np.nan}, "counts_per_meter"),
         ({"input_before": np.nan}, "input_before"),
         ({"input_between": "straight"}, "input_between"),
+        ({"starts": "moving"}, "starts"),
         ({"mass": 1.0}, "mass: Extra"),
     ],
 )
@@ -213,7 +214,7 @@ def test_equality_sees_every_field():
     others = {
         "name": "x", "time": T + 1, "position": T, "input": T, "added_mass": 1.0, "spring": "x", "damper": "x",
         "counts_per_meter": 1.0, "input_before": 1.0, "base": "x",
-        "input_between": "lines",
+        "input_between": "lines", "starts": "motion",
     }  # fmt: skip
     assert others.keys() == Experiment.model_fields.keys()
     for field, value in others.items():

@@ -38,6 +38,7 @@ def experiments(draw: st.DrawFn, name: str | None = None) -> stepid.Experiment:
         input_before=draw(FINITE),
         base=draw(TEXT),
         input_between=draw(st.sampled_from(["held", "lines", "smooth"])),
+        starts=draw(st.sampled_from(["auto", "rest", "motion"])),
     )
 
 
@@ -52,7 +53,8 @@ def campaigns(draw: st.DrawFn) -> stepid.Campaign:
 def test_an_experiment_comes_back(experiment: stepid.Experiment) -> None:
     frame = experiment.to_dataframe()
     assert list(frame) == ["time", "position", "input"]
-    fields = ("name", "added_mass", "spring", "damper", "counts_per_meter", "input_before", "base", "input_between")
+    fields = ("name", "added_mass", "spring", "damper", "counts_per_meter", "base")
+    fields += ("input_before", "input_between", "starts")
     own = {field: getattr(experiment, field) for field in fields}
     assert stepid.Experiment.from_dataframe(frame, **own) == experiment
 
@@ -85,7 +87,9 @@ def test_the_frame_is_a_copy() -> None:
 
 def test_runs_may_be_interleaved_and_columns_left_out() -> None:
     campaign = example.campaign()
-    frame = campaign.to_dataframe().drop(columns=["counts_per_meter", "base", "input_before", "input_between"])
+    frame = campaign.to_dataframe().drop(
+        columns=["counts_per_meter", "base", "input_before", "input_between", "starts"]
+    )
     shuffled = frame.sort_values("time", kind="stable")
     again = stepid.Campaign.from_dataframe(shuffled, name=campaign.name)
     assert [e.name for e in again.experiments] == list(example.RUNS)

@@ -114,10 +114,24 @@ def test_what_comes_before_a_jump_of_the_reading_is_left_out() -> None:
     assert re.search(r"'case 3': the first 3\d\d samples, up to a jump of \d", screened.notes[0])
 
 
-def test_a_run_that_moves_before_its_first_step_is_left_out() -> None:
+def test_a_run_that_moves_before_its_first_step_starts_in_motion() -> None:
     run = WHOLE.experiments[1]
-    late = changed(WHOLE, 1, **{n: getattr(run, n)[30:] for n in ("time", "position")}, input=inputs(-0.5)[:390])
-    screened = screen(late)
+    late = changed(WHOLE, 1, **{n: getattr(run, n)[30:] for n in ("time", "position", "input")}, input_before=-0.5)
+    assert screen(late) == (
+        late,
+        ("Run 'case 2' starts in motion: its initial position and velocity are fitted, too.",),
+    )
+    found = stepid.fit(late)
+    assert found.rms < 1.05 * found.noise
+    assert found.model.runs["case 2"].velocity != 0
+    said = changed(late, 1, starts="motion")
+    assert screen(said) == (said, ())
+
+
+def test_a_run_that_moves_between_its_first_sample_and_its_first_step_is_left_out() -> None:
+    run = WHOLE.experiments[1]
+    level = np.where(run.time > 1.0, run.input, 0.0)  # the step is written down too late
+    screened = screen(changed(WHOLE, 1, input=level))
     assert "in which the cart already moves" in screened.notes[0]
     assert "Run 'case 2'" in screened.notes[0]
 

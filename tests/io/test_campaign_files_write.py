@@ -50,6 +50,8 @@ def test_whole_counts_become_the_raw_export_byte_for_byte(tmp_path):
         ({"counts_per_meter": -226600.0, "position": X / -226600}, ".txt"),
         ({"input_before": 0.25}, ".txt"),
         ({"input_between": "lines"}, ".txt"),
+        ({"starts": "motion"}, ".txt"),
+        ({"starts": "rest", "counts_per_meter": None}, ".csv"),
         ({"input_between": "smooth", "counts_per_meter": None}, ".csv"),
         ({"time": PERIOD * np.arange(7, 107)}, ".txt"),
         ({"time": 0.1 + PERIOD * np.arange(100)}, ".csv"),

@@ -103,6 +103,11 @@ def test_what_inputs_do_between_samples_is_said_for_all_runs_or_one(tables):
         'input_between = "lines"\n' + ABOVE + RUN.format("a") + RUN.format("b") + "input_between = 'held'\n",
     )
     assert [run.input_between for run in read_campaign(tables).experiments] == ["lines", "held"]
+    write(tables / "campaign.toml", 'starts = "motion"\n' + ABOVE + RUN.format("a") + "starts = 'rest'\n")
+    assert [run.starts for run in read_campaign(tables).experiments] == ["rest"]
+    write(tables / "campaign.toml", "starts = true\n" + ABOVE + RUN.format("a"))
+    with pytest.raises(InputError, match=r"starts is True.*\"rest\" or \"motion\""):
+        read_campaign(tables)
     write(tables / "campaign.toml", 'input_between = "straight"\n' + ABOVE + RUN.format("a"))
     with pytest.raises(InputError, match=r"input_between is 'straight'.*\"lines\" \(joined by straight lines\)"):
         read_campaign(tables)

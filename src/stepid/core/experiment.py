@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive, Vector
 from stepid.core.frames import constant, make_frame, split_runs, tidy_frame
-from stepid.core.samples import InputBetween, check_samples
+from stepid.core.samples import InputBetween, Starts, check_samples
 from stepid.core.units import record
 from stepid.errors import InputError
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stepid.core.frames import DataFrame
 
 WEIGHT = 0.5  # kg, one lab weight
-_OPTIONAL = ("base", "counts_per_meter", "input_before", "input_between")  # columns of a campaign's frame
+_OPTIONAL = ("base", "counts_per_meter", "input_before", "input_between", "starts")  # columns of a campaign's frame
 WEIGHT_UNCERTAINTY = 0.005  # kg, how well one lab weight is known (manual: 500 ± 5 g)
 
 
@@ -48,6 +48,9 @@ class Experiment(Model):
     input_between : "held", "lines" or "smooth"
         What the input does between two samples: each value is held until the next (a logged DAC), values are joined by
         straight lines (``scipy.signal.lsim``), or by the cubic spline through all of them.
+    starts : "auto", "rest" or "motion"
+        How the record starts: at rest under `input_before`, or in motion, as a slice of a longer record does. Of one
+        that starts in motion `fit` and `diagnose` fit the initial position and velocity. "auto" looks at the data.
 
     Raises
     ------
@@ -66,6 +69,7 @@ class Experiment(Model):
     input_before: Finite = 0.0
     base: Label = "cart"
     input_between: InputBetween = "held"
+    starts: Starts = "auto"
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -106,6 +110,7 @@ class Experiment(Model):
         input_before: float = 0.0,
         base: str = "cart",
         input_between: InputBetween = "held",
+        starts: Starts = "auto",
     ) -> Self:
         """Make an experiment from a pandas DataFrame (or anything indexed by column name).
 
@@ -113,7 +118,7 @@ class Experiment(Model):
         ----------
         frame : pandas.DataFrame
             One row a sample.
-        name, added_mass, spring, damper, counts_per_meter, input_before, base, input_between
+        name, added_mass, spring, damper, counts_per_meter, input_before, base, input_between, starts
             Fields of `Experiment`.
         time, position, input : str
             Names of the columns.
@@ -139,6 +144,7 @@ class Experiment(Model):
             input_before=input_before,
             base=base,
             input_between=input_between,
+            starts=starts,
         )
 
     def to_dataframe(self) -> DataFrame:
@@ -239,8 +245,8 @@ class Campaign(Model):
         ----------
         frame : pandas.DataFrame
             One row a sample; columns `run`, `time`, `position`, `input`, `added_mass`, `spring`, `damper`
-            and, where they differ from the defaults of `Experiment`, `base`, `counts_per_meter`, `input_before` and
-            `input_between`.
+            and, where they differ from the defaults of `Experiment`, `base`, `counts_per_meter`, `input_before`,
+            `input_between` and `starts`.
         name : str
         weight_uncertainty : float
             kg.
@@ -272,7 +278,7 @@ class Campaign(Model):
         """Return all records as one tidy pandas DataFrame, one row a sample.
 
         Columns: `run`, `time` [s], `position` [m], `input` [V], `added_mass` [kg], `counts_per_meter` (NaN where not
-        known), `input_before` [V], `spring`, `damper`, `base`, `input_between`.
+        known), `input_before` [V], `spring`, `damper`, `base`, `input_between`, `starts`.
 
         Raises
         ------

@@ -54,7 +54,7 @@ def tidy_frame(runs: Sequence[Any]) -> DataFrame:
     for field in ("added_mass", "counts_per_meter", "input_before"):
         values = [getattr(e, field) for e in runs]
         columns[field] = np.repeat([np.nan if value is None else float(value) for value in values], sizes)
-    for field in ("spring", "damper", "base", "input_between"):
+    for field in ("spring", "damper", "base", "input_between", "starts"):
         columns[field] = np.repeat(np.array([getattr(e, field) for e in runs], dtype=object), sizes)
     return make_frame(columns)
 

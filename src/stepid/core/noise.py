@@ -8,6 +8,13 @@ import numpy as np
 
 from stepid.core.base import Array
 
+STILL = 2.5  # counts, less is no motion
+_CLIP = 3.5  # standard deviations, beyond which kinks, jumps and outliers do not count
+_CLIPPED = 1.0023  # what the standard deviation of white noise loses by that, undone
+_WINDOW = 9  # samples that are taken together where noise is told from what is predicted
+_LEAST = 4  # patterns of a window, the quietest, that no swing fills
+_BLOCK = 4 * _WINDOW  # samples in a row that are kept for the test
+_ENOUGH = 6  # windows for each number that is fitted to them
 _ORDER = 6  # a settled ring-down of 11 samples a half period leaves 5e-4 of its swing in sixth differences
 
 
@@ -43,6 +50,93 @@ def noise_level(position: Array, *, resolution: float | None = None) -> float:
     differences = np.diff(position, order)
     spread = 1.4826 * float(np.median(np.abs(differences))) / math.sqrt(math.comb(2 * order, order))
     return max(spread, floor)
+
+
+def clipped_spread(values: Array) -> float:
+    """Standard deviation of values, shape (n,), of which kinks and outliers do not count."""
+    spread = 1.4826 * float(np.median(np.abs(values)))
+    if spread <= 0:
+        spread = float(np.std(values))
+    for _ in range(4):
+        kept = values[np.abs(values) <= _CLIP * spread]
+        spread = rms(kept) * _CLIPPED if kept.size else spread
+    return spread
+
+
+def floor_from_residual(residual: Array, *, parameters: int = 0, resolution: float | None = None) -> float:
+    """Noise floor by the residual of a good fit, for where that lies below the floor read off the records.
+
+    Parameters
+    ----------
+    residual : array, shape (n,)
+        m, measured minus simulated.
+    parameters : int
+        How many were fitted; each takes one degree of freedom.
+    resolution : float or None
+        m per count; the result is not below resolution/√12, the spread of rounding.
+
+    Returns
+    -------
+    float
+        m.
+
+    Notes
+    -----
+    A fit that leaves less than the floor shows that the floor was too high: what it leaves is noise and misfit.
+    """
+    floor = 0.0 if resolution is None else resolution / math.sqrt(12)
+    free = max(residual.size - parameters, 1)
+    return max(clipped_spread(residual) * math.sqrt(residual.size / free), floor)
+
+
+def predicted_noise(position: Array, volts: Array, *, resolution: float | None = None) -> float | None:
+    """Noise that neither the readings around nor the input predict, m: right where the plant swings fast.
+
+    Parameters
+    ----------
+    position : array, shape (n,)
+        m.
+    volts : array, shape (n,)
+        V, of whatever course, at the same samples.
+    resolution : float or None
+        m per count; windows that span no more than `STILL` of it are at rest, and left out.
+
+    Returns
+    -------
+    float or None
+        None where the record is too short.
+
+    Notes
+    -----
+    Windows of nine readings, less what the input in them explains, hold the swing in few patterns (principal axes) and
+    nothing but noise in the others: white noise has the same variance in each. Of a linear plant these are seven; of
+    others the swing fills more, so that the loudest of the four quietest is taken. Patterns come from one half of the
+    record, in blocks, their variance from the other.
+    """
+    y = position - position.mean()
+    size = float(np.std(y))
+    if size <= 0:
+        return None
+    windows = _windows(y)
+    moves = np.ptp(windows, axis=1) > STILL * (resolution or 0.0)
+    predictors = np.concatenate([np.ones((len(windows), 1)), _windows(volts)], axis=1)[moves]
+    if np.count_nonzero(moves) < 2 * _ENOUGH * (predictors.shape[1] + _WINDOW):
+        return None
+    half = (np.arange(len(windows)) // _BLOCK % 2)[moves]
+    square = np.zeros(_WINDOW)
+    for test in (0, 1):
+        there, here = half != test, half == test
+        if np.count_nonzero(there) < _WINDOW:
+            return None
+        factors = np.linalg.lstsq(predictors[there], windows[moves][there], rcond=1e-9)[0]
+        _, _, axes = np.linalg.svd(windows[moves][there] - predictors[there] @ factors, full_matrices=False)
+        square += np.sum(((windows[moves][here] - predictors[here] @ factors) @ axes.T) ** 2, axis=0)
+    return float(np.sqrt(square / half.size)[_WINDOW - _LEAST])
+
+
+def _windows(values: Array) -> Array:
+    out: Array = np.lib.stride_tricks.sliding_window_view(values, _WINDOW)
+    return out
 
 
 def apparent_resolution(position: Array) -> float | None:

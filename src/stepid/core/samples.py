@@ -11,6 +11,9 @@ from stepid.core.base import Array
 InputBetween = Literal["held", "lines", "smooth"]
 """What the input does from each sample to the next: held, joined by straight lines, the cubic spline through all."""
 WAYS: tuple[InputBetween, ...] = ("held", "lines", "smooth")
+Starts = Literal["auto", "rest", "motion"]
+"""How a record starts: as its data show, at rest under the input before it, in motion."""
+STARTS: tuple[Starts, ...] = ("auto", "rest", "motion")
 
 
 def check_samples(time: Array, position: Array, volts: Array, counts_per_meter: float | None) -> None:

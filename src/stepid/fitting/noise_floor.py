@@ -9,11 +9,13 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.noise import rms
+from stepid.core.noise import STILL, clipped_spread, predicted_noise
 from stepid.simulation.records import Records
 
 _ORDER = 8  # of the differences: a swing sampled 12 times a period leaves 1e-5 of itself
-_CLIP = 3.5  # kinks and jumps beyond so many standard deviations do not count
+_FAST = 14.0  # samples of a period, below which differences keep some of the swing
+_BUSY = 0.05  # share of samples with a new input, above which it is in the differences
+_BELOW = 0.75  # of the differences' spread: as much less is not chance
 _FEWEST = 20  # differences that make a spread
 _ALIKE = 0.1  # spread of repeated runs over their motion, beyond which they are no repeats
 _SCATTER = 1.5  # times the sensor's noise, by which repeated runs differ notably
@@ -22,7 +24,7 @@ _SCATTER = 1.5  # times the sensor's noise, by which repeated runs differ notabl
 def _moves(run: Experiment, y: Array) -> npt.NDArray[np.bool_]:
     """Tell for each window of `_ORDER` + 1 samples whether the reading moves by more than its resolution."""
     windows = np.lib.stride_tricks.sliding_window_view(y, _ORDER + 1)
-    moves: npt.NDArray[np.bool_] = np.ptp(windows, axis=1) > 2.5 * (run.resolution or 0.0)
+    moves: npt.NDArray[np.bool_] = np.ptp(windows, axis=1) > STILL * (run.resolution or 0.0)
     return moves
 
 
@@ -72,7 +74,8 @@ def sensor_noise(records: Records) -> float:
     """Standard deviation of the readings' noise, m.
 
     Spread of eighth differences where the cart moves, outliers clipped, not below the resolution's share
-    (resolution/√12). A robust spread of differences sees white noise and cancels the motion.
+    (resolution/√12). A robust spread of differences sees white noise and cancels the motion. Where the input changes
+    all the time or the swing is fast some motion is left in it; what nothing predicts counts there if clearly less.
     """
     values = [_moving_differences(run, int(b)) for run, b in zip(records.runs, records.begin, strict=True)]
     steps = [run.resolution for run in records.runs if run.resolution is not None]
@@ -80,13 +83,32 @@ def sensor_noise(records: Records) -> float:
     d = np.concatenate(values)
     if d.size < _FEWEST:
         return max(least, 1e-12)
-    spread = 1.4826 * float(np.median(np.abs(d)))
-    if spread <= 0:
-        spread = float(np.std(d))
-    for _ in range(4):
-        kept = d[np.abs(d) <= _CLIP * spread]
-        spread = rms(kept) * 1.0023 if kept.size else spread
+    spread = clipped_spread(d)
+    predicted = _predicted(records)
+    if predicted is not None and predicted < _BELOW * spread:
+        spread = predicted
     return max(spread, least, 1e-12)
+
+
+def _predicted(records: Records) -> float | None:
+    """Noise by prediction of the runs that swing fast or whose input changes all the time, m; None without any."""
+    square, count = 0.0, 0
+    for run, piece in zip(records.runs, records.pieces(), strict=True):
+        y, u = records.position[piece], records.volts[piece]
+        if np.count_nonzero(np.diff(u)) <= _BUSY * u.size and _swing(y) > _FAST:
+            continue
+        own = predicted_noise(y, u, resolution=run.resolution)
+        if own is None:
+            return None
+        square, count = square + own**2 * y.size, count + y.size
+    return math.sqrt(square / count) if count else None
+
+
+def _swing(y: Array) -> float:
+    """Samples of a period of the strongest oscillation."""
+    amplitude = np.abs(np.fft.rfft((y - y.mean()) * np.hanning(y.size)))[1:]
+    order = np.arange(1, amplitude.size + 1)
+    return y.size / float(order[np.argmax(amplitude**2 * order)])
 
 
 def repeats(records: Records) -> list[tuple[int, ...]]:

@@ -14,12 +14,14 @@ from stepid.core.units import UNIT, check_speed, check_travel
 from stepid.errors import InputError
 from stepid.fitting.reading_faults import Mask, mend
 from stepid.fitting.record_fault import RecordFault
+from stepid.simulation.starts import starts_in_motion
 
 _LIKE = 0.9  # share of an input change that another must have to be as strong
 _LATE = 4.0  # times the usual time to an answer
 _STILL = 0.005  # of a run's travel: less is no motion
 _LEAD = 10  # samples at rest that are kept before the first step
 _REST = 40  # samples before a step in which a cart at rest does not move
+_FIRST = 8  # samples in which a record that starts in motion moves
 _LEAST = 24  # samples that a run must have after its unusable stretch
 
 
@@ -79,6 +81,11 @@ def screen(campaign: Campaign) -> Screened:
             f"campaign {campaign.name!r}: no run can be used. {' '.join(notes)}",
             "Check that the drive was on and the encoder is the right one, and each run's file; record them again.",
         )
+    notes += [
+        f"Run {run.name!r} starts in motion: its initial position and velocity are fitted, too."
+        for run in kept
+        if run.starts == "auto" and not run.is_release and starts_in_motion(run)
+    ]
     if not notes:
         return Screened(campaign, ())
     wrong = {run.name: mended[run.name].wrong[-run.position.size :] for run in kept if mended[run.name].faults}
@@ -157,12 +164,15 @@ def _from_rest(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
     """Begin each driven run at the first change of its input that it answers, from rest."""
     quiet = {run.name: _quiet(run) for run in runs}
     answers = {run.name: _answers(run, quiet[run.name]) for run in runs}
+    free = {run.name: _begins_in_motion(run) for run in runs}
     lags = sorted(a.lag for some in answers.values() for a in some if a.lag is not None)
     if not lags:
         return runs
     usual = lags[len(lags) // 4]
     moving = [
-        run.name for run in runs if answers[run.name] and _moves_first(run, answers[run.name][0], quiet[run.name])
+        run.name
+        for run in runs
+        if not free[run.name] and answers[run.name] and _moves_first(run, answers[run.name][0], quiet[run.name])
     ]
     if 2 * len(moving) > len(runs):  # not a mistake but what this plant does: something shakes it, or its zero drifts
         moving = []
@@ -209,6 +219,13 @@ def _moves_first(run: Experiment, first: _Answer, quiet: float) -> bool:
     return led.size > 4 and float(np.ptp(led)) > max(quiet, 0.1 * float(np.ptp(run.position)))
 
 
+def _begins_in_motion(run: Experiment) -> bool:
+    """Tell whether a run's initial state is fitted, and it moves from its first samples on."""
+    if run.starts != "auto":
+        return run.starts == "motion"
+    return starts_in_motion(run) and float(np.ptp(run.position[:_FIRST])) > _quiet(run)
+
+
 def _jump(run: Experiment, quiet: float) -> tuple[int, float] | None:
     """Sample and size [m] of a jump near the start that no cart makes: many times any other change of the reading."""
     change = np.abs(np.diff(run.position))
@@ -223,4 +240,4 @@ def _jump(run: Experiment, quiet: float) -> tuple[int, float] | None:
 def _cut(run: Experiment, begin: int, before: float) -> Experiment:
     fields = {name: getattr(run, name) for name in type(run).model_fields}
     arrays = {name: fields[name][begin:] for name in ("time", "position", "input")}
-    return Experiment(**(fields | arrays | {"input_before": before}))
+    return Experiment(**(fields | arrays | {"input_before": before, "starts": "auto"}))

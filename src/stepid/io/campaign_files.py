@@ -45,8 +45,8 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     Keys of the campaign: ``name`` and, optionally, ``weight_uncertainty`` (kg). Keys of a run (``[[experiment]]``):
     ``name``, ``file``, ``added_mass`` (kg), ``spring``, ``damper``, ``counts_per_meter``; optionally ``base``,
     ``encoder``, ``sample_time`` (s), ``step = { level = 0.5, start = 0.0 }`` (V, s) where the file has no Control
-    Effort, ``input_before`` (V), ``input_between`` (``"held"``, ``"lines"``, ``"smooth"``), ``columns`` and
-    ``effort_scale``, as in `read_ecp`. With ``format = "table"``:
+    Effort, ``input_before`` (V), ``input_between`` (``"held"``, ``"lines"``, ``"smooth"``), ``starts`` (``"auto"``,
+    ``"rest"``, ``"motion"``), ``columns`` and ``effort_scale``, as in `read_ecp`. With ``format = "table"``:
     ``file`` or ``files``, ``position`` and, optionally, ``time``, ``input``, ``position_scale``, ``time_scale``,
     ``input_scale``, ``delimiter``, ``decimal``, ``skiprows``, ``start`` and ``stop``, as in `read_table`. Any key of a
     run but ``name``, ``file`` and ``files`` may stand above the runs instead, for all of them; a run's own key wins.
@@ -138,6 +138,8 @@ def _render(campaign: Campaign) -> dict[str, bytes]:
             run["input_before"] = experiment.input_before
         if experiment.input_between != "held":
             run["input_between"] = experiment.input_between
+        if experiment.starts != "auto":
+            run["starts"] = experiment.starts
         stem = f"{number:02d}-" + (re.sub(r"[^a-z0-9]+", "-", experiment.name.lower()).strip("-")[:40] or "run")
         export = render_export(experiment)
         if export is not None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.samples import InputBetween
+from stepid.core.samples import InputBetween, Starts
 from stepid.core.units import check_number
 from stepid.errors import InputError
 from stepid.io.ecp_layout import COMMANDED, EFFORT, SAMPLE, TIME, Export, encoder_column, parse_export, repeats
@@ -37,6 +37,7 @@ def read_ecp(
     input: InputValues | None = None,
     input_before: float = 0.0,
     input_between: InputBetween = "held",
+    starts: Starts = "auto",
     sample_time: float | None = None,
     columns: Sequence[str] | None = None,
     effort_scale: float | None = None,
@@ -67,6 +68,8 @@ def read_ecp(
         V, before the first sample.
     input_between : "held", "lines" or "smooth"
         What the input does between two samples, as in `Experiment`; the program's own is held.
+    starts : "auto", "rest" or "motion"
+        How the record starts, as in `Experiment`.
     sample_time : float, optional
         s; by default the least-squares slope of Time on Sample.
     columns : sequence of str, optional
@@ -103,6 +106,7 @@ def read_ecp(
         input=input,
         input_before=input_before,
         input_between=input_between,
+        starts=starts,
         sample_time=sample_time,
         effort_scale=effort_scale,
     )
@@ -122,6 +126,7 @@ def export_experiment(
     input: InputValues | None,
     input_before: float,
     input_between: InputBetween = "held",
+    starts: Starts = "auto",
     sample_time: float | None,
     effort_scale: float | None,
 ) -> Experiment:
@@ -164,6 +169,7 @@ def export_experiment(
             counts_per_meter=float(counts_per_meter),
             input_before=input_before,
             input_between=input_between,
+            starts=starts,
             base=base,
         )
     except InputError as error:

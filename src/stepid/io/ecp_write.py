@@ -80,6 +80,7 @@ def _reads_back(text: str, period: float, experiment: Experiment) -> bool:
             input=None,
             input_before=experiment.input_before,
             input_between=experiment.input_between,
+            starts=experiment.starts,
             sample_time=period,
             effort_scale=None,
         )

@@ -17,6 +17,7 @@ from stepid.io.manifest_values import (
     check_number,
     check_positive,
     check_scale,
+    check_starts,
     check_step,
     check_text,
 )
@@ -35,6 +36,7 @@ SHARED: Mapping[str, Check] = {
     "counts_per_meter": check_scale,
     "input_before": check_number,
     "input_between": check_between,
+    "starts": check_starts,
     "sample_time": check_positive,
     "step": check_step,
     "file": check_text,

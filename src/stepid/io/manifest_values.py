@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from stepid.core.samples import WAYS
+from stepid.core.samples import STARTS, WAYS
 from stepid.io.step_input import StepInput
 
 Check = Callable[[object], object]
@@ -102,4 +102,11 @@ def check_between(value: object) -> str:
     """What an input does between two samples."""
     if value not in WAYS:
         raise WantedError('"held" (the default), "lines" (joined by straight lines) or "smooth" (a cubic spline)')
+    return str(value)
+
+
+def check_starts(value: object) -> str:
+    """How a record starts."""
+    if value not in STARTS:
+        raise WantedError('"auto" (the default: as the data show), "rest" or "motion"')
     return str(value)

@@ -10,7 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.samples import InputBetween
+from stepid.core.samples import InputBetween, Starts
 from stepid.core.units import check_number, check_release, check_scales, in_si
 from stepid.errors import InputError
 from stepid.io.delimited import Layout, Table, join_tables, parse_table
@@ -39,6 +39,7 @@ def read_table(
     counts_per_meter: float | None = None,
     input_before: float = 0.0,
     input_between: InputBetween = "held",
+    starts: Starts = "auto",
     delimiter: str | None = None,
     decimal: str = ".",
     skiprows: int = 0,
@@ -82,6 +83,8 @@ def read_table(
         V, before the first sample.
     input_between : "held", "lines" or "smooth"
         What the input does between two rows, as in `Experiment`.
+    starts : "auto", "rest" or "motion"
+        How the record starts, as in `Experiment`.
     delimiter : str, optional
         What separates columns; by default a tab, semicolon, comma or blanks, whichever is found first in this order.
     decimal : str
@@ -139,6 +142,7 @@ def read_table(
             input_before=input_before,
             base=base,
             input_between=input_between,
+            starts=starts,
         )
     except InputError as error:
         raise InputError(f"{where}: {error.cause}", error.remedy) from None

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.samples import InputBetween, course
+from stepid.simulation.starts import starts_in_motion
 
 Index = npt.NDArray[np.intp]
 _HELD = 8  # samples near the farthest point that a free swing hardly stays
@@ -125,18 +126,15 @@ class Records:
         return replace(self, weight=weight)
 
 
-def starts_in_motion(experiment: Experiment) -> bool:
-    """Tell whether a record starts in motion: its motion comes from no input that the record shows."""
-    if not experiment.is_release:
-        return False
-    return bool(np.ptp(experiment.position) > 0)
-
-
 def release_index(experiment: Experiment) -> int:
     """Index of the first sample at which a cart that a hand pulled or held is surely free; 0 where none held it.
 
+    Only a record without input, of which nobody said how it starts, may begin with a hand.
+
     The hand is off once the cart has left its farthest point by 3 % of the swing; what came before is the hand's.
     """
+    if not experiment.is_release or experiment.starts != "auto":
+        return 0
     y = experiment.position
     away = np.abs(y - np.median(y[-max(8, y.size // 10) :]))
     top = int(np.argmax(away))

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from stepid.core.arguments import as_experiment
 from stepid.core.experiment import Experiment
-from stepid.core.samples import InputBetween
+from stepid.core.samples import InputBetween, Starts
 from stepid.errors import InputError
 
 if TYPE_CHECKING:
@@ -71,6 +71,7 @@ def from_time_response(
     input_before: float = 0.0,
     base: str = "cart",
     input_between: InputBetween = "held",
+    starts: Starts = "auto",
 ) -> Experiment:
     """Make an experiment of python-control's response data.
 
@@ -78,7 +79,7 @@ def from_time_response(
     ----------
     data : control.TimeResponseData
         Of any of control's simulations, in SI units; time must be uniform. Data without an input are a free release.
-    name, added_mass, spring, damper, counts_per_meter, input_before, base, input_between
+    name, added_mass, spring, damper, counts_per_meter, input_before, base, input_between, starts
         Fields of `Experiment`. ``control.forced_response`` joins the input of a continuous system by lines.
     output, input, trace : int or str, optional
         Which to take, by number or label; needed where there are several.
@@ -121,6 +122,7 @@ def from_time_response(
         input_before=input_before,
         base=base,
         input_between=input_between,
+        starts=starts,
     )
 
 

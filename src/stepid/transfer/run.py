@@ -13,7 +13,7 @@ from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.samples import course
 from stepid.errors import ConvergenceError, InputError
-from stepid.simulation.records import release_index, starts_in_motion
+from stepid.simulation.records import release_index
 from stepid.transfer.linear import sampled
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def simulate_system(
     name = system.name
     if isinstance(system, control.LTI):
         system = control.ss(system)  # a transfer function has no states to begin in
-    begin = release_index(run) if starts_in_motion(run) else 0
+    begin = release_index(run)
     volts = run.input[begin:]
     time: Array = run.sample_time * np.arange(begin, run.input.size, dtype=np.float64)
     start: Array = np.zeros(system.nstates) if initial_state is None else np.asarray(initial_state, dtype=np.float64)
