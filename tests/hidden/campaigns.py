@@ -16,7 +16,7 @@ import stepid
 
 from .draw import Setup, choose_kind, draw_effect, draw_setup
 from .linear_fit import linear_fit
-from .outside import apply_outside, ripple
+from .outside import DRIVEN_OUTSIDE, apply_outside, ripple
 from .plant import DRY, Run
 from .readings import balance, experiments, misfit, simulate
 
@@ -118,7 +118,8 @@ class _Draft:
 
 def _open(request: Request) -> _Draft:
     rng = np.random.default_rng([request.seed, 1])
-    kind = request.kind or choose_kind(rng, request.effects)
+    needs = ("actuator_lag",) if request.outside in DRIVEN_OUTSIDE else ()  # nothing shows in a release
+    kind = request.kind or choose_kind(rng, (*request.effects, *needs))
     setup = draw_setup(rng, kind)
     target = float(np.exp(rng.uniform(0, np.log(100)))) if request.r0 is None else request.r0
     counting = bool(rng.random() < 0.25)
