@@ -1,6 +1,6 @@
-"""Smooth laws that the catalogue has no word for: a force from position, velocity, time, drive and two states of its own.
+"""Laws that the catalogue has no word for: a force from position, velocity, time, drive and two states of its own.
 
-Each is zero where the plant rests before its record, but for those in time. `SEEN_LAWS` may be looked at while the
+Each is zero where the plant rests before its record, but for those in time. `SEEN_NEW` may be looked at while the
 diagnosis is developed; the others are held back until the end.
 """
 
@@ -228,9 +228,7 @@ def _draw_more(
         return Law(name, (capped(0.01 + 0.05 * a, 0.25) * q.push, low, (high - low) / q.lasts, phase), high)
     if name == "viscous_pad":
         width = (0.03 + 0.07 * c) * q.reach
-        return Law(
-            name, (capped(0.3 + a, 5.0) * q.damping, (0.5 + 0.5 * b) * q.reach, width), 0.5 * q.speed / width
-        )
+        return Law(name, (capped(0.3 + a, 5.0) * q.damping, (0.5 + 0.5 * b) * q.reach, width), 0.5 * q.speed / width)
     if name == "speed_droop":
         return Law(name, (capped(0.1 + 0.4 * a, 0.8) / q.speed,))
     if name == "fringe_field":
@@ -245,7 +243,13 @@ def _draw_more(
 
 
 def by_sample(
-    name: str, size: int, period: float, q: Scale, strength: float, common: np.random.Generator, own: np.random.Generator
+    name: str,
+    size: int,
+    period: float,
+    q: Scale,
+    strength: float,
+    common: np.random.Generator,
+    own: np.random.Generator,
 ) -> dict[str, np.ndarray]:
     """Fields of a `Run`, sample by sample, for the laws that go on in time."""
     share, part = float(common.random()), np.arange(size) / size

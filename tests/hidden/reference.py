@@ -74,7 +74,8 @@ class _Scalar:
         run, x, v = self.run, float(y[0]), float(y[1])
         k = run.stiffness * self.scale_k
         drive = float(y[6]) if self.tau else self.wanted(t)
-        force = drive + self.held - run.damping * self.scale_c * v * (1 + run.get("position_dependent_damping", "slope") * x)
+        drag = run.damping * self.scale_c * (1 + run.get("position_dependent_damping", "slope") * x)
+        force = drive + self.held - drag * v
         force -= run.get("quadratic_damping", "coefficient") * v * abs(v)
         force -= k * (x - self.mode.side * self.gap) if self.mode.side or not self.gap else 0.0
         force -= (
