@@ -60,6 +60,7 @@ class _Scalar:
         self.mode.side = 0 if abs(x) <= self.gap else (1 if x > 0 else -1)
         self.mode.stopped = bool(self.stop and (x - self.stop) * self.stop > 0)
         self.mode.sign = 1 if v > 0 else -1 if v < 0 else 0
+        self.mode.bristle = self.mode.sign  # fresh bristles bend the way the cart moves
 
     def follow(self, begin: float, curve: Curve) -> None:
         self.target, self.since = float(curve[0]), begin
