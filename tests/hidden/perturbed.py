@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -34,11 +34,13 @@ class Perturbed:
     readings: list[np.ndarray]
     missing: list[np.ndarray]
     cost: float  # RMS that no linear plant with the true effect takes up, m
+    alone: dict[str, float]  # the same of each kind alone
     cut: tuple[float, float] | None  # where a hand holds: cost, and linear misfit, of what comes after the release
 
     def truth(self, floor: float, linear: float) -> dict[str, Any]:
         after = floor**2 + self.cost**2
-        told = {"r0_perturbation": float(np.sqrt(after) / floor)}
+        told: dict[str, Any] = {"r0_perturbation": float(np.sqrt(after) / floor)}
+        told["r0_kinds"] = {k: float(np.hypot(cost, floor) / floor) for k, cost in self.alone.items()}
         if self.cut is not None:  # whoever knows of the hold sets it aside
             after = floor**2 + self.cut[0] ** 2
             linear = float(np.hypot(floor, self.cut[1]))
@@ -47,13 +49,13 @@ class Perturbed:
         return told | {"perturbations": perturbations, "share": float(1 - after / linear**2)}
 
 
-def perturb(draft: Draft, attempt: int) -> Perturbed:
-    """The readings of a settled draft with its perturbations, which `attempt` draws anew."""
+def perturb(draft: Draft, attempt: int, only: str | None = None) -> Perturbed:
+    """The readings of a settled draft with its perturbations (or `only` one), which `attempt` draws anew."""
     kinds, setup = draft.request.perturb, draft.setup
-    sizes = {k: draw(k, draft.stream(7, attempt, i), setup) for i, k in enumerate(kinds)}
-    runs, off = draft.runs(), {k: [] for k in kinds}
+    sizes = {k: draw(k, draft.stream(7, attempt, i), setup) for i, k in enumerate(kinds) if only in (None, k)}
+    runs, off = draft.runs(), {k: [] for k in sizes}
     for j, slot in enumerate(setup.slots):
-        for i, kind in enumerate(kinds):
+        for i, kind in _numbered(kinds, sizes):
             own = draft.stream(8, attempt, i, j)
             off[kind].append(float(own_size(kind, sizes[kind], own, slot.inputs)))
             runs[j] = on_run(kind, sizes[kind], off[kind][j], runs[j], setup, own)
@@ -64,7 +66,7 @@ def perturb(draft: Draft, attempt: int) -> Perturbed:
             x = ripple(x, setup, draft.strength["outside"], draft.stream(4))
         lost = np.zeros(x.size, bool)
         free.append(x)
-        for i, kind in enumerate(kinds):
+        for i, kind in _numbered(kinds, sizes):
             own = draft.stream(9, attempt, i, j)
             x = on_reading(kind, sizes[kind], off[kind][j], x, setup, draft.sigma, own)
             lost |= gone(kind, sizes[kind], slot.inputs, own)
@@ -72,8 +74,14 @@ def perturb(draft: Draft, attempt: int) -> Perturbed:
             x, lost = changes.repeated(x, lost), np.zeros(x.size, bool)
         readings.append(np.asarray(x))
         missing.append(lost)
-    cut = (_cost(draft, free), misfit(draft, free)) if set(kinds) & set(HOLDS) else None
-    return Perturbed(sizes, off, readings, missing, _cost(draft, readings), cut)
+    cost = _cost(draft, readings)
+    alone = {k: cost if len(sizes) == 1 else perturb(draft, attempt, k).cost for k in sizes}
+    cut = (_cost(draft, free), misfit(draft, free)) if set(sizes) & set(HOLDS) else None
+    return Perturbed(sizes, off, readings, missing, cost, alone, cut)
+
+
+def _numbered(kinds: Sequence[str], some: Iterable[str]) -> list[tuple[int, str]]:
+    return [(i, kind) for i, kind in enumerate(kinds) if kind in some]
 
 
 def _linear(draft: Draft, factors: dict[str, float]) -> np.ndarray:
