@@ -3,10 +3,13 @@
     python benchmarks/diagnosis.py --page docs/diagnosis-benchmark.md        the whole benchmark, and its page
     python benchmarks/diagnosis.py --single 40 --none 20 --pairs 5 --outside 5      a smoke run
     python benchmarks/diagnosis.py --practice FOLDER                       campaigns in files, answers.json beside them
+    python benchmarks/diagnosis.py --set triples=60 --set perturbed-none=300 --salt HASH --lines FILE
+                                                     any sets, one at a time; then benchmarks/score_perturbed.py FILE
 
 The campaigns come from the hidden simulator in tests/hidden, which shares no code with the package. --skip leaves out
 more of the first campaigns of each set: a fresh draw that nobody has developed against. Each failure is listed with its
-number in its set: `hidden.sets.one(SET, NUMBER)` makes it again.
+number in its set: `hidden.sets.one(SET, NUMBER, SALT)` makes it again. With --salt, seeds are made from SHA-256 of salt,
+set and number, so that the hash of a commit can draw campaigns that nobody has seen.
 """
 
 from __future__ import annotations
@@ -19,7 +22,6 @@ import argparse
 import json
 import pickle
 import sys
-import time
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
@@ -27,86 +29,19 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "benchmarks")]
 
+import one_by_one  # noqa: E402
 import page  # noqa: E402
 import practice  # noqa: E402
 import score  # noqa: E402
-import stepid  # noqa: E402
-from hidden.sets import SETS, cached  # noqa: E402
+import score_perturbed  # noqa: E402
+from hidden.sets import LEGACY, cached  # noqa: E402
+from record import Case, diagnose_case  # noqa: E402
 
-Case = tuple[str, stepid.Campaign, dict[str, Any]]
 COUNTS = {"single": 400, "none": 200, "pairs": 100, "outside": 56, "new": 0}
 FIRST = {"pairs": 460}  # those before were developed against
-
-
-def diagnose_case(case: Case, *, twins: bool = True) -> dict[str, Any]:
-    """One plain record: truth, answer, gap, parameters, time."""
-    which, campaign, truth = case
-    record: dict[str, Any] = {
-        "set": which,
-        "name": campaign.name,
-        "number": truth.get("number", truth["seed"]),
-        "kind": truth["kind"],
-        "runs": len(campaign.experiments),
-        "truth": list(truth["effects"]),
-        "outside": truth["outside"],
-        "r0": truth["r0"],
-        "noise": truth["noise_rms"],
-        "variants": list(truth["variants"]),
-        "true_parameters": truth["parameters"],
-    }
-    start, cpu = time.perf_counter(), time.process_time()
-    try:
-        d = stepid.diagnose(campaign)
-    except Exception as error:  # the benchmark reports every failure, also those that nobody foresaw
-        record |= {"seconds": time.process_time() - cpu, "waited": time.perf_counter() - start}
-        return record | {"error": f"{type(error).__name__}: {error}"}
-    record |= {
-        "seconds": time.process_time() - cpu,  # one thread: what it takes where nobody else computes
-        "waited": time.perf_counter() - start,
-        "verdict": d.verdict,
-        "effects": list(d.effects),
-        "alternatives": [list(a) for a in d.alternatives],
-        "before": d.gap.before,
-        "after": d.gap.after,
-        "told_noise": d.gap.noise,
-        "held_out_after": d.gap.held_out_after,
-        "parameters": {name: (e.value, e.uncertainty) for name, e in d.parameters.items()},
-        "next_experiment": None if d.next_experiment is None else str(d.next_experiment),
-    }
-    if twins and record["truth"] and truth["r0"] >= 2 and not (score.first_right(record) and d.verdict == "named"):
-        record["twins"] = find_twins(campaign, truth, record)
-        record["inseparable"] = bool(record["twins"])
-    return record
-
-
-def find_twins(campaign: stepid.Campaign, truth: dict[str, Any], record: dict[str, Any]) -> list[list[str]]:
-    """Answers that, fitted to data made from the truth without noise, leave Δχ² < 10: nobody can tell them apart."""
-    if "exact" not in truth:
-        return []
-    clean = stepid.Campaign(
-        name=campaign.name,
-        experiments=tuple(
-            e.model_copy(update={"position": np.asarray(x), "counts_per_meter": None})
-            for e, x in zip(campaign.experiments, truth["exact"], strict=True)
-        ),
-    )
-    total = sum(e.time.size for e in campaign.experiments)
-    twins = []
-    for other in {tuple(record["effects"]), *map(tuple, record["alternatives"])}:
-        if set(other) == set(truth["effects"]) or not other:
-            continue
-        try:
-            left = stepid.fit(clean, effects=other).rms
-        except Exception:  # what cannot be fitted is no twin, and loses no other case
-            continue
-        if total * left**2 / truth["noise_rms"] ** 2 < 10:
-            twins.append(list(other))
-    return twins
 
 
 def gather(args: argparse.Namespace) -> list[Case]:
@@ -117,7 +52,7 @@ def gather(args: argparse.Namespace) -> list[Case]:
         return [(file.stem, c, t) for file in args.load for c, t in pickle.loads(file.read_bytes())]
     cases: list[Case] = []
     with ProcessPoolExecutor(args.jobs) if args.jobs > 1 else nullcontext() as executor:
-        for which in SETS:
+        for which in LEGACY:
             count = getattr(args, which)
             told = partial(_tell, f"making {which}", count)
             skip = args.skip + FIRST.get(which, 0)
@@ -148,7 +83,7 @@ def collect(results: Iterable[dict[str, Any]], total: int) -> list[dict[str, Any
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    for which in SETS:
+    for which in LEGACY:
         parser.add_argument(f"--{which}", type=int, default=COUNTS[which], metavar="N")
     parser.add_argument("--skip", type=int, default=0, metavar="N", help="leave out N campaigns more of each set")
     parser.add_argument("--jobs", type=int, default=1, help="processes; times are only fair with a core for each")
@@ -158,7 +93,18 @@ def main() -> None:
     parser.add_argument("--only", help="only campaigns whose name contains this")
     parser.add_argument("--json", type=Path, help="write every record and score here")
     parser.add_argument("--page", type=Path, help="write the Markdown page here")
+    parser.add_argument("--set", type=one_by_one.wanted, action="append", metavar="NAME=N", help="N campaigns of a set")
+    parser.add_argument("--salt", default="", help="what the seeds of --set are made from")
+    parser.add_argument("--first", type=int, default=0, metavar="N", help="number of the first campaign of each --set")
+    parser.add_argument(
+        "--lines", type=Path, help="a JSON line for each campaign of --set; what is in it is not run again"
+    )
     args = parser.parse_args()
+    if args.set:
+        tasks = [(which, args.first + i, args.salt) for which, count in args.set for i in range(count)]
+        told = partial(_tell, "diagnosing", len(tasks))
+        print(score_perturbed.report(one_by_one.run(tasks, args.lines, args.jobs, told)))
+        return
     cases = [c for c in gather(args) if not args.only or args.only in c[1].name]
     if cases:  # imports and caches are not the diagnosis's time
         diagnose_case(cases[0], twins=False)

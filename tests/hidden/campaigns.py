@@ -16,9 +16,10 @@ import stepid
 
 from .draw import Setup, choose_kind, draw_effect, draw_setup
 from .linear_fit import linear_fit
-from .outside import apply_outside, ripple
+from .outside import DRIVEN_OUTSIDE, apply_outside, ripple
+from .perturbed import TRIES, Perturbed, clear, louder, perturb
 from .plant import DRY, Run
-from .readings import balance, experiments, misfit, simulate
+from .readings import balance, experiments, misfit, simulate, without
 
 ROUNDS = 6
 HEAVIEST = 0.05  # noise RMS over static displacement
@@ -33,10 +34,12 @@ class Request:
     outside: str | None = None
     r0: float | None = None
     kind: str | None = None
+    perturb: tuple[str, ...] = ()
+    number: int | None = None  # in its set
 
 
 @dataclass
-class _Draft:
+class Draft:
     request: Request
     setup: Setup
     target: float
@@ -116,9 +119,10 @@ class _Draft:
         return self.step / np.sqrt(12)
 
 
-def _open(request: Request) -> _Draft:
+def _open(request: Request) -> Draft:
     rng = np.random.default_rng([request.seed, 1])
-    kind = request.kind or choose_kind(rng, request.effects)
+    needs = ("actuator_lag",) if request.outside in DRIVEN_OUTSIDE else ()  # nothing shows in a release
+    kind = request.kind or choose_kind(rng, (*request.effects, *needs))
     setup = draw_setup(rng, kind)
     target = float(np.exp(rng.uniform(0, np.log(100)))) if request.r0 is None else request.r0
     counting = bool(rng.random() < 0.25)
@@ -141,12 +145,12 @@ def _open(request: Request) -> _Draft:
         variants.append("settled")
     if odd and "periodic_disturbance" in request.effects and kind != "release" and len(request.effects) == 1:
         variants.append("ripple before")
-    draft = _Draft(request, setup, max(target, 1.0), counting, wish, spread, tuple(variants))
+    draft = Draft(request, setup, max(target, 1.0), counting, wish, spread, tuple(variants))
     draft.strength = dict.fromkeys((*request.effects, "outside"), 1.0)
     return draft
 
 
-def _decide(draft: _Draft, last: bool) -> None:
+def _decide(draft: Draft, last: bool) -> None:
     """Accept the draft with the noise that gives the wanted r0, or change the strength for another round."""
     ratio = max(np.sqrt(draft.target**2 - 1), 0.1)
     sigma = draft.misfit / ratio
@@ -165,11 +169,11 @@ def _decide(draft: _Draft, last: bool) -> None:
         draft.strength[name] *= float(np.clip(off, 1 / 300, 8))
 
 
-def _finish(draft: _Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
+def _finish(draft: Draft, perturbed: Perturbed | None = None) -> tuple[stepid.Campaign, dict[str, Any]]:
     s, request = draft.setup, draft.request
     noise = np.sqrt(max(draft.sigma**2 - draft.rounding**2, 0.0))
     positions, rests = [], []
-    for i, x in enumerate(draft.readings):
+    for i, x in enumerate(draft.readings if perturbed is None else perturbed.readings):
         own = draft.stream(6, i)
         rest = own.uniform(-45, 45) * draft.step
         counts = np.round((x + rest + noise * own.standard_normal(x.size)) / draft.step) * np.sign(s.counts_per_meter)
@@ -179,8 +183,11 @@ def _finish(draft: _Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
     found = linear_fit(made, base_mass={"cart": s.base_mass}, stiffness=s.stiffness, damping=s.damping)
     hidden = request.effects if not request.outside else (*request.effects, request.outside)
     name = f"{'+'.join(hidden) or 'none'} {request.seed}"
+    if perturbed is not None:
+        made, refused = without(made, perturbed.missing)
     truth = {
         "seed": request.seed,
+        "number": request.number,
         "kind": s.kind,
         "effects": request.effects,
         "outside": request.outside,
@@ -198,15 +205,35 @@ def _finish(draft: _Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
         "starts": [float(r.start) for r in draft.runs()],
         "phases": [r.phase for r in draft.runs()],
     }
+    if perturbed is not None:
+        truth |= perturbed.truth(draft.sigma, found.rms) | {"refused": refused}
     return stepid.Campaign(name=name, experiments=tuple(made)), truth
+
+
+def _finish_perturbed(draft: Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
+    single = bool(draft.request.effects) and not draft.request.outside
+    for attempt in range(TRIES):
+        campaign, truth = _finish(draft, perturb(draft, attempt))
+        if not single or clear(truth):
+            return campaign, truth | {"qualified": True}
+    again = louder(draft.request)
+    if again is None:
+        return campaign, truth | {"qualified": False}
+    return _finish_perturbed(_settled([again])[0])
 
 
 def make_campaigns(requests: Sequence[Request]) -> list[tuple[stepid.Campaign, dict[str, Any]]]:
     """Campaigns and truths of all requests; simulated together because width is cheap."""
+    return [_finish_perturbed(d) if d.request.perturb else _finish(d) for d in _settled(requests)]
+
+
+def _settled(requests: Sequence[Request]) -> list[Draft]:
+    """Drafts with their noise and strengths."""
     drafts = [_open(r) for r in requests]
-    pairs = [d for d in drafts if len(d.request.effects) == 2]
-    if pairs:
-        balance(pairs)
+    for count in (2, 3):
+        some = [d for d in drafts if len(d.request.effects) == count]
+        if some:
+            balance(some)
     for number in range(ROUNDS):
         waiting = [d for d in drafts if not d.done]
         if not waiting:
@@ -218,7 +245,7 @@ def make_campaigns(requests: Sequence[Request]) -> list[tuple[stepid.Campaign, d
                 continue
             draft.misfit = misfit(draft, readings)
             _decide(draft, number == ROUNDS - 1)
-    return [_finish(d) for d in drafts]
+    return drafts
 
 
 def make_campaign(

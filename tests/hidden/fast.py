@@ -59,6 +59,8 @@ def micro_steps(run: Run, fineness: float = FINENESS) -> int:
         rates.append(max(slowest, 0.05 * 32 / run.sample_time if p < 2 else 0.0))
     if run.sticky is not None:
         rates.append(speed / run.sticky[2])
+    if run.law is not None:
+        rates.append(0.2 * run.law.rate)
     if "actuator_lag" in run.effects:
         rates.append(0.3 / run.get("actuator_lag", "time_constant"))
     rates.append(np.sqrt(stiff / m))
@@ -203,6 +205,7 @@ def _bucket(runs: Sequence[Run], steps: int) -> list[np.ndarray]:
         ("held_force", 0.0, "held"),
         ("stiffness_scale", 1.0, "scale_k"),
         ("mass_scale", 1.0, "scale_m"),
+        ("damping_scale", 1.0, "scale_c"),
     ):
         if any(getattr(r, name) is not None for r in runs):
             extras[into] = _table(

@@ -38,7 +38,7 @@ def unit_response(mass: float, stiffness: float, damping: float, force: np.ndarr
     return np.asarray(lfilter([0.0, first, second], [1.0, -trace, determinant], force))
 
 
-def _free_response(mass: float, stiffness: float, damping: float, times: np.ndarray) -> np.ndarray:
+def free_response(mass: float, stiffness: float, damping: float, times: np.ndarray) -> np.ndarray:
     decay = damping / (2 * mass)
     rate = np.sqrt(complex(stiffness / mass - decay**2)) or 1e-12
     fall = np.exp(-decay * times)
@@ -77,7 +77,7 @@ def linear_fit(
         for e, y, free in zip(experiments, measured, moving, strict=True):
             plant = (m[e.base] + e.added_mass, k[e.spring], c[e.damper])
             if free:
-                columns = np.column_stack([np.ones(y.size), _free_response(*plant, e.sample_time * np.arange(y.size))])
+                columns = np.column_stack([np.ones(y.size), free_response(*plant, e.sample_time * np.arange(y.size))])
                 basis, _ = np.linalg.qr(columns)
                 left.append(y - basis @ (basis.T @ y))
                 driven.append(np.zeros(y.size))

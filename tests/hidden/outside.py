@@ -7,15 +7,25 @@ from dataclasses import replace
 import numpy as np
 
 from .draw import Setup
+from .laws import BY_SAMPLE, NEED_DRIVE, NEW_LAWS, SEEN_NEW, by_sample, draw_law, scale_of
 from .plant import Run
 
 OUTSIDE = ("bump", "parameter_jump", "mass_loss", "square_wave", "sensor_ripple", "sticky_spot", "fading_drive")
+SEEN_OUTSIDE = (*OUTSIDE, *SEEN_NEW)
+NEW_OUTSIDE = tuple(name for name in NEW_LAWS if name not in SEEN_NEW)
+EVERY_OUTSIDE = (*SEEN_OUTSIDE, *NEW_OUTSIDE)
+DRIVEN_OUTSIDE = NEED_DRIVE
 
 
 def apply_outside(
     name: str, run: Run, setup: Setup, strength: float, common: np.random.Generator, own: np.random.Generator
 ) -> Run:
     """`run` with the disturbance; `common` draws what the campaign shares, `own` what differs from run to run."""
+    if name in BY_SAMPLE:
+        fields = by_sample(name, run.size, run.sample_time, scale_of(setup), strength, common, own)
+        return replace(run, **fields)
+    if name in NEW_LAWS:
+        return replace(run, law=draw_law(name, scale_of(setup), strength, common, own))
     n, push = run.size, setup.stiffness["medium"] * setup.reach
     if name == "bump":  # a hand touches the cart once, in about half of the runs
         force = np.zeros(n)

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
+from .laws import Law
+
 GRAVITY = 9.81
 Effects = Mapping[str, Mapping[str, float]]
 NAMES = (
@@ -50,8 +52,8 @@ class Run:
 
     `inputs[i]` is held from sample i to i+1, or joined to the next one by a line ("straight") or by the cubic spline
     through all of them ("smooth"). `position` is counted from where the plant rests under `input_before` (with
-    `settled`, motor ripple included; without, the spring's own rest). Four fields are outside the catalogue: a force
-    held over each sample, factors on stiffness and mass by sample, a patch of sticky guide.
+    `settled`, motor ripple included; without, the spring's own rest). Six fields are outside the catalogue: a force
+    held over each sample, factors on stiffness, mass and damping by sample, a law, a patch of sticky guide.
     """
 
     mass: float
@@ -69,6 +71,8 @@ class Run:
     held_force: np.ndarray | None = None
     stiffness_scale: np.ndarray | None = None
     mass_scale: np.ndarray | None = None
+    damping_scale: np.ndarray | None = None
+    law: Law | None = None
     sticky: tuple[float, float, float] | None = None  # extra level N, center m, half width m
     input_between: str = "held"
 

@@ -15,7 +15,7 @@ from .plant import Run
 from .reference import reference
 
 if TYPE_CHECKING:
-    from .campaigns import _Draft as Draft
+    from .campaigns import Draft
 
 CHEAP = 8  # micro-steps a sample
 
@@ -45,7 +45,7 @@ def misfit(draft: Draft, readings: Sequence[np.ndarray]) -> float:
     return found.rms
 
 
-def _positions(runs: Sequence[Run]) -> list[np.ndarray]:
+def positions(runs: Sequence[Run]) -> list[np.ndarray]:
     """Each run by the route that is cheaper for it, whatever its company: width is free only in few micro-steps."""
     out: list[np.ndarray] = [np.empty(0)] * len(runs)
     wide = [j for j, r in enumerate(runs) if micro_steps(r) <= CHEAP]
@@ -73,7 +73,7 @@ def simulate(drafts: Sequence[Draft], only: Sequence[Sequence[str] | None]) -> l
 
 def _simulated(drafts: Sequence[Draft], only: Sequence[Sequence[str] | None]) -> list[list[np.ndarray]]:
     runs = [d.runs(o) for d, o in zip(drafts, only, strict=True)]
-    flat = _positions([r for some in runs for r in some])
+    flat = positions([r for some in runs for r in some])
     out, at = [], 0
     for draft, some in zip(drafts, runs, strict=True):
         out.append([draft.read(r, flat[at + i], i) for i, r in enumerate(some)])
@@ -82,16 +82,27 @@ def _simulated(drafts: Sequence[Draft], only: Sequence[Sequence[str] | None]) ->
 
 
 def balance(drafts: Sequence[Draft]) -> None:
-    """Of two effects, neither may hide behind the other: misfits alone within a factor of three."""
+    """Of several effects, none may hide behind another: misfits alone within a factor of three of the largest."""
     alone: dict[int, list[float]] = {id(d): [] for d in drafts}
-    for which in (0, 1):
+    for which in range(len(drafts[0].request.effects)):
         only = [(d.request.effects[which],) for d in drafts]
         for draft, readings in zip(drafts, simulate(drafts, only), strict=True):
             alone[id(draft)].append(misfit(draft, readings))
     for draft in drafts:
-        one, two = (max(m, 1e-9) for m in alone[id(draft)])
-        first, second = draft.request.effects
-        if one > draft.spread * two:
-            draft.strength[second] *= min(one / two / draft.spread, 8.0)
-        elif two > draft.spread * one:
-            draft.strength[first] *= min(two / one / draft.spread, 8.0)
+        sizes = [max(m, 1e-9) for m in alone[id(draft)]]
+        for name, size in zip(draft.request.effects, sizes, strict=True):
+            if max(sizes) > draft.spread * size:
+                draft.strength[name] *= min(max(sizes) / size / draft.spread, 8.0)
+
+
+def without(made: Sequence[Any], missing: Sequence[np.ndarray]) -> tuple[list[Any], str]:
+    """Records that lack their missing samples, with the real time stamps; and what `stepid` says if it refuses them."""
+    out, refused = [], ""
+    for e, gone in zip(made, missing, strict=True):
+        fields = {name: np.array(getattr(e, name))[~gone] for name in ("time", "position", "input")}
+        try:
+            out.append(stepid.Experiment(**(e.model_dump() | fields)) if gone.any() else e)
+        except ValueError as error:
+            out.append(e)
+            refused = str(error)
+    return out, refused

@@ -15,9 +15,11 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from .drive import Curve, course, is_curved, value
+from .laws import STATES
 from .plant import SLOWEST, Run
 
-State = np.ndarray  # x, v, x2, v2, dashpot joint, bristle z, drive force
+State = np.ndarray  # x, v, x2, v2, dashpot joint, bristle z, drive force, then a law's own
+TOLERANCES = np.array([1e-13, 1e-12, 1e-13, 1e-12, 1e-13, 1e-15, 1e-11, 1e-12, 1e-12])
 
 
 @dataclass
@@ -44,9 +46,11 @@ class _Scalar:
         self.since = 0.0
         self.longest = 0.001 if is_curved(run) else 0.005  # step while events are watched, s
         self.exponent = run.get("power_damping", "exponent")
-        self.scale_k = self.scale_m = 1.0
+        self.scale_k = self.scale_m = self.scale_c = 1.0
         start = run.start
         self.state = np.array([start, run.velocity, start, run.velocity, start, 0.0, run.drive[-1]])
+        if run.law is not None:
+            self.state = np.append(self.state, np.zeros(STATES))
         self.mode = _Mode(0, 0, False, 0)
         self.now = 0.0
         self._enter_regions()
@@ -56,6 +60,7 @@ class _Scalar:
         self.mode.side = 0 if abs(x) <= self.gap else (1 if x > 0 else -1)
         self.mode.stopped = bool(self.stop and (x - self.stop) * self.stop > 0)
         self.mode.sign = 1 if v > 0 else -1 if v < 0 else 0
+        self.mode.bristle = self.mode.sign  # fresh bristles bend the way the cart moves
 
     def follow(self, begin: float, curve: Curve) -> None:
         self.target, self.since = float(curve[0]), begin
@@ -70,7 +75,8 @@ class _Scalar:
         run, x, v = self.run, float(y[0]), float(y[1])
         k = run.stiffness * self.scale_k
         drive = float(y[6]) if self.tau else self.wanted(t)
-        force = drive + self.held - run.damping * v * (1 + run.get("position_dependent_damping", "slope") * x)
+        drag = run.damping * self.scale_c * (1 + run.get("position_dependent_damping", "slope") * x)
+        force = drive + self.held - drag * v
         force -= run.get("quadratic_damping", "coefficient") * v * abs(v)
         force -= k * (x - self.mode.side * self.gap) if self.mode.side or not self.gap else 0.0
         force -= (
@@ -96,6 +102,8 @@ class _Scalar:
         if "cogging" in run.effects:
             angle = 2 * math.pi * x / run.get("cogging", "pitch") + run.get("cogging", "phase")
             force += run.get("cogging", "amplitude") * math.sin(angle)
+        if run.law is not None:
+            force += float(run.law.force(x, v, t, y[7:], drive))
         return force
 
     def coupling(self, y: State) -> float:
@@ -128,6 +136,9 @@ class _Scalar:
             out[5] = v * (1 - (self.mode.sign * float(y[5]) / self.distance if loaded else 0.0))
         if self.tau:
             out[6] = (self.wanted(t) - float(y[6])) / self.tau
+        if self.run.law is not None:
+            drive = float(y[6]) if self.tau else self.wanted(t)
+            out += self.run.law.rates(x, v, t, y[7:], drive)
         return out
 
     def guards(self) -> list[tuple[str, Callable[[float, State], float]]]:
@@ -203,7 +214,7 @@ class _Scalar:
                 self.state,
                 method="DOP853",
                 rtol=1e-11 * self.fineness,
-                atol=self.fineness * np.array([1e-13, 1e-12, 1e-13, 1e-12, 1e-13, 1e-15, 1e-11]),
+                atol=self.fineness * TOLERANCES[: self.state.size],
                 events=events or None,
                 dense_output=True,
                 max_step=self.fineness**0.125
@@ -233,7 +244,7 @@ def reference(run: Run, *, fineness: float = 1.0) -> np.ndarray:
     # change times of everything that is held from sample to sample
     breaks = {0.0, float(times[-1])}
     breaks.update(t for t, _ in pieces)
-    for held in (run.held_force, run.stiffness_scale, run.mass_scale):
+    for held in (run.held_force, run.stiffness_scale, run.mass_scale, run.damping_scale):
         if held is not None:
             breaks.update(float(times[i]) for i in range(1, n) if held[i] != held[i - 1])
     marks = sorted(t for t in breaks if t <= times[-1])
@@ -248,6 +259,7 @@ def reference(run: Run, *, fineness: float = 1.0) -> np.ndarray:
         cart.held = 0.0 if run.held_force is None else float(run.held_force[i])
         cart.scale_k = 1.0 if run.stiffness_scale is None else float(run.stiffness_scale[i])
         cart.scale_m = 1.0 if run.mass_scale is None else float(run.mass_scale[i])
+        cart.scale_c = 1.0 if run.damping_scale is None else float(run.damping_scale[i])
         inside = (times >= begin - 1e-12) & (times <= end + 1e-12)
         position[inside] = cart.run_until(end, np.clip(times[inside], begin, end))
     return position + run.get("sensor_drift", "rate") * times

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .laws import FORCES, PARAMETERS, STATE_RATES, STATES
 from .plant import SLOWEST, Run
 
 X, V, X2, V2, W = range(5)  # W: the joint between spring and dashpot of the viscoelastic branch
@@ -47,7 +48,13 @@ class Rows:
         self.patch, self.center, self.width = patch.T
         self.signed = (levels[:, :3] > 0).any(axis=1) | (self.level > 0) | (self.patch > 0)
         n = len(runs)
-        self.y = np.zeros((5, n))
+        self.laws = sorted({r.law.name for r in runs if r.law is not None})
+        self.law = np.array([-1 if r.law is None else self.laws.index(r.law.name) for r in runs])
+        self.law_values = np.zeros((PARAMETERS, n))
+        for j, r in enumerate(runs):
+            own = () if r.law is None else r.law.parameters
+            self.law_values[: len(own), j] = own
+        self.y = np.zeros((5 + STATES if self.laws else 5, n))
         self.y[X] = self.y[X2] = self.y[W] = [r.start for r in runs]
         self.y[V] = self.y[V2] = [r.velocity for r in runs]
         self.t, self.drive, self.target, self.held = (
@@ -57,7 +64,7 @@ class Rows:
             np.zeros(n),
         )
         self.since = np.zeros(n)  # when the target's curve began, where it has one
-        self.scale_k, self.scale_m = np.ones(n), np.ones(n)
+        self.scale_k, self.scale_m, self.scale_c = np.ones(n), np.ones(n), np.ones(n)
         # modes: sign of the motion (0 stuck), side of the play, stop touched; bristle branch since the last reversal
         x, v = self.y[X], self.y[V]
         self.sign = np.where(self.signed, np.sign(v), 1.0)
@@ -88,7 +95,7 @@ class Rows:
     def push(self, y: np.ndarray, t: np.ndarray, drive: np.ndarray) -> np.ndarray:
         x, v, has = y[X], y[V], self.has
         k = self.k * self.scale_k
-        force = drive + self.held - self.c * v - k * (x - self.side * self.gap)
+        force = drive + self.held - self.c * self.scale_c * v - k * (x - self.side * self.gap)
         if "free_play" in has:
             force += np.where((self.gap > 0) & (self.side == 0), k * x, 0.0)
         if "position_dependent_damping" in has:
@@ -115,6 +122,9 @@ class Rows:
             force += self.amp * np.sin(self.omega * t + self.phase)
         if "cogging" in has:
             force += self.cog * np.sin(self.wave * x + self.angle)
+        for i, name in enumerate(self.laws):
+            j = np.flatnonzero(self.law == i)
+            force[j] += FORCES[name](self.law_values[:, j], x[j], v[j], t[j], y[5:, j], drive[j])
         return force
 
     def band(self, x: np.ndarray, v: np.ndarray | float, up: np.ndarray) -> np.ndarray:
@@ -166,6 +176,10 @@ class Rows:
             out[V2] = (self.kc * (y[X] - y[X2]) + self.cc * (y[V] - y[V2])) / self.m2
         if "viscoelastic_spring" in self.has:
             out[W] = self.kv / self.cv * (y[X] - y[W])
+        for i, name in enumerate(self.laws):
+            if name in STATE_RATES:
+                j = np.flatnonzero(self.law == i)
+                out[5:, j] = STATE_RATES[name](self.law_values[:, j], y[X, j], y[V, j], t[j], y[5:, j], drive[j])
         return out
 
     def stepped(self, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
