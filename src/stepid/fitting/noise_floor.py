@@ -168,9 +168,8 @@ def repeat_notes(records: Records) -> tuple[str, ...]:
 
 
 def noise_floor(records: Records) -> float:
-    """RMS that a perfect model would leave, m: the sensor's noise, or the spread of repeated runs where larger."""
-    spread = repeatability(records)
-    return max(sensor_noise(records), spread or 0.0)
+    """RMS that a perfect model would leave, m: the sensor's noise; what repeated runs differ by is modeled."""
+    return sensor_noise(records)
 
 
 def weights(records: Records, floor: float) -> Array:

@@ -45,6 +45,11 @@ class Node:
         return frozenset(e.name for e in self.effects), self.deviations
 
     @property
+    def size(self) -> int:
+        """Number of effects and of conditions that differ."""
+        return len(self.effects) + len(self.deviations)
+
+    @property
     def cost(self) -> float:
         """Sum of squared residuals on the decimated records, m²."""
         return self.fitted.cost
@@ -86,6 +91,11 @@ class Proposal:
     left: float
     costly: float = 1.0
     move: str = ""
+
+    @property
+    def size(self) -> int:
+        """Number of effects and of conditions that differ."""
+        return len(self.effects) + len(self.deviations)
 
     @property
     def gain(self) -> float:

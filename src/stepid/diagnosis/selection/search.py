@@ -115,7 +115,7 @@ class Search:
 
     def _complete(self, best: Candidate) -> bool:
         """Tell whether the best leaves nothing that a further effect could explain."""
-        return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, 2.0)
+        return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, 3.0)
 
     # ---- proposals ------------------------------------------------------------------------------------------------
 
@@ -145,32 +145,36 @@ class Search:
         order = sorted(best.values(), key=lambda p: p.like.cost - p.gain)
         least = min(node.cost for node in self.nodes.values())
         out = [p for p in self._worthy(order) if self._new(p) and self._gains(least, p)]
-        smallest = min((len(p.effects) for p in out), default=0)
-        out = [p for p in out if len(p.effects) == smallest]
+        smallest = min((p.size for p in out), default=0)
+        out = [p for p in out if p.size == smallest]
         return out[: min(self.effort.width, self.effort.fits - self.fits)]
 
     def _worthy(self, order: list[Proposal]) -> list[Proposal]:
         """Of each node's proposals those that promise a share of what its best promises; most on the best nodes."""
-        size = {key: len(node.effects) for key, node in self.nodes.items()}
+        size = {key: node.size for key, node in self.nodes.items()}
         leading = {min((n.cost, k) for k, n in self.nodes.items() if size[k] == s)[1] for s in set(size.values())}
         most: dict[Key, float] = {}
         for p in order:
             most[p.base] = max(most.get(p.base, 0.0), p.gain)
         taken: Counter[Key] = Counter()
-        out = []
+        first, then = [], []
         for p in order:
+            if p.move in _RIVALS:
+                first.append(p)
+                continue
             taken[p.base] += 1
             room = self.effort.first if p.base in leading else self.effort.share
-            adds = p.move not in _RIVALS
-            if not adds or (taken[p.base] <= room and p.gain > self.effort.worth * most[p.base]):
-                out.append(p)
-        return out
+            if taken[p.base] <= room and p.gain > self.effort.worth * most[p.base]:
+                (first if taken[p.base] <= self.effort.share else then).append(p)
+        return first + then
 
     def _idle(self, proposal: Proposal) -> bool:
-        """Tell whether a single effect is at the noise floor already and another promises far less than it did."""
+        """Tell whether a set is at the noise floor already, and another promises far less than it did."""
         least = min(self.nodes.values(), key=lambda n: n.cost)
-        if least.cost > self.fit.floored or proposal.base != self.root.key:
+        if least.cost > self.fit.floored:
             return False
+        if proposal.base != self.root.key:
+            return True  # its rivals are looked for from where it stands
         told = min((p.left for p in self.proposals if p.key == least.key), default=0.0)
         gain, other = self.root.cost - told, self.root.cost - proposal.left
         return other < self.effort.rival * gain and gain - other > 2 * self.criteria.tie * self.fit.unit
@@ -181,13 +185,13 @@ class Search:
             return True
         if proposal.move not in _RIVALS or (proposal.base, proposal.key) in self._tried:
             return False
-        return self.nodes[proposal.key].cost > proposal.like.cost + self.effort.stuck * self.fit.unit
+        return self.effort.optimism * self.nodes[proposal.key].cost > proposal.left
 
     def _gains(self, least: float, proposal: Proposal) -> bool:
         """Tell whether a proposal may better the best so far, or be its rival."""
         slack = self.criteria.tie * self.fit.unit
         if proposal.move == Drop.name:
-            return True
+            return self.effort.optimism * proposal.left < proposal.like.cost or len(proposal.effects) > 1
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
         return self.effort.optimism * proposal.left < least - slack and proposal.left < proposal.like.cost - slack
