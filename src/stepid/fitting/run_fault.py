@@ -22,7 +22,7 @@ _HINT = 0.05  # share of the misfit that a linearized step must promise for a fi
 _TRIED = 6  # fits
 _REACHED = 1.08  # times the floor, to have explained all
 _STANDS_OUT = 0.3  # share of the cost left, by far less than by any other run's fault, where more is missing
-_DECIDES = 10.0  # χ² by which one run must be the better explanation
+_DECIDES = 10.0  # χ² by which one explanation must be the better one
 _NEAR, _ROUGH = 0.03, 0.15  # relative, of a factor to a round one: linear plants, plants with effects
 _SHARED = 0.5  # share of a run's gain by a drift that a drift in all runs may have
 _GROSS = 5.0  # times the floor, misfit that no curve of the drive turns into noise by one mass or stiffness
@@ -71,11 +71,13 @@ def find_fault(optimum: Optimum, floor: float) -> RecordFault | None:
         return None
     tried = [_fitted(optimum, run, kind, floor) for run, kind in _candidates(optimum, excess)]
     found = sorted((f for f in tried if f is not None), key=lambda f: f.cost)
-    for best in found:
+    level = max(floor, np.sqrt(found[0].cost / _samples(records))) if found else floor
+    close = [f for f in found if f.cost < found[0].cost + _DECIDES * level**2]  # a worse explanation is none
+    for best in close:
         others = [f for f in found if f.run != best.run]
         if not (_has_size(best) and _explains(best, optimum, others, floor)):
             continue
-        near = best.cost + _DECIDES * floor**2
+        near = best.cost + _DECIDES * level**2
         rivals = dict.fromkeys(records.runs[f.run].name for f in others if f.cost < near and _has_size(f))
         return RecordFault(
             run=records.runs[best.run].name,
