@@ -66,10 +66,13 @@ class Problem:
         assert solved.shared is not None
         assert solved.local is not None
         with np.errstate(all="ignore"):
-            out = self.records.weighted(solved.shared[self.free]), self.records.weighted(solved.local)
+            used = self.active.any(axis=1)
+            out = self.records.weighted(solved.shared[self.free]), self.records.weighted(solved.local[used])
             for part in out:
                 part[~(np.abs(part) < _STEEPEST)] = np.inf
-        return out
+        local = np.zeros(solved.local.shape)
+        local[used] = out[1]
+        return out[0], local
 
     def jacobian(self, solved: Solved) -> Array:
         """Derivative of the simulated reading by the free parameters, shape (S, columns); ±inf at a runaway's edge."""
