@@ -153,6 +153,41 @@ class Regressor(NamedTuple):
     values: Callable[[Array], tuple[float, ...] | None]
 
 
+class Swing(NamedTuple):
+    """How a campaign's plants swing, for `Effect.imitates`.
+
+    Parameters
+    ----------
+    rates : tuple of float
+        rad/s, natural frequency of each run.
+    displacement : float
+        m, largest excursion from rest.
+    duration : float
+        s, longest record.
+    resolution : float
+        Relative difference of two rates that the records tell apart.
+    pitch : float
+        Largest pitch of a force periodic in position, over `displacement`, that does not just bend the spring.
+    fast, slow : float
+        Relaxation times over 1/rate that are neither damping nor a shift of rest.
+    swings : float
+        Least number of periods in the longest record.
+    """
+
+    rates: tuple[float, ...]
+    displacement: float
+    duration: float
+    resolution: float
+    pitch: float
+    fast: float
+    slow: float
+    swings: float
+
+    def near(self, rate: float) -> bool:
+        """Tell whether a rate [rad/s] cannot be told from that of a run."""
+        return any(abs(rate - own) < self.resolution * own for own in self.rates)
+
+
 class Effect:
     """Base of every effect. Subclasses set the class attributes and override what they change; all else stays linear.
 
@@ -196,6 +231,10 @@ class Effect:
     def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
         """Start guesses from the optimum of a simpler effect that this one `contains`."""
         return ()
+
+    def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
+        """Say which linear parameter the effect can stand in for at these values, or nothing."""
+        return ""
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         """Forces on the measured motion that would be this effect, for starts by linear least squares (optional)."""

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from stepid.effects.base import Effect, Moment, Motion, Parameter, Regressor, Scales, Values
+from stepid.effects.base import Effect, Moment, Motion, Parameter, Regressor, Scales, Swing, Values
 
 
 class ActuatorLag(Effect):
@@ -180,6 +180,11 @@ class PeriodicDisturbance(Effect):
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(0.01 * scales.force, f) for f in scales.resonances]
 
+    def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
+        if values[1] * swing.duration < swing.swings:
+            return "a slow shift of the rest position"
+        return "the plant's own oscillation" if swing.near(2 * math.pi * values[1]) else ""
+
     @staticmethod
     def force(p: Values, m: Moment) -> float:
         return p[0] * math.sin(2 * math.pi * p[1] * m.time + p[2])
@@ -211,6 +216,9 @@ class Cogging(Effect):
             )
 
         return [at(float(part) * scales.displacement) for part in np.geomspace(0.05, 0.8, 24)]
+
+    def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
+        return "the spring" if values[1] > swing.pitch * swing.displacement else ""
 
     @staticmethod
     def force(p: Values, m: Moment) -> float:

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from stepid.effects.base import Effect, Moment, Parameter, Scales, Values
+from stepid.effects.base import Effect, Moment, Parameter, Scales, Swing, Values
 
 
 class ViscoelasticSpring(Effect):
@@ -29,6 +29,12 @@ class ViscoelasticSpring(Effect):
 
     def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
         return tuple(share * v for v in values)
+
+    def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
+        time = values[1] / max(values[0], 1e-12)
+        if time * min(swing.rates) > swing.slow:
+            return "the stiffness of the spring"
+        return "the damper" if time * max(swing.rates) < swing.fast else ""
 
     @staticmethod
     def force(p: Values, m: Moment) -> float:
@@ -66,6 +72,9 @@ class FlexibleCoupling(Effect):
 
     def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
         return tuple(share * v for v in values)
+
+    def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
+        return "the plant's own oscillation" if swing.near(float(np.sqrt(values[1] / values[0]))) else ""
 
     @staticmethod
     def force(p: Values, m: Moment) -> float:

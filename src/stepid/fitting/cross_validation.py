@@ -12,6 +12,7 @@ from stepid.fitting.problem import build, fixes_mass
 from stepid.simulation.records import Records
 
 _RUNS = 3  # left out in turn
+_UNSEEN = 1e-9  # square-root weight of samples that judge
 
 
 def qualifying(records: Records) -> list[int]:
@@ -30,7 +31,7 @@ def qualifying(records: Records) -> list[int]:
     return out
 
 
-def held_out_residuals(optimum: Optimum, *, tolerance: float) -> dict[int, Array]:
+def held_out_residuals(optimum: Optimum, *, tolerance: float, first: float = 1.0) -> dict[int, Array]:
     """Residuals [m] of up to three runs, each under a fit to the others; only the run's own parameters are refitted.
 
     Parameters
@@ -39,6 +40,9 @@ def held_out_residuals(optimum: Optimum, *, tolerance: float) -> dict[int, Array
         The fit to all runs: its effects, and where the other fits start.
     tolerance : float
         m², for the refits.
+    first : float
+        Share of the run left out on which its own parameters are estimated; if less than 1, the residual is that of
+        the rest.
 
     Returns
     -------
@@ -57,10 +61,14 @@ def held_out_residuals(optimum: Optimum, *, tolerance: float) -> dict[int, Array
         fitted = minimize(problem, optimum.shared, optimum.local[:, others], tolerance=tolerance, iterations=15)
         if fitted is None:
             continue
-        alone = build(records.subset([i]), effects)
+        own = records.subset([i])
+        seen_from = round(first * own.size) if first < 1 else 0
+        if first < 1:
+            own = own.reweighted(np.where(np.arange(own.size) < seen_from, own.weight, _UNSEEN))
+        alone = build(own, effects)
         alone = replace(alone, free=np.zeros_like(alone.free), active=optimum.problem.active[:, [i]])
         local = np.where(alone.active, optimum.local[:, [i]], 0.0)
         seen = minimize(alone, fitted.shared, local, tolerance=tolerance, iterations=15)
         if seen is not None:
-            out[i] = seen.residual
+            out[i] = seen.residual[seen_from:]
     return out

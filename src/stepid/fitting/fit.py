@@ -23,10 +23,13 @@ from stepid.fitting.multistart import CandidateFit, FitContext, Start, race_star
 from stepid.fitting.multistart_cogging import well_starts
 from stepid.fitting.noise_color import colored_floor
 from stepid.fitting.noise_floor import enough, noise_floor, repeat_notes, weights
-from stepid.fitting.outlier_run import find_suspect
 from stepid.fitting.problem import fit_linear
+<<<<<<< HEAD
 from stepid.fitting.reading_faults import Mask, trust
 from stepid.fitting.record_fault import ALL_RUNS
+=======
+from stepid.fitting.run_fault import find_fault
+>>>>>>> deviations
 from stepid.fitting.score_test import columns, score
 from stepid.fitting.screening import screen
 from stepid.simulation.layout import DEVIATIONS, own_state_names
@@ -220,8 +223,8 @@ def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum) -> tuple
     if fault is not None:
         out.append(fault.words)
     wrong = fault is None and optimum.rms > _MISFIT * context.floor
-    suspect = find_suspect(context, [optimum]) if wrong else None
-    if suspect is not None and suspect.mistake is not None:
+    suspect = find_fault(optimum, context.floor) if wrong else None
+    if suspect is not None:
         out.append(suspect.words)
     if not optimum.converged:
         out.append(NOT_CONVERGED)

@@ -151,8 +151,11 @@ class Search:
 
     def _worthy(self, order: list[Proposal]) -> list[Proposal]:
         """Of each node's proposals those that promise a share of what its best promises; most on the best nodes."""
-        size = {key: node.size for key, node in self.nodes.items()}
-        leading = {min((n.cost, k) for k, n in self.nodes.items() if size[k] == s)[1] for s in set(size.values())}
+        plain: dict[int, Node] = {}
+        for node in sorted(self.nodes.values(), key=lambda n: n.cost):
+            if not node.deviations and not any(e.contains for e in node.effects):
+                plain.setdefault(node.size, node)
+        leading = {node.key for node in plain.values()}
         most: dict[Key, float] = {}
         for p in order:
             most[p.base] = max(most.get(p.base, 0.0), p.gain)
@@ -173,8 +176,8 @@ class Search:
         least = min(self.nodes.values(), key=lambda n: n.cost)
         if least.cost > self.fit.floored:
             return False
-        if proposal.base != self.root.key:
-            return True  # its rivals are looked for from where it stands
+        if proposal.base != self.root.key:  # its rivals are looked for from where it stands
+            return len(proposal.deviations) >= len(least.deviations)
         told = min((p.left for p in self.proposals if p.key == least.key), default=0.0)
         gain, other = self.root.cost - told, self.root.cost - proposal.left
         return other < self.effort.rival * gain and gain - other > 2 * self.criteria.tie * self.fit.unit

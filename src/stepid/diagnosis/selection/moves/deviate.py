@@ -19,5 +19,6 @@ class Deviate:
             left = max(node.cost - found.gain, 0.0)
             deviations = node.deviations | {kind}
             here = (standing(node),)
-            out.append(Proposal(node.effects, deviations, here, node.key, node.best, left, 1.0, self.name))
+            costly = 1.0 + context.effort.price * int((found.values != 0).sum())
+            out.append(Proposal(node.effects, deviations, here, node.key, node.best, left, costly, self.name))
         return out

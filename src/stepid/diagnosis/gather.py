@@ -1,0 +1,165 @@
+"""What speaks for and against an answer, gathered once: the verdict's rules only read it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.diagnosis.vetoes import imitators, undetermined
+from stepid.effects.base import Effect
+from stepid.fitting.cross_validation import held_out_residuals
+from stepid.fitting.input_fault import InputFault
+from stepid.fitting.multistart import FitContext
+from stepid.fitting.noise_floor import repeatability
+from stepid.fitting.record_fault import RecordFault
+
+
+@dataclass(frozen=True)
+class EvidenceRecord:
+    """One campaign's evidence.
+
+    Parameters
+    ----------
+    context : FitContext
+    criteria : Criteria
+    candidates : tuple of Candidate
+        All that were fitted to all samples, the linear plant among them.
+    input_fault : InputFault or None
+    faults : tuple of RecordFault
+        Of single runs and of the readings.
+    """
+
+    context: FitContext
+    criteria: Criteria
+    candidates: tuple[Candidate, ...]
+    input_fault: InputFault | None = None
+    faults: tuple[RecordFault, ...] = ()
+
+    @cached_property
+    def weighed(self) -> tuple[Weighed, ...]:
+        """All candidates, best first."""
+        return tuple(weigh(self.context, self.candidates))
+
+    @cached_property
+    def linear(self) -> Candidate:
+        """The linear plant."""
+        return next(c for c in self.candidates if not c.effects and not c.deviations)
+
+    @cached_property
+    def best(self) -> Candidate:
+        """The simplest of the best: a further effect has to earn more than chance among the catalogue."""
+        return self._simplest(self.weighed)
+
+    def _simplest(self, weighed: tuple[Weighed, ...]) -> Candidate:
+        more = self.criteria.further - self.criteria.tie
+        return min(weighed, key=lambda w: w.loss + more * (len(w.candidate.effects) + len(w.candidate.deviations))).candidate
+
+    def at_floor(self, found: Candidate) -> bool:
+        """Tell whether a candidate leaves nothing but noise."""
+        return at_floor(self.context, self.criteria, found)
+
+    @cached_property
+    def white(self) -> bool:
+        """Whether the linear plant leaves white noise of the floor's size."""
+        return self.at_floor(self.linear) and is_white(self.context, self.linear, self.criteria.white)
+
+    def times(self, found: Candidate) -> float:
+        """RMS over the noise floor."""
+        return found.optimum.rms / self.context.floor
+
+    # ---- rivals ---------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def rivals(self) -> tuple[Candidate, ...]:
+        """Candidates that the data do not tell from the best, best first, one for each set of effects."""
+        best = self.best
+        own = next(w.loss for w in self.weighed if w.candidate is best)
+        out: dict[frozenset[str], Candidate] = {}
+        for w in self.weighed:
+            other = w.candidate
+            names = frozenset(other.names)
+            if names == frozenset(best.names) or names in out or not names or len(other.effects) > len(best.effects):
+                continue
+            if self._rivals(other, w.loss - own):
+                out[names] = other
+        return tuple(out.values())
+
+    def _rivals(self, other: Candidate, loss: float) -> bool:
+        best, criteria = self.best, self.criteria
+        if includes(other.effects, best.effects):
+            # more general: a rival only where its freedom buys some fit, or where nothing fixes it
+            bought = (best.optimum.cost - other.optimum.cost) / self.context.floor**2
+            near = loss < 2 * criteria.tie
+            return near and (bought > criteria.rival or self._is_open(other, best))
+        return loss < criteria.tie
+
+    def _is_open(self, found: Candidate, simpler: Candidate) -> bool:
+        """Tell whether the data leave open all that `found` has beyond `simpler`, which then stands for it."""
+        more = [e for e in found.effects if e.name not in simpler.names]
+        open_ = undetermined(self.context, self.criteria, found)
+        return all(f"{e.name}.{q.name}" in open_ for e in more for q in e.parameters)
+
+    # ---- vetoes ---------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def undetermined(self) -> tuple[str, ...]:
+        """Parameters of the best candidate's effects that the data do not determine."""
+        return undetermined(self.context, self.criteria, self.best) if self.best.effects else ()
+
+    def imitators(self, found: Candidate) -> dict[str, str]:
+        """Effects that a linear parameter can stand in for."""
+        return imitators(self.context, self.criteria, found)
+
+    # ---- leads ----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def lead(self) -> Candidate:
+        """The best of those that may lead where a rest remains: one effect or two, none of them an imitator."""
+        able = [w for w in self.weighed if len(w.candidate.effects) <= 2 and not self.imitators(w.candidate)]
+        lowest = min(w.loss for w in able)
+        able = [w._replace(loss=w.loss - lowest) for w in able]
+        return self._simplest(tuple(able))
+
+    def weight(self, found: Candidate) -> float:
+        """Weight of all candidates that hold the effects of one, or effects that contain them."""
+        able = [w for w in self.weighed if not self.imitators(w.candidate)]
+        total = math.fsum(w.weight for w in able)
+        if total <= 0:
+            able = [w._replace(weight=math.exp(-0.5 * (w.loss - able[0].loss))) for w in able]
+            total = math.fsum(w.weight for w in able)
+        return math.fsum(w.weight for w in able if includes(w.candidate.effects, found.effects)) / total
+
+    def held_out(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
+        """Residuals of runs left out, linear plant and candidate: their own freedoms from their first part."""
+        first = self.criteria.first
+        before = held_out_residuals(self.linear.optimum, tolerance=self.context.tolerance, first=first)
+        after = held_out_residuals(found.optimum, tolerance=self.context.tolerance, first=first)
+        both = sorted(before.keys() & after.keys())
+        return {i: before[i] for i in both}, {i: after[i] for i in both}
+
+    def share(self, found: Candidate) -> tuple[float, float]:
+        """Share of the misfit's repeatable power that a candidate takes on runs left out, and its steadiness."""
+        before, after = self.held_out(found)
+        if not before:
+            return 0.0, 0.0
+        noise = max(self.context.floor, repeatability(self.context.records) or 0.0) ** 2
+
+        def taken(runs: list[int]) -> float:
+            power = [sum(float(np.sum(seen[i] ** 2)) - noise * seen[i].size for i in runs) for seen in (before, after)]
+            return 1.0 - max(power[1], 0.0) / power[0] if power[0] > 0 else 0.0
+
+        single = [taken([i]) for i in before]
+        steady = min(single) / max(single) if max(single) > 0 else 0.0
+        return taken(list(before)), max(steady, 0.0)
+
+
+def includes(bigger: tuple[Effect, ...], smaller: tuple[Effect, ...]) -> bool:
+    """Tell whether every effect of `smaller` is in `bigger` or contained in one of its effects."""
+    return all(any(e.name == b.name or e.name in b.contains for b in bigger) for e in smaller)

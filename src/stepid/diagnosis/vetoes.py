@@ -1,0 +1,54 @@
+"""Effects that must not be named: those with an undetermined parameter, those that a linear parameter can imitate."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.effects.base import Swing
+from stepid.fitting.covariance import estimates
+from stepid.fitting.multistart import FitContext
+
+
+def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
+    """How the campaign's runs swing under a fit."""
+    of, shared = found.optimum.problem.layout, found.optimum.shared
+    rates = np.sqrt(np.maximum(shared[of.stiffness][context.records.spring], 0.0) / of.mass(shared))
+    shortest = min(float(np.ptp(context.records.time[piece])) for piece in context.records.pieces())
+    slowest = float(rates.min(initial=np.inf))
+    return Swing(
+        rates=tuple(map(float, rates)),
+        displacement=context.scales.displacement,
+        duration=context.scales.duration,
+        resolution=max(criteria.resolution, 4 * math.pi / (shortest * slowest)),
+        pitch=criteria.pitch,
+        fast=criteria.fast,
+        slow=criteria.slow,
+        swings=criteria.swings,
+    )
+
+
+def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict[str, str]:
+    """Effects of a candidate that a linear parameter can stand in for, to which one."""
+    how = swing(context, criteria, found)
+    places = found.optimum.problem.layout.values
+    said = {
+        e.name: e.imitates(tuple(map(float, found.optimum.shared[place])), how)
+        for e, place in zip(found.effects, places, strict=True)
+    }
+    return {name: words for name, words in said.items() if words}
+
+
+def undetermined(context: FitContext, criteria: Criteria, found: Candidate) -> tuple[str, ...]:
+    """Parameters of a candidate's effects that the data do not determine, by name: those of angles do not count."""
+    values, _ = estimates(found.optimum, found.effects, context.floor)
+    out = []
+    for name, value in values.items():
+        if "." not in name or value.unit == "rad":
+            continue
+        if value.uncertainty is None or value.uncertainty > criteria.open * abs(value.value):
+            out.append(name)
+    return tuple(out)
