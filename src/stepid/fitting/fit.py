@@ -24,12 +24,9 @@ from stepid.fitting.multistart_cogging import well_starts
 from stepid.fitting.noise_color import colored_floor
 from stepid.fitting.noise_floor import enough, noise_floor, repeat_notes, weights
 from stepid.fitting.problem import fit_linear
-<<<<<<< HEAD
 from stepid.fitting.reading_faults import Mask, trust
 from stepid.fitting.record_fault import ALL_RUNS
-=======
 from stepid.fitting.run_fault import find_fault
->>>>>>> deviations
 from stepid.fitting.score_test import columns, score
 from stepid.fitting.screening import screen
 from stepid.simulation.layout import DEVIATIONS, own_state_names

@@ -57,36 +57,10 @@ class Problem:
     def solve(self, shared: Array, local: Array) -> Solved | None:
         """Simulate all records, ready for the derivatives by what is free; None where the plant runs away."""
         solved = self.simulator.solve(shared, local)
-<<<<<<< HEAD
         if solved is None:
             return None
         here = shared.copy(), local.copy(), solved.reading, self.free, self.active, solved.states
         return replace(solved, derive=partial(self.simulator.derivatives, *here))
-=======
-        return None if solved is None else self.with_derivatives(solved, shared, local)
-
-    def with_derivatives(self, solved: Solved, shared: Array, local: Array) -> Solved:
-        """Add the derivatives by what is free to a simulation."""
-        if solved.shared is not None:
-            return solved
-        by_shared, by_local = self.simulator.derivatives(
-            shared, local, solved.reading, self.free, self.active, solved.states
-        )
-        return solved._replace(shared=by_shared, local=by_local)
-
-    def _weighted(self, solved: Solved) -> tuple[Array, Array]:
-        """Derivatives by the free global and by all per-run parameters, weighted; ±inf at a runaway's edge."""
-        assert solved.shared is not None
-        assert solved.local is not None
-        with np.errstate(all="ignore"):
-            used = self.active.any(axis=1)
-            out = self.records.weighted(solved.shared[self.free]), self.records.weighted(solved.local[used])
-            for part in out:
-                part[~(np.abs(part) < _STEEPEST)] = np.inf
-        local = np.zeros(solved.local.shape)
-        local[used] = out[1]
-        return out[0], local
->>>>>>> deviations
 
     def jacobian(self, solved: Solved) -> Array:
         """Derivative of the simulated reading by the free parameters, shape (S, columns); ±inf at a runaway's edge."""
