@@ -117,7 +117,7 @@ def test_a_force_is_no_hum_nor_colored_noise(frequency: float) -> None:
     assert context.colored is None
 
 
-@pytest.mark.parametrize(("correlation", "friction"), [(0.4, 0.0), (0.7, 0.0), (0.5, 0.05), (0.8, 0.01)])
+@pytest.mark.parametrize(("correlation", "friction"), [(0.4, 0.0), (0.7, 0.0), (0.5, 0.05), (0.7, 0.01)])
 def test_the_floor_holds_the_colored_part(correlation: float, friction: float) -> None:
     size = 30e-6
     context = prepare(campaign(colored(8, runs(friction=friction), size, correlation), counts=FINE))

@@ -31,6 +31,7 @@ _ODD = 3.3  # standard deviations by which one direction of 60 may be above the 
 _LOUDER = 1.12  # times the white floor that colored noise must reach to be told
 _SLOWEST = 1000.0  # samples, longest correlation time of 1/f noise
 _KINK = 4.0  # times the windows' usual energy, beyond which there is a kink in one
+_ENOUGH = 3.0  # independent windows
 _FEWEST = 100  # contrasts
 _COUNTS = 2.5  # counts that a window must span
 _DITHER = 0.4  # of the resolution: with less noise rounding errors are not white
@@ -111,12 +112,14 @@ def colored_floor(records: Records, residual: Array | None = None) -> tuple[floa
     if half is None or _best(half, 1.0).gain < _AGREES:
         return floor, None
     slowest = math.exp(-_SLOW * float(np.median(records.sample_time)) / period)
-    found = _best(_windows(records, values, floor, _LONG * period) or half, slowest)
-    if found.odd > _ODD:
+    long = _windows(records, values, floor, _LONG * period)
+    found = _best(long if long is not None and long.number >= _ENOUGH else half, slowest)
+    again = _best(half, slowest, found.shape)
+    if again.gain < _AGREES or max(found.odd, again.odd) > _ODD:
         return floor, None
     misfit = math.sqrt(float(np.mean(records.centered(values) ** 2)))
     needed = _EVIDENCE if misfit < _MISFIT * math.sqrt(found.variance) else _EVIDENCE_BESIDE
-    if found.gain < needed or _best(half, slowest, found.shape).gain < _AGREES:
+    if found.gain < needed:
         return floor, None
     total = math.sqrt(found.variance)
     if total < _LOUDER * floor:
