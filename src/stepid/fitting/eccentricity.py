@@ -72,7 +72,7 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
 
 
 def _fitted(waves: Array, residual: Array) -> tuple[Array, float]:
-    values = np.linalg.lstsq(waves.T, residual, rcond=None)[0]
+    values: Array = np.asarray(np.linalg.lstsq(waves.T, residual, rcond=None)[0], dtype=np.float64)
     return values, float(values @ (waves @ residual))
 
 
