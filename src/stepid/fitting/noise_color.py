@@ -28,6 +28,7 @@ _AGREES = 2.0  # the same that half the window must find for the same model
 _SLOW = 12.0  # correlation times in a period: slower noise cannot be told from a misfit of the motion
 _PLAINLY = 6.0  # in 2 ln L, by which a model must be better than a simpler or likelier one
 _ODD = 3.3  # standard deviations by which one direction of 60 may be above the model; noise gave 2.9 in 60 campaigns
+_BEHIND = 4.0  # the same beside a misfit, which a slower model may fit as well
 _LOUDER = 1.12  # times the white floor that colored noise must reach to be told
 _SLOWEST = 1000.0  # samples, longest correlation time of 1/f noise
 _KINK = 4.0  # times the windows' usual energy, beyond which there is a kink in one
@@ -67,12 +68,16 @@ class _Shape(NamedTuple):
 
 
 class _Found(NamedTuple):
-    """A model of the noise, its gain over white noise in 2 ln L, its variance in m², how far it is from the data."""
+    """A model of the noise, its gain over white noise in 2 ln L, its variance in m².
+
+    Also how far it is from the data in standard deviations, and how far in 2 ln L behind the best of all models.
+    """
 
     gain: float
     shape: _Shape
     variance: float
     odd: float
+    behind: float
 
 
 class _Windows(NamedTuple):
@@ -118,8 +123,8 @@ def colored_floor(records: Records, residual: Array | None = None) -> tuple[floa
     if again.gain < _AGREES or max(found.odd, again.odd) > _ODD:
         return floor, None
     misfit = math.sqrt(float(np.mean(records.centered(values) ** 2)))
-    needed = _EVIDENCE if misfit < _MISFIT * math.sqrt(found.variance) else _EVIDENCE_BESIDE
-    if found.gain < needed:
+    beside = misfit > _MISFIT * math.sqrt(found.variance)
+    if found.gain < (_EVIDENCE_BESIDE if beside else _EVIDENCE) or (beside and found.behind > _BEHIND):
         return floor, None
     total = math.sqrt(found.variance)
     if total < _LOUDER * floor:
@@ -250,4 +255,4 @@ def _best(windows: _Windows, slowest: float, only: _Shape | None = None) -> _Fou
     odd = _oddest(windows, inverse[best] / scale[best])
     gain = float(cost[white].min() - cost[best])
     better = float(cost[best] - cost.min())
-    return _Found(gain if only is not None or better < _PLAINLY else 0.0, shapes[best], float(scale[best]), odd)
+    return _Found(gain if only is not None or better < _PLAINLY else 0.0, shapes[best], float(scale[best]), odd, better)
