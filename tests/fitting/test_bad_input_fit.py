@@ -140,7 +140,7 @@ def test_good_campaigns_are_not_touched() -> None:
     for whole in (WHOLE, campaign(2, FRICTION), campaign(3, {"free_play": {"gap": 1e-3}})):
         assert screen(whole) == (whole, (), (), {})
     lab = stepid.datasets.lab_campaign()
-    assert screen(lab) == (lab, ())
+    assert screen(lab) == (lab, (), (), {})
 
 
 def cut(samples: int, first: int = 0, **fields: Any) -> stepid.Campaign:

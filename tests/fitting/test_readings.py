@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 import stepid
 from made_up_readings import campaign, force, runs
 from stepid.core.base import Array
+from stepid.fitting.eccentricity import find_eccentricity
 from stepid.fitting.fit import prepare
 from stepid.fitting.hum import find_hum
 from stepid.fitting.noise_color import colored_floor
@@ -117,7 +118,7 @@ def test_a_force_is_no_hum_nor_colored_noise(frequency: float) -> None:
     assert context.colored is None
 
 
-@pytest.mark.parametrize(("correlation", "friction"), [(0.4, 0.0), (0.7, 0.0), (0.5, 0.05), (0.8, 0.01)])
+@pytest.mark.parametrize(("correlation", "friction"), [(0.4, 0.0), (0.7, 0.0), (0.5, 0.05), (0.7, 0.01)])
 def test_the_floor_holds_the_colored_part(correlation: float, friction: float) -> None:
     size = 30e-6
     context = prepare(campaign(colored(8, runs(friction=friction), size, correlation), counts=FINE))
@@ -142,6 +143,24 @@ def test_readings_alone_give_the_floor_too() -> None:
     records = prepare(campaign(colored(10, runs(), 30e-6, 0.5), counts=FINE)).records
     floor, _ = colored_floor(records)
     assert noise_floor(records) <= floor < 1.2 * 30e-6
+
+
+@pytest.mark.parametrize(("pitch", "size"), [(2.1e-3, 60e-6), (4.8e-3, 20e-6)])
+def test_an_eccentric_encoder_is_told(pitch: float, size: float) -> None:
+    clean = runs()
+    read = white(12, [x + size * np.sin(2 * np.pi * x / pitch + 1.0) for x in clean], 5e-6)
+    context = prepare(campaign(read, counts=FINE))
+    found = find_eccentricity(context.linear, context.floor)
+    assert found is not None
+    assert found.pitch == pytest.approx(pitch, rel=0.02)
+    assert found.amplitude == pytest.approx(size, rel=0.1)
+    assert any("off its axis" in note for note in stepid.fit(campaign(read, counts=FINE)).notes)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.01, 0.05])
+def test_a_misfit_is_no_eccentricity(friction: float) -> None:
+    context = prepare(campaign(white(13, runs(friction=friction), 5e-6), counts=FINE))
+    assert find_eccentricity(context.linear, context.floor) is None
 
 
 def _clean(seed: int) -> stepid.Campaign:

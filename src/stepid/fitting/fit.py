@@ -16,6 +16,7 @@ from stepid.core.noise import rms
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
 from stepid.fitting.covariance import estimates
+from stepid.fitting.eccentricity import find_eccentricity
 from stepid.fitting.hum import find_hum, without_hum
 from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.levenberg_marquardt import Optimum
@@ -220,7 +221,10 @@ def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum) -> tuple
     if fault is not None:
         out.append(fault.words)
     wrong = fault is None and optimum.rms > _MISFIT * context.floor
-    suspect = find_fault(optimum, context.floor) if wrong else None
+    eccentric = find_eccentricity(optimum, context.floor) if wrong else None
+    if eccentric is not None:
+        out.append(eccentric.fault.words)
+    suspect = find_fault(optimum, context.floor) if wrong and eccentric is None else None
     if suspect is not None:
         out.append(suspect.words)
     if not optimum.converged:

@@ -28,9 +28,11 @@ _AGREES = 2.0  # the same that half the window must find for the same model
 _SLOW = 12.0  # correlation times in a period: slower noise cannot be told from a misfit of the motion
 _PLAINLY = 6.0  # in 2 ln L, by which a model must be better than a simpler or likelier one
 _ODD = 3.3  # standard deviations by which one direction of 60 may be above the model; noise gave 2.9 in 60 campaigns
+_BEHIND = 4.0  # the same beside a misfit, which a slower model may fit as well
 _LOUDER = 1.12  # times the white floor that colored noise must reach to be told
 _SLOWEST = 1000.0  # samples, longest correlation time of 1/f noise
 _KINK = 4.0  # times the windows' usual energy, beyond which there is a kink in one
+_ENOUGH = 3.0  # independent windows
 _FEWEST = 100  # contrasts
 _COUNTS = 2.5  # counts that a window must span
 _DITHER = 0.4  # of the resolution: with less noise rounding errors are not white
@@ -66,12 +68,16 @@ class _Shape(NamedTuple):
 
 
 class _Found(NamedTuple):
-    """A model of the noise, its gain over white noise in 2 ln L, its variance in m², how far it is from the data."""
+    """A model of the noise, its gain over white noise in 2 ln L, its variance in m².
+
+    Also how far it is from the data in standard deviations, and how far in 2 ln L behind the best of all models.
+    """
 
     gain: float
     shape: _Shape
     variance: float
     odd: float
+    behind: float
 
 
 class _Windows(NamedTuple):
@@ -111,12 +117,14 @@ def colored_floor(records: Records, residual: Array | None = None) -> tuple[floa
     if half is None or _best(half, 1.0).gain < _AGREES:
         return floor, None
     slowest = math.exp(-_SLOW * float(np.median(records.sample_time)) / period)
-    found = _best(_windows(records, values, floor, _LONG * period) or half, slowest)
-    if found.odd > _ODD:
+    long = _windows(records, values, floor, _LONG * period)
+    found = _best(long if long is not None and long.number >= _ENOUGH else half, slowest)
+    again = _best(half, slowest, found.shape)
+    if again.gain < _AGREES or max(found.odd, again.odd) > _ODD:
         return floor, None
     misfit = math.sqrt(float(np.mean(records.centered(values) ** 2)))
-    needed = _EVIDENCE if misfit < _MISFIT * math.sqrt(found.variance) else _EVIDENCE_BESIDE
-    if found.gain < needed or _best(half, slowest, found.shape).gain < _AGREES:
+    beside = misfit > _MISFIT * math.sqrt(found.variance)
+    if found.gain < (_EVIDENCE_BESIDE if beside else _EVIDENCE) or (beside and found.behind > _BEHIND):
         return floor, None
     total = math.sqrt(found.variance)
     if total < _LOUDER * floor:
@@ -247,4 +255,4 @@ def _best(windows: _Windows, slowest: float, only: _Shape | None = None) -> _Fou
     odd = _oddest(windows, inverse[best] / scale[best])
     gain = float(cost[white].min() - cost[best])
     better = float(cost[best] - cost.min())
-    return _Found(gain if only is not None or better < _PLAINLY else 0.0, shapes[best], float(scale[best]), odd)
+    return _Found(gain if only is not None or better < _PLAINLY else 0.0, shapes[best], float(scale[best]), odd, better)
