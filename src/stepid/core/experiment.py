@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive, Vector
 from stepid.core.frames import constant, make_frame, split_runs, tidy_frame
-from stepid.core.samples import InputBetween, Starts, check_samples
+from stepid.core.samples import CLOSE, InputBetween, Starts, check_samples, off_even_clock
 from stepid.core.units import record
 from stepid.errors import InputError
 
@@ -32,7 +32,7 @@ class Experiment(Model):
     name : str
         Unique within a campaign, for example ``"case 5"``.
     time : array, shape (n,)
-        s, uniform.
+        s, increasing. Times that are off an even clock are taken with a note by `fit` and `diagnose`.
     position : array, shape (n,)
         m, from any zero.
     input : array, shape (n,)
@@ -55,7 +55,7 @@ class Experiment(Model):
     Raises
     ------
     stepid.errors.InputError
-        If lengths differ, a value is not finite, time is not uniform or a label is empty.
+        If lengths differ, a value is not finite, time does not increase or a label is empty.
     """
 
     name: Label
@@ -78,7 +78,9 @@ class Experiment(Model):
 
     @cached_property
     def sample_time(self) -> float:
-        """Sample time, s."""
+        """Sample time, s; of uneven samples the usual one."""
+        if off_even_clock(self.time).max() > CLOSE:
+            return float(np.median(np.diff(self.time)))
         return (float(self.time[-1]) - float(self.time[0])) / (self.time.size - 1)
 
     @property

@@ -10,6 +10,7 @@ from stepid.core.experiment import Campaign, Experiment
 from stepid.core.noise import noise_level
 from stepid.core.units import UNIT, check_speed, check_travel
 from stepid.errors import InputError
+from stepid.simulation.clock import clock_note
 from stepid.simulation.starts import starts_in_motion
 
 _LIKE = 0.9  # share of an input change that another must have to be as strong
@@ -76,6 +77,7 @@ def screen(campaign: Campaign) -> Screened:
         for run in kept
         if run.starts == "auto" and not run.is_release and starts_in_motion(run)
     ]
+    notes += [note for run in kept if (note := clock_note(run)) is not None]
     if not notes:
         return Screened(campaign, ())
     return Screened(campaign.model_copy(update={"experiments": tuple(kept)}), tuple(notes))
