@@ -185,8 +185,7 @@ def test_joined_files_share_a_layout(tmp_path):
     with pytest.raises(InputError, match=r"one.csv, line 1: 0 s after 0.495 s.*a clock of its own"):
         read_table([one, one], position=1, time=0)
     slow = write(tmp_path / "slow.csv", text(0.5 + 2 * T, X))
-    with pytest.raises(InputError, match="two different sample times"):
-        read_table([one, slow], position=1, time=0)
+    assert read_table([one, slow], position=1, time=0).time[-1] == 1.49  # uneven samples
 
 
 def test_a_missing_position_lists_the_columns(tmp_path):

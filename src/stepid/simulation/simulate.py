@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from stepid.core.arguments import as_campaign
@@ -56,6 +58,8 @@ def solve_model(
     """Simulate all records; see `simulate`."""
     effects = resolve([e.name for e in model.effects], catalogue=catalogue)
     records = lay_out(as_campaign(campaign))
+    known = [e.is_release or e.starts == "motion" or e.name in model.runs for e in records.runs]
+    records = replace(records, moving=records.moving & np.array(known))  # without a state of its own a run is at rest
     shared, local = pack(model, records, effects)
     solved = Simulator(records, effects, tolerance, patience=PATIENT).solve(shared, local)
     if solved is None:

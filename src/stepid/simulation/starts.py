@@ -15,7 +15,7 @@ _NOISES = 8.0  # standard deviations of the noise, that a cart at rest may span
 _SHARE = 0.1  # of the travel, less before the first change is drift, or a plant that something shakes
 _FREE = 0.06  # of half the travel: a swing of its own so large at the first sample is motion
 _STEPPED = 0.7  # the same where the input is a step at the first samples, as records from rest have it
-_OFF = 0.2  # the same for a cart that is away from its rest and has no speed: friction may hold it there
+_OFF = 0.3  # the same for a cart that is away from its rest and has no speed: friction may hold it there
 _SURE = 6.0  # standard errors
 _PERIODS = 3.0  # of the record's swing, which are looked at
 _ROUND = 12  # part of a period in which the speed must be seen in the readings themselves
@@ -93,7 +93,7 @@ def _moves_by_itself(experiment: Experiment, window: int, soon: int, changes: in
     speed, spread = slope - damping * first, float(np.sqrt(covariance[1, 1]))
     seen = (y[min(soon, n - 1)] - y[0]) * np.sign(speed) >= 0.5 * abs(speed) * time[min(soon, n - 1)]
     fast: bool = abs(speed) > max((_FREE if busy else _STEPPED) * half * omega, _SURE * spread) and seen
-    if fast or not busy:
+    if fast or not busy or experiment.input_before != 0:  # where a cart rests under a load no line tells
         return bool(fast)
     away, unsure = first - push / stiffness, float(np.sqrt(covariance[2, 2])) / stiffness
     return bool(abs(away) > max(_OFF * half, _SURE * unsure))
