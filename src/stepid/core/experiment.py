@@ -12,7 +12,9 @@ from pydantic import BeforeValidator, model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive, Vector
 from stepid.core.frames import make_frame, tidy_frame
-from stepid.core.mass_offset import WEIGHT, WEIGHT_UNCERTAINTY, MassOffset
+from stepid.core.mass_offset import WEIGHT as WEIGHT
+from stepid.core.mass_offset import WEIGHT_UNCERTAINTY as WEIGHT_UNCERTAINTY
+from stepid.core.mass_offset import MassOffset as MassOffset
 from stepid.core.samples import CLOSE, InputBetween, Starts, check_samples, off_even_clock
 from stepid.core.slices import stretch
 from stepid.core.tidy import run_fields

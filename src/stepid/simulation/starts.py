@@ -93,7 +93,7 @@ def _moves_by_itself(experiment: Experiment, window: int, soon: int, changes: in
     speed, spread = slope - damping * first, float(np.sqrt(covariance[1, 1]))
     seen = (y[min(soon, n - 1)] - y[0]) * np.sign(speed) >= 0.5 * abs(speed) * time[min(soon, n - 1)]
     fast: bool = abs(speed) > max((_FREE if busy else _STEPPED) * half * omega, _SURE * spread) and seen
-    if fast or not busy or experiment.input_before != 0:  # where a cart rests under a load no line tells
+    if fast or not busy:
         return bool(fast)
     away, unsure = first - push / stiffness, float(np.sqrt(covariance[2, 2])) / stiffness
     return bool(abs(away) > max(_OFF * half, _SURE * unsure))
