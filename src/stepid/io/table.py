@@ -188,7 +188,8 @@ def _time(
         steps = np.diff(time)
         if sample_time is None:
             if np.all(steps > 0):
-                return np.asarray(time, dtype=np.float64)
+                stamps: Array = time
+                return stamps
             row = int(np.argmax(~(steps > 0))) + 1
             raise InputError(
                 f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s: time does not increase",
