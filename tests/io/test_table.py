@@ -228,3 +228,12 @@ def test_a_line_of_units_is_said_to_be_one_too_many(tmp_path):
     file = write(tmp_path / "a.csv", "\n".join([rows[0], "s,m,V", *rows[1:]]))
     with pytest.raises(InputError, match=r"line 2, column 't': 's' is not a number.*remove it if it holds no readings"):
         read_table(file, time="t", position="x", input="u")
+
+
+def test_empty_cells_beside_the_readings_do_not_matter(tmp_path):
+    rows = [
+        f"{t:.17g},{x:.17g},{'' if n % 3 else 'nan'},{n if n % 2 else ''}"
+        for n, (t, x) in enumerate(zip(T, X, strict=True))
+    ]
+    run = read_table(write(tmp_path / "a.csv", "\n".join(["t,x,note,count", *rows])), time="t", position="x")
+    np.testing.assert_array_equal(run.position, X)

@@ -199,7 +199,8 @@ def _time(
         usual = float(np.median(steps))
         odd = np.abs(steps - usual) > 0.02 * abs(usual)
         if mean > 0 and _follows(time, index, step, 0.5):
-            return time[0] + index * step
+            even: Array = time[0] + index * step
+            return even
     if uniform:
         raise InputError(
             f"{where}: sample_time is given as {sample_time:g} s, but rows are {mean:.8g} s apart",
