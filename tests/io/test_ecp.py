@@ -235,6 +235,17 @@ def test_newer_program(tmp_path):
     assert experiment.time[0] == pytest.approx(0.00113, rel=1e-3)
 
 
+def test_the_newer_program_s_uneven_stamps_are_taken_as_they_are(tmp_path):
+    text, _ = tabbed(4095 / 5)
+    head, *rows = text.splitlines()
+    stamps = [0.001 * (n + 5 * (n // 50)) for n in range(1, len(rows) + 1)]  # it pauses now and then
+    rows = [
+        "\t".join([row.split("\t")[0], f"{t:.3f}", *row.split("\t")[2:]]) for row, t in zip(rows, stamps, strict=True)
+    ]
+    experiment = read_ecp(write(tmp_path / "a.txt", "\n".join([head, *rows]) + "\n"), counts_per_meter=SCALE)
+    np.testing.assert_allclose(experiment.time, stamps, rtol=1e-12)
+
+
 def test_doubtful_units_of_effort_are_asked_about(tmp_path):
     text, _ = tabbed(1.0)
     volts = write(tmp_path / "a.txt", text)

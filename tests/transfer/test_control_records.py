@@ -150,8 +150,8 @@ def test_what_cannot_be_right_is_refused() -> None:
     with pytest.raises(InputError, match="have no traces"):
         stepid.from_time_response(data, **LABELS, trace=0)
     uneven = control.TimeResponseData(np.arange(10.0) ** 2, np.zeros(10), inputs=np.zeros(10), issiso=True)
-    with pytest.raises(InputError, match="time is not uniform"):
-        stepid.from_time_response(uneven, **LABELS)
+    with pytest.raises(InputError, match="uneven in time, and python-control steps evenly"):
+        stepid.simulate_system(control.tf([1.0], [1.0, 1.0]), stepid.from_time_response(uneven, **LABELS))
     failed = control.TimeResponseData(
         run.time, run.position, inputs=run.input, issiso=True, success=False, message="step size too small"
     )

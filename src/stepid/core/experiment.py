@@ -11,17 +11,18 @@ import numpy as np
 from pydantic import BeforeValidator, model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive, Vector
-from stepid.core.frames import constant, make_frame, split_runs, tidy_frame
-from stepid.core.samples import InputBetween, Starts, check_samples
+from stepid.core.frames import make_frame, tidy_frame
+from stepid.core.mass_offset import WEIGHT as WEIGHT
+from stepid.core.mass_offset import WEIGHT_UNCERTAINTY as WEIGHT_UNCERTAINTY
+from stepid.core.mass_offset import MassOffset as MassOffset
+from stepid.core.samples import CLOSE, InputBetween, Starts, check_samples, off_even_clock
+from stepid.core.slices import stretch
+from stepid.core.tidy import run_fields
 from stepid.core.units import record
 from stepid.errors import InputError
 
 if TYPE_CHECKING:
     from stepid.core.frames import DataFrame
-
-WEIGHT = 0.5  # kg, one lab weight
-_OPTIONAL = ("base", "counts_per_meter", "input_before", "input_between", "starts")  # columns of a campaign's frame
-WEIGHT_UNCERTAINTY = 0.005  # kg, how well one lab weight is known (manual: 500 ± 5 g)
 
 
 class Experiment(Model):
@@ -32,7 +33,7 @@ class Experiment(Model):
     name : str
         Unique within a campaign, for example ``"case 5"``.
     time : array, shape (n,)
-        s, uniform.
+        s, increasing. Times that are off an even clock are taken with a note by `fit` and `diagnose`.
     position : array, shape (n,)
         m, from any zero.
     input : array, shape (n,)
@@ -55,7 +56,7 @@ class Experiment(Model):
     Raises
     ------
     stepid.errors.InputError
-        If lengths differ, a value is not finite, time is not uniform or a label is empty.
+        If lengths differ, a value is not finite, time does not increase or a label is empty.
     """
 
     name: Label
@@ -78,7 +79,9 @@ class Experiment(Model):
 
     @cached_property
     def sample_time(self) -> float:
-        """Sample time, s."""
+        """Sample time, s; of uneven samples the usual one."""
+        if off_even_clock(self.time).max() > CLOSE:
+            return float(np.median(np.diff(self.time)))
         return (float(self.time[-1]) - float(self.time[0])) / (self.time.size - 1)
 
     @property
@@ -90,6 +93,37 @@ class Experiment(Model):
     def is_release(self) -> bool:
         """True where there is no input at all, so that any motion comes from the initial state."""
         return self.input_before == 0 and not np.any(self.input)
+
+    def slice(
+        self,
+        first: int | None = None,
+        last: int | None = None,
+        *,
+        after: float | None = None,
+        until: float | None = None,
+        name: str | None = None,
+    ) -> Self:
+        """Return a stretch of the record, which starts in motion unless it begins where the record does.
+
+        Parameters
+        ----------
+        first, last : int, optional
+            Samples to keep, counted from 0, `last` not included; negative ones count from the end.
+        after, until : float, optional
+            s on the record's clock, in place of `first` and `last`; the sample at `until` is included.
+        name : str, optional
+            Of the stretch; the record's by default.
+
+        Returns
+        -------
+        Experiment
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If a bound is given twice or is no number, or fewer than 8 samples are left.
+        """
+        return type(self)(**stretch(self, first, last, after=after, until=until, name=name))
 
     @classmethod
     def from_dataframe(
@@ -156,25 +190,6 @@ class Experiment(Model):
             If pandas is not installed.
         """
         return make_frame({field: np.array(getattr(self, field)) for field in ("time", "position", "input")})
-
-
-class MassOffset(Model):
-    """A known difference between the masses of two runs (Eq. 9).
-
-    Parameters
-    ----------
-    from_run, to_run : str
-        Names of the runs.
-    difference : float
-        kg, mass of `to_run` minus mass of `from_run`.
-    uncertainty : float
-        kg, standard uncertainty; 0 is an exact constraint.
-    """
-
-    from_run: Label
-    to_run: Label
-    difference: Finite
-    uncertainty: NonNegative = WEIGHT_UNCERTAINTY
 
 
 def _as_tuple(value: object) -> object:
@@ -258,20 +273,8 @@ class Campaign(Model):
         stepid.errors.InputError
             If a column is missing or not numeric, or what belongs to a whole run changes within it.
         """
-        fields = ["added_mass", "spring", "damper"]
-        needed = ["run", "time", "position", "input", *fields]
-        if missing := [field for field in needed if field not in frame]:
-            raise InputError(
-                f"the data frame has no column {missing[0]!r}; there are: {', '.join(map(str, frame))}",
-                f"Rename or add columns, in SI units or with their scales: {', '.join(needed)}.",
-            )
-        fields += [field for field in _OPTIONAL if field in frame]
         scales = {"time": time_scale, "position": position_scale, "input": input_scale}
-        whole = record(frame, {role: role for role in scales}, scales, f"campaign {name!r}")
-        runs = []
-        for run, rows in split_runs(frame, "run").items():
-            own = {field: constant(frame, field, rows, run=run) for field in fields}
-            runs.append(Experiment(name=run, **{role: values[rows] for role, values in whole.items()}, **own))
+        runs = [Experiment(**fields) for fields in run_fields(frame, scales, f"campaign {name!r}")]
         return cls(name=name, experiments=tuple(runs), weight_uncertainty=weight_uncertainty)
 
     def to_dataframe(self) -> DataFrame:

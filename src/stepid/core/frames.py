@@ -83,7 +83,7 @@ def numbers(frame: Any, column: str, *, field: str) -> Array:
     if missing.size:
         raise InputError(
             f"column {column!r} of the data frame has {missing.size} missing value(s), the first in row {missing[0]}",
-            "Leave those rows out only at the ends of the record; time must stay uniform.",
+            "Leave those rows out.",
         )
     out: Array = values.to_numpy(dtype=np.float64)
     return out

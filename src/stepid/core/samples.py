@@ -8,6 +8,8 @@ import numpy as np
 
 from stepid.core.base import Array
 
+CLOSE = 0.5  # of a sample, times that are nearer to an even clock may be rounded or late
+_EVEN = 0.01  # of a sample, by which times may be off an even clock
 InputBetween = Literal["held", "lines", "smooth"]
 """What the input does from each sample to the next: held, joined by straight lines, the cubic spline through all."""
 WAYS: tuple[InputBetween, ...] = ("held", "lines", "smooth")
@@ -17,7 +19,7 @@ STARTS: tuple[Starts, ...] = ("auto", "rest", "motion")
 
 
 def check_samples(time: Array, position: Array, volts: Array, counts_per_meter: float | None) -> None:
-    """Raise ValueError where samples, shape (n,) each, are too few, differ in number or are not uniform in time."""
+    """Raise ValueError where samples, shape (n,) each, are too few, differ in number or do not follow in time."""
     n = time.size
     if n < 8:
         raise ValueError(f"has {n} samples; a step response needs at least 8")
@@ -25,17 +27,60 @@ def check_samples(time: Array, position: Array, volts: Array, counts_per_meter: 
         raise ValueError(f"time, position and input differ in length ({n}, {position.size}, {volts.size})")
     if counts_per_meter == 0:
         raise ValueError("counts_per_meter is zero; give counts per meter, negative where +V gives falling counts")
-    step = (float(time[-1]) - float(time[0])) / (n - 1)
-    if not step > 0:
+    with np.errstate(all="ignore"):
+        steps = np.diff(time)
+    back = np.flatnonzero(~((steps > 0) & np.isfinite(steps)))
+    if back.size == steps.size:
         raise ValueError("time does not increase")
-    with np.errstate(all="ignore"):  # times near the largest float overflow here, and are then not uniform
-        off = np.abs(time - time[0] - step * np.arange(n)) / step
-    worst = int(np.argmax(off))
-    if not off[worst] <= 0.01:
-        raise ValueError(
-            f"time is not uniform: sample {worst} is {off[worst]:.2g} of a sample time off; "
-            "rebuild it from the sample number and the sample time"
-        )
+    if back.size:
+        row = int(back[0]) + 1
+        raise ValueError(f"time does not increase: sample {row} is at {time[row]:.10g} s after {time[row - 1]:.10g} s")
+    if not np.isfinite(float(time[-1]) - float(time[0])):
+        raise ValueError(f"time runs from {time[0]:.3g} s to {time[-1]:.3g} s, farther than numbers reach")
+
+
+def off_even_clock(time: Array) -> Array:
+    """How far times, shape (n,), are off an even clock from the first to the last, in samples."""
+    step = (float(time[-1]) - float(time[0])) / (time.size - 1)
+    out: Array = np.abs(time - time[0] - step * np.arange(time.size)) / step
+    return out
+
+
+def is_even(time: Array) -> bool:
+    """Tell whether times, shape (n,), are multiples of one sample time, but for a hundredth of it."""
+    return bool(off_even_clock(time).max() <= _EVEN)
+
+
+def even_clock(time: Array) -> Array:
+    """Return the even clock nearest to times, shape (n,), by least squares."""
+    number = np.arange(time.size, dtype=np.float64)
+    slope, offset = np.polyfit(number, time - time[0], 1)
+    out: Array = time[0] + offset + slope * number
+    return out
+
+
+def divided_differences(time: Array, values: Array, *, order: int = 8) -> Array:
+    """Differences of high order of values at uneven times, in units of their white noise.
+
+    Parameters
+    ----------
+    time, values : array, shape (n,)
+    order : int
+        A polynomial of lower degree leaves nothing.
+
+    Returns
+    -------
+    array, shape (n − order,)
+        White noise of standard deviation σ gives σ.
+    """
+    windows = np.lib.stride_tricks.sliding_window_view(time, order + 1)
+    span = (windows[:, -1:] - windows[:, :1]) / order
+    apart = (windows[:, :, None] - windows[:, None, :]) / span[:, :, None]
+    apart[:, np.arange(order + 1), np.arange(order + 1)] = 1.0
+    factors = 1.0 / np.prod(apart, axis=2)
+    factors /= np.linalg.norm(factors, axis=1, keepdims=True)
+    out: Array = np.sum(factors * np.lib.stride_tricks.sliding_window_view(values, order + 1), axis=1)
+    return out
 
 
 def course(time: Array, volts: Array, between: InputBetween) -> Array:

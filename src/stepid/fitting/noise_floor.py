@@ -10,6 +10,8 @@ import numpy.typing as npt
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.noise import STILL, clipped_spread, predicted_noise
+from stepid.core.samples import divided_differences, is_even
+from stepid.simulation.clock import clock
 from stepid.simulation.records import Records
 
 _ORDER = 8  # of the differences: a swing sampled 12 times a period leaves 1e-5 of itself
@@ -37,6 +39,8 @@ def _moving_differences(run: Experiment, begin: int) -> Array:
     jumps = np.flatnonzero(np.diff(np.concatenate([[run.input_before], run.input])))
     for jump in jumps - begin if jumps.size < 0.05 * y.size else []:
         use[max(0, jump - _ORDER - 1) : max(0, jump + 3)] = False
+    if not is_even(run.time):
+        return divided_differences(clock(run)[begin:], y, order=_ORDER)[use]
     out: Array = np.diff(y, _ORDER)[use] / math.sqrt(math.comb(2 * _ORDER, _ORDER))
     return out
 

@@ -14,6 +14,7 @@ from stepid.core.units import UNIT, check_speed, check_travel
 from stepid.errors import InputError
 from stepid.fitting.reading_faults import Mask, mend
 from stepid.fitting.record_fault import RecordFault
+from stepid.simulation.clock import clock_note
 from stepid.simulation.starts import starts_in_motion
 
 _LIKE = 0.9  # share of an input change that another must have to be as strong
@@ -86,6 +87,7 @@ def screen(campaign: Campaign) -> Screened:
         for run in kept
         if run.starts == "auto" and not run.is_release and starts_in_motion(run)
     ]
+    notes += [note for run in kept if (note := clock_note(run)) is not None]
     if not notes:
         return Screened(campaign, ())
     wrong = {run.name: mended[run.name].wrong[-run.position.size :] for run in kept if mended[run.name].faults}

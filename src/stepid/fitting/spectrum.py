@@ -22,14 +22,15 @@ def strongest_period(records: Records) -> float:
     has to stand out from what the upper half of the band says that noise does at its own frequency.
     """
     best, power = 0.5, 0.0
-    for r, piece in enumerate(records.pieces()):
-        y = np.diff(records.position[piece])
+    for r in range(len(records.runs)):
+        step, position = records.evenly(r, records.position)
+        y = np.diff(position)
         spectrum = np.abs(np.fft.rfft(y * np.hanning(y.size), 4 * y.size)) ** 2
-        frequency = np.fft.rfftfreq(4 * y.size, float(records.sample_time[r]))
-        noise = np.sin(np.pi * frequency * records.sample_time[r]) ** 2  # of differences of white readings
+        frequency = np.fft.rfftfreq(4 * y.size, step)
+        noise = np.sin(np.pi * frequency * step) ** 2  # of differences of white readings
         upper = spectrum.size // 2
         level = np.median(spectrum[upper:] / noise[upper:])
-        usable = (frequency > 1.5 / (y.size * records.sample_time[r])) & (spectrum > _HEARD * level * noise)
+        usable = (frequency > 1.5 / (y.size * step)) & (spectrum > _HEARD * level * noise)
         k = int(np.argmax(np.where(usable, spectrum, 0.0)))
         if spectrum[k] > power:
             best, power = 1.0 / float(frequency[k]), float(spectrum[k])
@@ -88,9 +89,9 @@ def _spectrum(records: Records, residual: Array) -> tuple[float, Array, Array]:
     step = float(records.sample_time.min())
     grid: Array = np.fft.rfftfreq(_FINE * int(duration / step), step).astype(np.float64)
     total: Array = np.zeros_like(grid)
-    for r, piece in enumerate(records.pieces()):
-        y = residual[piece]
+    for r in range(len(records.runs)):
+        own, y = records.evenly(r, residual)
         n = _FINE * y.size
         power = np.abs(np.fft.rfft(y * np.hanning(y.size), n)) ** 2
-        total += np.interp(grid, np.fft.rfftfreq(n, float(records.sample_time[r])), power)
+        total += np.interp(grid, np.fft.rfftfreq(n, own), power)
     return duration, grid, total

@@ -57,9 +57,8 @@ class WeakForm:
         a, b, c = self._labels
         runs = len(records.runs)
         blocks, sides, owners = [], [], []
-        for r, piece in enumerate(records.pieces()):
-            h = float(records.sample_time[r])
-            x, u = records.position[piece], records.volts[piece]
+        for r in range(runs):
+            (h, x), (_, u) = records.evenly(r, records.position), records.evenly(r, records.volts)
             n = min(max(7, round(width / h)), x.size)
             phi, first, second = _bump(n, h)
             stride = max(1, n // 8)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stepid.core.arguments import as_campaign
 from stepid.core.experiment import Campaign, Experiment, MassOffset
+from stepid.core.samples import CLOSE, off_even_clock
 from stepid.core.units import check_speed
 from stepid.errors import IdentificationError, UndeterminedError
 from stepid.identification.characteristics import characterize_each
@@ -108,6 +109,11 @@ def characterize_campaign(
     excluded: dict[str, str] = {}
     for experiment in campaign.experiments:
         check_speed(experiment.position, experiment.sample_time, f"run {experiment.name!r}: its positions")
+        if off_even_clock(experiment.time).max() > CLOSE:
+            excluded[experiment.name] = (
+                f"run {experiment.name!r}: its samples are uneven in time, which only fit and diagnose can take"
+            )
+            continue
         try:
             used[experiment.name] = _readable(experiment, peak)
         except IdentificationError as error:

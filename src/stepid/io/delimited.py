@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -123,10 +124,10 @@ def parse_table(file: Path, layout: Layout) -> Table:
     if len(set(names)) < len(names):
         raise InputError(f"{where}: its header names a column twice ({', '.join(names)})", "Rename one of them.")
     numbers = [i for i, _ in body]
-    for i, (name, first) in enumerate(zip(labels, rows[0], strict=False)):
-        used = any(isinstance(c, str | int) and c in (i, name) for c in layout.used)
-        if not used and not is_number(first, decimal=layout.decimal):
-            rows = [[*row[:i], "0", *row[i + 1 :]] if i < len(row) else row for row in rows]  # text beside the readings
+    used = {i for i, name in enumerate(labels) if any(isinstance(c, str | int) and c in (i, name) for c in layout.used)}
+    rows = [
+        [cell if i in used or _is_reading(cell, layout.decimal) else "0" for i, cell in enumerate(row)] for row in rows
+    ]  # beside the readings there may be anything, and nothing
     values = parse_numbers(
         rows,
         lines=numbers,
@@ -152,6 +153,10 @@ def join_tables(tables: Sequence[Table]) -> Table:
 
 def _cells(text: str, separator: str | None) -> list[str]:
     return [cell.strip().strip("\"'") for cell in text.split(None if separator in (None, " ") else separator)]
+
+
+def _is_reading(cell: str, decimal: str) -> bool:
+    return is_number(cell, decimal=decimal) and math.isfinite(float(cell.replace(decimal, ".")))
 
 
 def _is_header(cells: Sequence[str]) -> bool:

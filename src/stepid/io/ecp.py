@@ -14,7 +14,7 @@ from stepid.core.samples import InputBetween, Starts
 from stepid.core.units import check_number
 from stepid.errors import InputError
 from stepid.io.ecp_layout import COMMANDED, EFFORT, SAMPLE, TIME, Export, encoder_column, parse_export, repeats
-from stepid.io.sample_clock import rebuild_time
+from stepid.io.sample_clock import real_stamps, rebuild_time
 from stepid.io.step_input import InputValues, StepInput, sample_input
 from stepid.io.textfile import as_path, read_lines
 
@@ -46,7 +46,8 @@ def read_ecp(
 
     Read are: the raw export (header, then rows in brackets) with CR LF, LF or CR; copies whose header is missing, is a
     ``%`` comment or has become a file name, with ``dat = [`` before the rows (the paper's Figs. 4 and 5); and the
-    tab-separated text of the newer program. Time is rebuilt from Sample, because exports print it rounded to 1 ms.
+    tab-separated text of the newer program. Time is rebuilt from Sample, because exports print it rounded to 1 ms; the
+    newer program's stamps are taken as they are where they are not one multiple of Sample.
 
     Parameters
     ----------
@@ -146,14 +147,16 @@ def export_experiment(
         )
     counts = _whole(export, _encoder(export, encoder, where), where)
     _check_open_loop(export, where)
-    time = rebuild_time(
-        _sample(export, where),
-        export.get(TIME),
-        resolution=export.time_resolution,
-        sample_time=sample_time,
-        lines=export.lines,
-        where=where,
-    )
+    time = real_stamps(export) if export.tabbed and sample_time is None else None
+    if time is None:
+        time = rebuild_time(
+            _sample(export, where),
+            export.get(TIME),
+            resolution=export.time_resolution,
+            sample_time=sample_time,
+            lines=export.lines,
+            where=where,
+        )
     volts = _volts(export, input, time, effort_scale, input_before, where)
     with np.errstate(all="ignore"):  # an overflow is reported by the model: not finite
         position = counts / float(counts_per_meter) + 0.0  # + 0.0 turns -0 into 0

@@ -8,6 +8,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.errors import InputError
+from stepid.io.ecp_layout import SAMPLE, TIME, Export
 
 ENOUGH = 1e-3  # relative standard uncertainty of a sample time that may be used unasked
 
@@ -96,6 +97,29 @@ def rebuild_time(
     )
     shift = 0.0 if abs(offset) <= slack else float(np.rint(offset / known))
     return (sample + shift) * known
+
+
+def real_stamps(export: Export) -> Array | None:
+    """Times of an export's rows as printed, s, where they increase and are no multiples of Sample; else None.
+
+    Parameters
+    ----------
+    export : Export
+
+    Returns
+    -------
+    array, shape (n,), or None
+    """
+    time, sample = export.get(TIME), export.get(SAMPLE)
+    if time is None or not np.all(np.diff(time) > 0):
+        return None
+    sample = np.arange(time.size, dtype=np.float64) if sample is None else sample
+    if not np.all(np.diff(sample) >= 1):
+        return None
+    step, _ = fit_sample_time(sample, time, resolution=export.time_resolution)
+    off = time - step * sample
+    follows = np.abs(off - off.mean()).max() <= 0.6 * export.time_resolution + 0.05 * step
+    return None if follows and np.all(np.diff(sample) == 1) else time
 
 
 def _disagreement(

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array, Finite, Model
+from stepid.core.samples import is_even
 from stepid.errors import InputError
 
 
@@ -34,7 +35,7 @@ class StepInput(Model):
         Parameters
         ----------
         time : array, shape (n,)
-            s, uniform, n at least 2.
+            s, increasing, n at least 2.
         before : float
             V, before the step and after its end.
 
@@ -50,8 +51,8 @@ class StepInput(Model):
         """
         step = (time[-1] - time[0]) / (time.size - 1)
         with np.errstate(all="ignore"):
-            first = float(np.rint((self.start - time[0]) / step))
-            last = float(time.size) if self.end is None else float(np.rint((self.end - time[0]) / step))
+            first = _number(time, step, self.start)
+            last = float(time.size) if self.end is None else _number(time, step, self.end)
         if not 0 <= first < time.size:
             raise InputError(
                 f"the step starts at {self.start:g} s, outside the record ({time[0]:g} s to {time[-1]:g} s)",
@@ -64,6 +65,13 @@ class StepInput(Model):
             )
         index = np.arange(time.size)
         return np.where((index >= first) & (index < last), self.level, before).astype(np.float64)
+
+
+def _number(time: Array, step: float, moment: float) -> float:
+    """Number of the sample nearest to a moment, counted on beyond the record's ends."""
+    if time[0] < moment < time[-1] and not is_even(time):
+        return float(np.argmin(np.abs(time - moment)))
+    return float(np.rint((moment - time[0]) / step))
 
 
 InputValues = StepInput | Sequence[float] | npt.NDArray[np.float64]

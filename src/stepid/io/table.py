@@ -57,7 +57,7 @@ def read_table(
     position : str or int
         Column of the position, by name or by index from 0. Must be given; the error without it lists the columns.
     time : str or int, optional
-        Column of the time, s. Without it, `sample_time` says how far rows are apart.
+        Column of the time, s, uneven or not. Without it, `sample_time` says how far rows are apart.
     input : str, int, StepInput or array, shape (n,), optional
         Column of the input (V), or the input itself over the rows kept. Without it the record is a free release,
         zeros; refused where another column is an input by its name and not zero (``StepInput(level=0.0)`` says that
@@ -104,7 +104,7 @@ def read_table(
     ------
     stepid.errors.InputError
         Naming file, line and column: if a file is missing, empty, not text or holds what is not a number, rows differ
-        in length, a column is missing, time is not uniform, or `position_scale` gives a travel of less than 10 nm or
+        in length, a column is missing, time does not increase, or `position_scale` gives a travel of less than 10 nm or
         more than 100 m.
     """
     files = _files(paths)
@@ -185,14 +185,23 @@ def _time(
     with np.errstate(all="ignore"):
         mean = float((time[-1] - time[0]) / (time.size - 1))
         step = mean if sample_time is None else sample_time
-        uniform = _follows(time, index, mean, 0.01)
-        good = mean > 0 and (uniform if sample_time is None else _follows(time, index, step, 0.5))
         steps = np.diff(time)
+        if sample_time is None:
+            if np.all(steps > 0):
+                stamps: Array = time
+                return stamps
+            row = int(np.argmax(~(steps > 0))) + 1
+            raise InputError(
+                f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s: time does not increase",
+                "Give sample_time=… (s) and leave time out if each file starts a clock of its own; else correct it.",
+            )
+        uniform = _follows(time, index, mean, 0.01)
         usual = float(np.median(steps))
         odd = np.abs(steps - usual) > 0.02 * abs(usual)
-    if good:
-        return time if sample_time is None else time[0] + index * step
-    if sample_time is not None and uniform:
+        if mean > 0 and _follows(time, index, step, 0.5):
+            even: Array = time[0] + index * step
+            return even
+    if uniform:
         raise InputError(
             f"{where}: sample_time is given as {sample_time:g} s, but rows are {mean:.8g} s apart",
             "Leave sample_time out, or correct it.",
@@ -200,8 +209,8 @@ def _time(
     row = int(np.argmax(odd)) + 1
     raise InputError(
         f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s, where rows are about {usual:.6g} s "
-        "apart: a gap, two different sample times, jitter or rounded times",
-        "Give sample_time=… (s) if only the times are uneven; leave time out if each file starts a clock of its own.",
+        f"apart: more than half a sample off {sample_time:g} s",
+        "Leave sample_time out if the samples are uneven; leave time out if each file starts a clock of its own.",
     )
 
 

@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
-from stepid.core.samples import InputBetween, course
+from stepid.core.samples import InputBetween, course, is_even
+from stepid.simulation.clock import clock
 from stepid.simulation.starts import starts_in_motion
 
 Index = npt.NDArray[np.intp]
@@ -63,6 +64,15 @@ class Records:
     def pieces(self) -> list[slice]:
         """Return each run's samples as a slice."""
         return [slice(int(a), int(b)) for a, b in zip(self.bounds[:-1], self.bounds[1:], strict=True)]
+
+    def evenly(self, run: int, values: Array) -> tuple[float, Array]:
+        """Values at a run's samples at as many even times, by straight lines, and those times' distance, s."""
+        piece = self.pieces()[run]
+        own, time = values[piece], self.time[piece]
+        if self.at is not None or is_even(time):
+            return float(self.sample_time[run]), own
+        even = np.linspace(time[0], time[-1], time.size)
+        return float(even[1] - even[0]), np.interp(even, time, own)
 
     def centered(self, values: Array) -> Array:
         """Subtract each run's weighted mean over the last axis: what a free rest position leaves."""
@@ -155,7 +165,7 @@ def lay_out(campaign: Campaign) -> Records:
 
 
 def _coefficients(runs: Sequence[Experiment], begin: Index) -> Array:
-    parts = [course(e.time, e.input, e.input_between)[b:] for e, b in zip(runs, begin, strict=True)]
+    parts = [course(clock(e), e.input, e.input_between)[b:] for e, b in zip(runs, begin, strict=True)]
     return _stacked(parts)
 
 
@@ -187,7 +197,7 @@ def _lay(
         runs=tuple(runs),
         bounds=np.concatenate([[0], np.cumsum(sizes)]).astype(np.intp),
         run=np.repeat(np.arange(len(runs)), sizes),
-        time=np.concatenate([e.time[b:] - e.time[0] for e, b in zip(runs, begin, strict=True)]),
+        time=np.concatenate([clock(e)[b:] - e.time[0] for e, b in zip(runs, begin, strict=True)]),
         position=joined("position"),
         volts=joined("input"),
         sample_time=sample_time,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from stepid.core.arguments import as_campaign
@@ -57,6 +59,12 @@ def solve_model(
     """Simulate all records; see `simulate`."""
     effects = resolve([e.name for e in model.effects], catalogue=catalogue)
     records = lay_out(as_campaign(campaign))
+    states = [model.runs.get(e.name, RunState()) for e in records.runs]
+    moves = [
+        e.is_release or e.starts == "motion" or s.velocity != 0 or bool(s.states)
+        for e, s in zip(records.runs, states, strict=True)
+    ]  # a driven run without a speed of its own is at rest, whatever its positions show
+    records = replace(records, moving=records.moving & np.array(moves))
     shared, local = pack(model, records, effects)
     solved = Simulator(records, effects, tolerance, patience=PATIENT).solve(shared, local)
     if solved is None:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from stepid.core.arguments import as_experiment
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.samples import course
+from stepid.core.samples import CLOSE, course, off_even_clock
 from stepid.errors import ConvergenceError, InputError
 from stepid.simulation.records import release_index
 from stepid.transfer.linear import sampled
@@ -57,6 +57,11 @@ def simulate_system(
 
     _check(system, as_experiment(run), initial_state)
     name = system.name
+    if off_even_clock(run.time).max() > CLOSE:
+        raise InputError(
+            f"run {run.name!r}: its samples are uneven in time, and python-control steps evenly",
+            "Simulate it with stepid.simulate.",
+        )
     if isinstance(system, control.LTI):
         system = control.ss(system)  # a transfer function has no states to begin in
     begin = release_index(run)

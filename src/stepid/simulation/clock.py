@@ -1,0 +1,46 @@
+"""The clock of a record: when its samples were taken, where its time stamps are not even."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.core.experiment import Experiment
+from stepid.core.samples import CLOSE, divided_differences, even_clock, is_even, off_even_clock
+
+_BETTER = 0.9  # times the spread on the even clock, above which the stamps' own times are no better
+
+
+def clock(experiment: Experiment) -> Array:
+    """Return the time of each sample, s: the stamps, or an even clock where that makes the smoother motion.
+
+    Stamps that are within half a sample of an even clock may be late or rounded, the samples even; or both may be
+    uneven. The motion tells: on a wrong clock a smooth one is rough.
+
+    Parameters
+    ----------
+    experiment : Experiment
+
+    Returns
+    -------
+    array, shape (n,)
+    """
+    own = experiment.time
+    if is_even(own) or off_even_clock(own).max() > CLOSE:
+        return own
+    even = even_clock(own)
+    rough = [float(np.median(np.abs(divided_differences(t, experiment.position)))) for t in (own, even)]
+    return own if rough[0] < _BETTER * rough[1] else even
+
+
+def clock_note(experiment: Experiment) -> str | None:
+    """Say how the time stamps of a record are taken, None where they are even."""
+    if is_even(experiment.time):
+        return None
+    used, worst = clock(experiment), float(off_even_clock(experiment.time).max())
+    who = f"Run {experiment.name!r}: its time stamps"
+    if worst > CLOSE:
+        longest, usual = float(np.diff(experiment.time).max()), experiment.sample_time
+        return f"{who} are uneven ({usual:.4g} s apart, at most {longest:.4g} s) and are taken as they are."
+    how = "are taken as they are" if used is experiment.time else "an even clock is taken for them"
+    return f"{who} are up to {worst:.2g} of a sample off an even clock; {how}, with which the motion is smoother."

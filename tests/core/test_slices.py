@@ -1,0 +1,54 @@
+"""Stretches of a record."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stepid import Experiment
+from stepid.errors import InputError
+
+TIME = 0.01 * np.arange(100)
+DRIVEN = Experiment(
+    name="long", time=TIME, position=np.sin(TIME), input=np.arange(100.0), added_mass=0.5, spring="s", damper="d",
+    input_between="lines", counts_per_meter=100.0,
+)  # fmt: skip
+
+
+def test_a_stretch_keeps_what_belongs_to_the_run_and_starts_in_motion() -> None:
+    part = DRIVEN.slice(20, 60, name="part")
+    np.testing.assert_array_equal(part.time, TIME[20:60])
+    np.testing.assert_array_equal(part.input, np.arange(20.0, 60.0))
+    assert (part.name, part.input_before, part.starts, part.resolution) == ("part", 19.0, "motion", 0.01)
+    assert (part.added_mass, part.input_between) == (0.5, "lines")
+
+
+def test_the_first_stretch_starts_as_the_record_does() -> None:
+    assert DRIVEN.slice(last=50).starts == "auto"
+    assert DRIVEN.slice() == DRIVEN
+
+
+def test_a_stretch_by_time_and_from_the_end() -> None:
+    assert DRIVEN.slice(after=0.195, until=0.4) == DRIVEN.slice(20, 41)
+    assert DRIVEN.slice(-20) == DRIVEN.slice(80)
+
+
+def test_a_stretch_of_a_release_is_a_release() -> None:
+    released = DRIVEN.model_copy(update={"input": np.zeros(100)})
+    assert released.slice(30).starts == "auto"
+    assert released.slice(30).input_before == 0.0
+
+
+@pytest.mark.parametrize(
+    ("bounds", "message"),
+    [
+        ({"first": 95}, r"'long': samples 95 to 100 of 100 are 5; .*at least 8"),
+        ({"after": 3.0}, r"are 0; .*0 s to 0.99 s"),
+        ({"first": 2, "after": 0.1}, "both first and after"),
+        ({"first": 2.5}, "first is 2.5"),
+        ({"until": float("nan")}, "until is nan"),
+    ],
+)
+def test_stretches_that_cannot_be(bounds: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        DRIVEN.slice(**bounds)

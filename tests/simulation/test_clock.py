@@ -1,0 +1,50 @@
+"""Time stamps that are not even: which clock is taken, and what a fit makes of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stepid
+from stepid.simulation.clock import clock, clock_note
+
+STEP = 0.01
+
+
+def released(taken: np.ndarray, stamps: np.ndarray) -> stepid.Experiment:
+    swing = 0.02 * np.exp(-0.8 * taken) * np.cos(14.7 * taken)
+    noise = 1e-6 * np.random.default_rng(1).standard_normal(taken.size)
+    return stepid.Experiment(
+        name="a", time=stamps, position=swing + noise, input=np.zeros(taken.size), added_mass=0.0, spring="s",
+        damper="d",
+    )  # fmt: skip
+
+
+EVEN = STEP * np.arange(300)
+LATE = EVEN + STEP * np.random.default_rng(2).uniform(-0.3, 0.3, 300)
+GAP = np.delete(EVEN, slice(100, 120))
+
+
+def test_even_stamps_are_taken_without_a_word() -> None:
+    run = released(EVEN, EVEN)
+    assert clock(run) is run.time
+    assert clock_note(run) is None
+
+
+def test_stamps_that_are_late_give_way_to_an_even_clock() -> None:
+    run = released(EVEN, LATE)
+    np.testing.assert_allclose(np.diff(clock(run)), STEP, rtol=1e-2)
+    assert "an even clock is taken for them" in str(clock_note(run))
+
+
+def test_samples_that_are_uneven_keep_their_stamps() -> None:
+    run = released(LATE, LATE)
+    assert clock(run) is run.time
+    assert "of a sample off an even clock; are taken as they are" in str(clock_note(run))
+
+
+@pytest.mark.parametrize(("taken", "stamps"), [(EVEN, LATE), (LATE, LATE), (GAP, GAP)])
+def test_the_fit_takes_uneven_stamps_and_says_so(taken: np.ndarray, stamps: np.ndarray) -> None:
+    found = stepid.fit(stepid.Campaign(name="c", experiments=(released(taken, stamps),)))
+    assert found.parameters["stiffness[s]"].value == pytest.approx(14.7**2 + 0.8**2, rel=2e-3)
+    assert any("time stamps" in note for note in found.notes)
