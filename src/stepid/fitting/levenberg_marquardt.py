@@ -64,7 +64,7 @@ class Problem:
         return replace(solved, derive=partial(self.simulator.derivatives, *here))
 
     def blocks(self, solved: Solved) -> Iterator[tuple[slice, Index, Array]]:
-        """Each run's samples, its columns of the Jacobian (its own, then the global ones), and these; see `jacobian`."""
+        """Each run's samples, its columns of the Jacobian (its own, then the global ones), and these, row by row."""
         (shared, local), free, weight = solved.derivatives, np.flatnonzero(self.free), self.records.weight
         place = free.size - 1 + np.cumsum(self.active).reshape(self.active.shape)
         for run, piece in enumerate(self.records.pieces()):

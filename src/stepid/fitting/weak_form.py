@@ -30,6 +30,7 @@ class WeakSolution(NamedTuple):
     displacement: Array
 
 
+@lru_cache(maxsize=32)
 def _bump(width: int, sample_time: float) -> tuple[Array, Array, Array]:
     """φ = (1 − s²)⁴ and its first two time derivatives on `width` samples."""
     s = np.linspace(-1, 1, width)
