@@ -12,7 +12,6 @@ import numpy.typing as npt
 from stepid.core.base import Array
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum, Problem
-from stepid.simulation.laws import changes
 from stepid.simulation.records import Records
 
 SCATTER = ("start_time", "gain", "damping", "friction")
@@ -97,7 +96,7 @@ def _references(problem: Problem, kind: str, use: Mask) -> list[int]:
     """Runs that stand for the plant: the first of those whose common deviation is a free global parameter."""
     records, n = problem.records, len(problem.records.runs)
     groups = {"damping": records.damper, "stiffness": records.spring}.get(kind, np.zeros(n, dtype=np.intp))
-    if kind == "start_time" and not any(changes(e, "delay") for e in problem.simulator.effects):
+    if kind == "start_time" and not any(type(e).delay is not Effect.delay for e in problem.simulator.effects):
         return []
     if kind == "gain" and not problem.free[problem.layout.force_gain]:
         return []

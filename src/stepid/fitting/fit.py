@@ -21,8 +21,8 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import Contender, FitContext, Start, race_starts
 from stepid.fitting.multistart_cogging import well_starts
 from stepid.fitting.noise_floor import enough, noise_floor, repeat_notes, weights
-from stepid.fitting.outlier_run import find_suspect
 from stepid.fitting.problem import fit_linear
+from stepid.fitting.run_fault import find_fault
 from stepid.fitting.score_test import columns, score
 from stepid.fitting.screening import screen
 from stepid.simulation.layout import DEVIATIONS, own_state_names
@@ -200,8 +200,8 @@ def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum) -> tuple
     if fault is not None:
         out.append(fault.words)
     wrong = fault is None and optimum.rms > _MISFIT * context.floor
-    suspect = find_suspect(context, [optimum]) if wrong else None
-    if suspect is not None and suspect.mistake is not None:
+    suspect = find_fault(optimum, context.floor) if wrong else None
+    if suspect is not None:
         out.append(suspect.words)
     if not optimum.converged:
         out.append(NOT_CONVERGED)

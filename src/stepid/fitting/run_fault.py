@@ -22,8 +22,10 @@ _HINT = 0.05  # share of the misfit that a linearized step must promise for a fi
 _TRIED = 6  # fits
 _REACHED = 1.08  # times the floor, to have explained all
 _STANDS_OUT = 0.3  # share of the cost left, by far less than by any other run's fault, where more is missing
-_DECIDES = 10.0  # χ² by which one run must be the better explanation
+_DECIDES = 10.0  # χ² by which one explanation must be the better one
 _NEAR, _ROUGH = 0.03, 0.15  # relative, of a factor to a round one: linear plants, plants with effects
+_SHARED = 0.5  # share of a run's gain by a drift that a drift in all runs may have
+_GROSS = 5.0  # times the floor, misfit that no curve of the drive turns into noise by one mass or stiffness
 _ALIKE = 0.3  # relative difference of inputs that are of one size
 _UNIT, _SHARP = 0.05, 1e-6  # χ², and share of the cost, that no longer matter to a fit
 _ROUNDS, _SETTLED = 6, 1e-3  # of a drift's rate and the plant in turn; its relative change at the end
@@ -69,11 +71,13 @@ def find_fault(optimum: Optimum, floor: float) -> RecordFault | None:
         return None
     tried = [_fitted(optimum, run, kind, floor) for run, kind in _candidates(optimum, excess)]
     found = sorted((f for f in tried if f is not None), key=lambda f: f.cost)
-    for best in found:
+    level = max(floor, np.sqrt(found[0].cost / _samples(records))) if found else floor
+    close = [f for f in found if f.cost < found[0].cost + _DECIDES * level**2]  # a worse explanation is none
+    for best in close:
         others = [f for f in found if f.run != best.run]
         if not (_has_size(best) and _explains(best, optimum, others, floor)):
             continue
-        near = best.cost + _DECIDES * floor**2
+        near = best.cost + _DECIDES * level**2
         rivals = dict.fromkeys(records.runs[f.run].name for f in others if f.cost < near and _has_size(f))
         return RecordFault(
             run=records.runs[best.run].name,
@@ -96,7 +100,9 @@ def _candidates(optimum: Optimum, excess: float) -> list[tuple[int, str]]:
     every = [(run, kind) for run in range(len(records.runs)) for kind in kinds]
     steps = promised(optimum, every)
     gains = {key: steps[key].gain for key in every if key in steps}
-    gains |= {(run, DRIFT): float(gain) for run, gain in enumerate(_drifts(optimum)[0])}
+    everywhere = float(promised_by(optimum, records.weighted(records.time)[:, None])[0][0])
+    drifts = {(run, DRIFT): float(gain) for run, gain in enumerate(_drifts(optimum)[0])}
+    gains |= {key: gain for key, gain in drifts.items() if everywhere < _SHARED * gain}
     return sorted((key for key, gain in gains.items() if gain > _HINT * excess), key=lambda key: -gains[key])[:_TRIED]
 
 
@@ -236,25 +242,28 @@ def _has_size(found: _Found) -> bool:
 def _explains(found: _Found, optimum: Optimum, others: list[_Found], floor: float) -> bool:
     """Tell whether a fault leaves nothing but noise, or stands out where more is missing in all runs.
 
-    A drive that is not linear gives a run whose input is of another size than all others a gain of its own.
+    A law that bends with the amplitude gives the run with the largest or smallest input a plant of its own.
     """
     records = optimum.problem.records
+    samples = _samples(records)
+    at_floor = found.cost <= ((_REACHED + 3.0 / np.sqrt(2.0 * samples)) * floor) ** 2 * samples
     round_ = found.kind == "gain" and any(abs((1 + found.size) / r - 1) < _NEAR for r in ROUND)
-    lone = found.kind in ("gain", "damping") and not round_ and not _has_equal(records, found.run)
-    room = _REACHED + 3.0 / np.sqrt(2.0 * _samples(records))
-    if found.cost <= (room * floor) ** 2 * _samples(records):
-        return not lone
+    if found.kind != DRIFT and not round_ and _extreme(records, found.run):
+        hard = found.kind not in ("gain", "damping") and optimum.cost > (_GROSS * floor) ** 2 * samples
+        return at_floor and hard
     second = min((f.cost for f in others), default=np.inf)
-    return not lone and found.cost <= _STANDS_OUT * min(optimum.cost, second)
+    return at_floor or found.cost <= _STANDS_OUT * min(optimum.cost, second)
 
 
-def _has_equal(records: Records, run: int) -> bool:
-    """Tell whether another run moves under an input of about the same size."""
+def _extreme(records: Records, run: int) -> bool:
+    """Tell whether a driven run's input is the largest or smallest of all, no other near it."""
     if not driven(records)[run]:
-        return True
+        return False
     sizes = np.maximum.reduceat(np.abs(records.volts - records.before[records.run]), records.first)
-    near = np.abs(np.delete(sizes, run) - sizes[run]) < _ALIKE * sizes[run]
-    return bool(near.any())
+    own, others = sizes[run], np.delete(sizes, run)[np.delete(driven(records), run)]
+    if np.any(np.abs(others - own) < _ALIKE * own):
+        return False
+    return bool(np.all(others > own) or np.all(others < own))
 
 
 def _told(found: _Found) -> float:
