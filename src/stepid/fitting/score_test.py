@@ -148,7 +148,7 @@ def score(context: FitContext, base: Optimum, table: list[_Column]) -> list[Scor
         if not np.isfinite(seen).all() or not np.isfinite(scale).all() or scale.max() <= 0:
             continue
         scale[scale < 1e-12 * scale.max()] = np.inf
-        triangle = np.linalg.qr(np.column_stack([r / scale, residual]), mode="r")
+        triangle = np.asarray(np.linalg.qr(np.column_stack([r / scale, residual]), mode="r"))
         scaled = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=1e-9)[0]
         left = triangle[:, -1] - triangle[:, :-1] @ scaled
         found.append((float(triangle[:, -1] @ triangle[:, -1] - left @ left), column, scaled / scale, seen))
