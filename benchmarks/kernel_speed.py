@@ -71,7 +71,7 @@ def make_row(name: str) -> Row:
 def stepid_kernel(row: Row) -> tuple[Simulate, float]:
     """stepid's own kernel with the loosest tolerance that suffices, and that tolerance as a share of the travel."""
     effects = resolve(list(row.effects))
-    shape = structure(effects)
+    n_states = structure(effects).states
     plant = [PLANT[n] for n in ("mass", "stiffness", "damping", "gain")]
     plant += [row.effects[e.name][q.name] for e in effects for q in e.parameters]
     time, volts, zero = PERIOD * np.arange(SAMPLES), row.inputs[:, None].copy(), np.zeros(1)
@@ -83,9 +83,9 @@ def stepid_kernel(row: Row) -> tuple[Simulate, float]:
         def simulate(copies: int) -> np.ndarray:
             reading, states = np.empty(copies * SAMPLES), np.empty((0, copies * SAMPLES))
             kernel.simulate(
-                shape.copy(),
+                structure(effects),
                 np.tile(plant, (copies, 1)),
-                np.zeros((copies, shape.states)),
+                np.zeros((copies, n_states)),
                 np.zeros(copies, np.intp),
                 np.array([0, SAMPLES]),
                 time,

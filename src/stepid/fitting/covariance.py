@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.simulation.records import Index
 
 
 def parameter_names(optimum: Optimum, effects: tuple[Effect, ...]) -> tuple[tuple[str, str], ...]:
@@ -29,42 +32,61 @@ def covariance(optimum: Optimum, floor: float) -> tuple[Array, Array]:
     own correlation: J⁺ Ω J⁺ᵀ with Ω from the residual's autocovariance over one swing at most (a sandwich).
     """
     problem = optimum.problem
-    jacobian = np.nan_to_num(problem.jacobian(optimum.solved), copy=False, posinf=0.0, neginf=0.0)
-    scale = np.linalg.norm(jacobian, axis=0)
-    scale[scale == 0] = 1.0
-    jacobian /= scale
-    u, s, vt = np.linalg.svd(jacobian, full_matrices=False)
-    del jacobian  # as large as the data, times the parameters
+    size = int(problem.free.sum() + problem.active.sum())
+    square = np.zeros(size)
+    for _, columns, rows in _finite_blocks(optimum):
+        square[columns] += np.sum(rows**2, axis=1)
+    scale = np.where(square > 0, np.sqrt(square), 1.0)
+    _, s, vt = np.linalg.svd(_triangle(optimum, scale))
     usable = s > 1e-6 * s[0]  # the sensitivities are no better than that
     inverse = (vt.T * np.where(usable, 1 / np.where(usable, s, 1.0), 0.0)) / scale[:, None]
     residual = problem.residual(optimum.solved)
     level = max(floor**2, float(residual @ residual) / max(residual.size - s.size, 1))
-    inflation = _inflation(optimum, u, residual)
+    inflation = _inflation(optimum, inverse, residual)
     out: Array = (inverse * (level * inflation)) @ inverse.T
     open_ = np.abs(vt.T * ~usable).max(axis=1) > 1e-3 if not usable.all() else np.zeros(s.size, dtype=bool)
     return out, open_
 
 
-def _inflation(optimum: Optimum, directions: Array, residual: Array) -> Array:
-    """Variance of each orthonormal direction's coefficient over that of white noise, at least 1; Bartlett lags."""
-    records = optimum.problem.records
+def _finite_blocks(optimum: Optimum) -> Iterator[tuple[slice, Index, Array]]:
+    """The blocks of the Jacobian, zero at a runaway's edge."""
+    for piece, columns, rows in optimum.problem.blocks(optimum.solved):
+        yield piece, columns, np.nan_to_num(rows, copy=False, posinf=0.0, neginf=0.0)
+
+
+def _triangle(optimum: Optimum, scale: Array) -> Array:
+    """Square matrix with the products of the Jacobian, its columns scaled: each run's own parameters are set aside."""
+    n = int(optimum.problem.free.sum())
+    out, common, at = np.zeros((scale.size, scale.size)), [np.zeros((n, n))], 0
+    for _, columns, rows in _finite_blocks(optimum):
+        r: Array = np.asarray(np.linalg.qr((rows / scale[columns, None]).T, mode="r"))
+        own = columns.size - n
+        out[at : at + len(r[:own]), columns] = r[:own]
+        common.append(r[own:, own:])
+        at += own
+    out[at:, :n] = np.linalg.qr(np.concatenate(common), mode="r")
+    return out
+
+
+def _inflation(optimum: Optimum, inverse: Array, residual: Array) -> Array:
+    """Variance of each direction's coefficient over that of white noise, at least 1; Bartlett lags."""
+    pieces = optimum.problem.records.pieces()
     lags = 24
     square = float(residual @ residual)
     correlation = np.zeros(lags + 1)
-    for piece in records.pieces():
+    for piece in pieces:
         y = residual[piece]
         for lag in range(1, min(lags, y.size - 2) + 1):
             correlation[lag] += float(y[lag:] @ y[:-lag])
     correlation = correlation / square if square > 0 else correlation
     correlation[np.abs(correlation) < 2.5 / np.sqrt(residual.size)] = 0.0
-    total = np.ones(directions.shape[1])
-    for piece in records.pieces():
-        d = directions[piece]
-        for lag in range(1, min(lags, d.shape[0] - 2) + 1):
-            if correlation[lag]:
-                taper = 1 - lag / (lags + 1)
-                total += 2 * taper * correlation[lag] * np.sum(d[lag:] * d[:-lag], axis=0)
-    return np.maximum(total, 1.0)
+    products = np.zeros((len(inverse), len(inverse)))
+    for _, columns, rows in _finite_blocks(optimum):
+        for lag in np.flatnonzero(correlation[: rows.shape[1] - 1]).tolist():
+            taper = 1 - lag / (lags + 1)
+            products[np.ix_(columns, columns)] += taper * correlation[lag] * (rows[:, lag:] @ rows[:, :-lag].T)
+    out: Array = np.maximum(1.0 + 2.0 * np.sum(inverse * (products @ inverse), axis=0), 1.0)
+    return out
 
 
 def estimates(optimum: Optimum, effects: tuple[Effect, ...], floor: float) -> tuple[dict[str, Estimate], Array]:

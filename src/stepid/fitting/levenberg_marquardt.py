@@ -7,6 +7,7 @@ of runs, whose own parameters it eliminates run by run; a dense Jacobian's is no
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -15,7 +16,7 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.simulation.layout import ParameterLayout
-from stepid.simulation.records import Records
+from stepid.simulation.records import Index, Records
 from stepid.simulation.simulator import STEEPEST, Simulator, Solved
 
 _MOST_DAMPING = 1e12
@@ -62,18 +63,24 @@ class Problem:
         here = shared.copy(), local.copy(), solved.reading, self.free, self.active, solved.states
         return replace(solved, derive=partial(self.simulator.derivatives, *here))
 
+    def blocks(self, solved: Solved) -> Iterator[tuple[slice, Index, Array]]:
+        """Each run's samples, its columns of the Jacobian (its own, then the global ones), and these, row by row."""
+        (shared, local), free, weight = solved.derivatives, np.flatnonzero(self.free), self.records.weight
+        place = free.size - 1 + np.cumsum(self.active).reshape(self.active.shape)
+        for run, piece in enumerate(self.records.pieces()):
+            own, w = np.flatnonzero(self.active[:, run]), weight[piece]
+            rows = np.concatenate([local[own, piece], shared[free, piece]])
+            with np.errstate(all="ignore"):
+                rows -= (rows @ (w**2 / np.sum(w**2)))[:, None]
+                rows *= w
+                rows[~(np.abs(rows) < STEEPEST)] = np.inf
+            yield piece, np.append(place[own, run], np.arange(free.size)), rows
+
     def jacobian(self, solved: Solved) -> Array:
         """Derivative of the simulated reading by the free parameters, shape (S, columns); ±inf at a runaway's edge."""
-        shared, local = solved.derivatives
-        free, where, pieces = np.flatnonzero(self.free), np.argwhere(self.active), self.records.pieces()
-        out = np.zeros((len(free) + len(where), self.records.size))
-        out[: len(free)] = shared[free]
-        for row, (q, run) in zip(out[len(free) :], where, strict=True):
-            row[pieces[run]] = local[q, pieces[run]]
-        with np.errstate(all="ignore"):
-            for row in out:
-                row[:] = self.records.weighted(row)
-            out[~(np.abs(out) < STEEPEST)] = np.inf
+        out = np.zeros((int(self.free.sum() + self.active.sum()), self.records.size))
+        for piece, columns, rows in self.blocks(solved):
+            out[columns, piece] = rows
         return out.T
 
 

@@ -25,7 +25,7 @@ _OPEN = 1e-5  # singular value of a direction that the data leave open: no start
 
 class _Column(NamedTuple):
     effect: Effect
-    responses: Array  # (S, k)
+    responses: Array  # (S, k), weighted
     values: Callable[[Array], tuple[float, ...] | None]
 
 
@@ -79,9 +79,10 @@ def _columns(context: FitContext, effects: tuple[Effect, ...], scales: Scales) -
                     context.responses[key] = _difference(context, *key)
                 response = context.responses[key]
                 if response is not None:
-                    found.append(_Column(effect, response, _scaled(effect, tuple(values))))
+                    weighted = context.sketch.weighted(response.T).T
+                    found.append(_Column(effect, weighted, _scaled(effect, tuple(values))))
     if forces:
-        responses = force_responses(context, forces)
+        responses = context.sketch.weighted(force_responses(context, forces).T).T
         at = 0
         for effect, width, convert in pending:
             found.append(_Column(effect, responses[:, at : at + width], convert))
@@ -153,15 +154,16 @@ def score(
     total = float(residual @ residual)
     found = []
     for column in table:
-        seen = records.weighted(column.responses.T).T
+        seen = column.responses
         r = seen - q @ (q.T @ seen)
         scale = np.linalg.norm(r, axis=0)
         if not np.isfinite(seen).all() or not np.isfinite(scale).all() or scale.max() <= 0:
             continue
         scale[scale < 1e-12 * scale.max()] = np.inf
-        coefficients = np.linalg.lstsq(r / scale, residual, rcond=1e-9)[0] / scale
-        left = residual - r @ coefficients
-        found.append((total - float(left @ left), column, coefficients, seen))
+        triangle = np.asarray(np.linalg.qr(np.column_stack([r / scale, residual]), mode="r"))
+        scaled = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=1e-9)[0]
+        left = triangle[:, -1] - triangle[:, :-1] @ scaled
+        found.append((float(triangle[:, -1] @ triangle[:, -1] - left @ left), column, scaled / scale, seen))
     out: list[Scored] = []
     starts = Counter[Effect]()
     for gain, column, coefficients, seen in sorted(found, key=lambda item: -item[0]):

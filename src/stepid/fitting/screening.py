@@ -72,8 +72,9 @@ def screen(campaign: Campaign) -> Screened:
         check_speed(run.position, run.sample_time, who)
     notes = [fault.words for fault in faults]
     kept = [run for run in campaign.experiments if not _still(run)]
+    left_out = {run.name for run in campaign.experiments} - {run.name for run in kept}
     for run in campaign.experiments:
-        if run not in kept:
+        if run.name in left_out:
             notes.append(f"Run {run.name!r} is left out: {_why_still(run)}")
     kept = _without_copies(kept, notes)
     kept = _from_rest(kept, notes)

@@ -30,6 +30,7 @@ class WeakSolution(NamedTuple):
     displacement: Array
 
 
+@lru_cache(maxsize=32)
 def _bump(width: int, sample_time: float) -> tuple[Array, Array, Array]:
     """φ = (1 − s²)⁴ and its first two time derivatives on `width` samples."""
     s = np.linspace(-1, 1, width)
@@ -179,8 +180,9 @@ def measured_motion(records: Records, linear: Array, floor: float, period: float
 def _polynomials(window: int, degree: int) -> tuple[Array, Array]:
     """Powers of the place in a window, shape (window, degree + 1), and the fit of their coefficients to its samples."""
     half = window // 2
-    powers = np.vander(np.arange(-half, half + 1) / half, degree + 1, increasing=True)
-    return powers, np.linalg.pinv(powers)
+    powers: Array = np.vander(np.arange(-half, half + 1) / half, degree + 1, increasing=True)
+    fitted: Array = np.linalg.pinv(powers).astype(np.float64)
+    return powers, fitted
 
 
 def _convolved(y: Array, kernel: Array) -> Array:

@@ -48,8 +48,15 @@ else:
     from llvmlite import ir
     from numba.extending import intrinsic
 
-    def compiled(function: Callable[..., Any], **more: Any) -> Callable[..., Any]:
+    def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
         """Compile a function at its first call; keep the machine code in numba's cache where one can be written."""
+        return _compiled(function, {})
+
+    def compiled_sums(function: Callable[..., Any]) -> Callable[..., Any]:
+        """Compile a function likewise; its sums may be taken in any order."""
+        return _compiled(function, {"fastmath": {"reassoc", "contract"}})
+
+    def _compiled(function: Callable[..., Any], more: dict[str, Any]) -> Any:
         options = {"nogil": True, "error_model": "numpy"} | more
         if function.__name__.startswith("_"):  # called by compiled functions only
             options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
@@ -57,10 +64,6 @@ else:
             return numba.njit(cache=True, **options)(function)
         except RuntimeError:
             return numba.njit(**options)(function)
-
-    def compiled_sums(function: Callable[..., Any]) -> Callable[..., Any]:
-        """Compile a function likewise; its sums may be taken in any order."""
-        return compiled(function, fastmath={"reassoc", "contract"})
 
     @intrinsic
     def call(

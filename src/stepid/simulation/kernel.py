@@ -245,11 +245,18 @@ def _follow_drive(w: Work, t: float, h: float) -> float:
 
 
 @compiled
-def _own_states(w: Work, t: float, span: float, y: Array, after: Array) -> None:
-    """Write into `after` the states that are known in closed form `span` [s] after `y`: lags and memories."""
+def _own_states(w: Work, t: float, span: float, y: Array, after: Array, again: bool) -> None:
+    """Write into `after` the states that are known in closed form `span` [s] after `y`: lags and memories.
+
+    The last two stages of a step are at its end: there the lags are in `w.k[_STAGES]` when they are asked for `again`.
+    """
     for e in range(w.effects):
         if w.places[e, RELAXES]:
-            _relax(w, e, t, 0.0, span, y, after)
+            if again:
+                for j in range(w.places[e, OWN], w.places[e, OWN] + w.places[e, N_EXTRA]):
+                    after[j] = w.k[_STAGES, j]
+            else:
+                _relax(w, e, t, 0.0, span, y, after)
         if w.places[e, N_MEMORY]:
             w.m[SPAN] = after[0] - y[0]
             _ask(w, REMEMBER, e, y)
@@ -272,7 +279,9 @@ def _step(w: Work, t: float, h: float) -> float:
                 total += _A[s, i] * k[i, j]
             z[j] = y[j] + h * total
         if known:
-            _own_states(w, t, _C[s] * h, y, z)
+            _own_states(w, t, _C[s] * h, y, z, s == _STAGES - 1)
+            if s == _STAGES - 2:
+                _copy(z, k[_STAGES], d)
         _evaluate(w, t + _C[s] * h, z, k[s])
     for j in range(d):
         total = 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -107,7 +108,7 @@ class Records:
         """Return the same records several times over, as runs of their own."""
         by_run = ("sample_time", "added_mass", "before", "moving", "base", "spring", "damper", "begin")
         by_sample = ("time", "position", "volts", "weight")
-        tiled = {name: np.tile(getattr(self, name), count) for name in (*by_run, *by_sample)}
+        tiled: dict[str, Any] = {name: np.tile(getattr(self, name), count) for name in (*by_run, *by_sample)}
         bounds = np.append((self.first + self.size * np.arange(count)[:, None]).ravel(), count * self.size)
         return replace(
             self,

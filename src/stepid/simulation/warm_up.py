@@ -40,7 +40,7 @@ def _mark(version: str) -> Path | None:
     from stepid.simulation.laws import cache_folder
 
     folder = cache_folder()
-    sources = [Path(module.__file__).read_bytes() for module in (kernel, triangles)]
+    sources = [Path(str(module.__file__)).read_bytes() for module in (kernel, triangles)]
     what = [*sources, version.encode(), platform.platform().encode()]
     digest = hashlib.sha256(b"\0".join(what)).hexdigest()[:24]
     return None if folder is None else folder / f"compiled_{digest}"
