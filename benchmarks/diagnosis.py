@@ -8,8 +8,8 @@
 
 The campaigns come from the hidden simulator in tests/hidden, which shares no code with the package. --skip leaves out
 more of the first campaigns of each set: a fresh draw that nobody has developed against. Each failure is listed with its
-number in its set: `hidden.sets.one(SET, NUMBER, SALT)` makes it again. With --salt, seeds are made from SHA-256 of salt,
-set and number, so that the hash of a commit can draw campaigns that nobody has seen.
+number in its set: `hidden.sets.one(SET, NUMBER, SALT)` makes it again. --salt makes seeds from SHA-256 of salt, set
+and number, so that the hash of a commit can draw campaigns that nobody has seen.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Campaigns of any set made and diagnosed one at a time, a JSON line for each as it ends; an interrupted run goes on."""
+"""Campaigns of any set made and diagnosed one at a time, a JSON line for each as it ends; it can be taken up again."""
 
 from __future__ import annotations
 

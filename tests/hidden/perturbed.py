@@ -65,11 +65,14 @@ def perturb(draft: Draft, attempt: int, only: str | None = None) -> Perturbed:
         if draft.request.outside == "sensor_ripple":
             x = ripple(x, setup, draft.strength["outside"], draft.stream(4))
         lost = np.zeros(x.size, bool)
-        free.append(x)
+        after = x  # the release, as if no hand had held
         for i, kind in _numbered(kinds, sizes):
-            own = draft.stream(9, attempt, i, j)
-            x = on_reading(kind, sizes[kind], off[kind][j], x, setup, draft.sigma, own)
-            lost |= gone(kind, sizes[kind], slot.inputs, own)
+            x = on_reading(kind, sizes[kind], off[kind][j], x, setup, draft.sigma, draft.stream(9, attempt, i, j))
+            if kind not in HOLDS:
+                own = draft.stream(9, attempt, i, j)
+                after = on_reading(kind, sizes[kind], off[kind][j], after, setup, draft.sigma, own)
+            lost |= gone(kind, sizes[kind], slot.inputs, draft.stream(10, attempt, i, j))
+        free.append(after)
         if sizes.get("dropped", {}).get("held"):
             x, lost = changes.repeated(x, lost), np.zeros(x.size, bool)
         readings.append(np.asarray(x))

@@ -1,0 +1,144 @@
+"""The figures of perturbed campaigns on answers made by hand, and runs that are taken up again."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+if not BENCHMARKS.exists():
+    pytest.skip("the benchmarks are not beside the tests", allow_module_level=True)
+sys.path.append(str(BENCHMARKS))
+
+import judge  # noqa: E402
+import one_by_one  # noqa: E402
+import score_perturbed  # noqa: E402
+
+
+def record(**changed: Any) -> dict[str, Any]:
+    plain = {
+        "set": "perturbed-none",
+        "number": 1,
+        "kind": "five",
+        "runs": 5,
+        "truth": [],
+        "outside": None,
+        "r0": 3.0,
+        "verdict": "adequate",
+        "effects": [],
+        "alternatives": [],
+        "seconds": 0.5,
+        "parameters": {},
+        "true_parameters": {},
+        "perturbations": {"gain": {"scatter": 0.02}},
+        "r0_perturbation": 3.0,
+        "r0_kinds": {"gain": 3.0},
+    }
+    return plain | changed
+
+
+def value(records: list[dict[str, Any]], name: str) -> float | None:
+    return next((x.value for x in score_perturbed.score(records) if x.name == name), None)
+
+
+def test_a_perturbation_s_own_twin_is_no_wrong_name() -> None:
+    hummed = {"perturbations": {"hum": {}}, "verdict": "named"}
+    twin = record(**hummed, effects=["periodic_disturbance"])
+    other = record(**hummed, effects=["periodic_disturbance", "cogging"])
+    stranger = record(verdict="named", effects=["periodic_disturbance"])
+    assert [judge.wrong_name(r) for r in (twin, other, stranger, record())] == [False, True, True, False]
+    assert value([twin, other, stranger], "perturbed, linear: wrong names") == 2
+
+
+def test_what_is_told_is_looked_for_kind_by_kind() -> None:
+    assert judge.told(record(scatter={"gain": {"deviation": 0.02, "explained": 0.6}}), "gain")
+    assert not judge.told(record(scatter={"gain": {"deviation": 1e-6, "explained": 0.0}}), "gain")
+    assert not judge.told(record(notes=["The gain is 8 N/V."]), "gain")
+    assert judge.told(record(notes=["The gain differs by 2 % from run to run."]), "gain")
+    assert judge.told(record(faults=[{"run": "case 2", "kind": "outliers", "size": 3}]), "outliers")
+    assert judge.told(record(notes=["Three samples are missing."]), "dropped")
+    assert not judge.told(record(), "hold_long")
+    deep = record(r0_kinds={"gain": 3.0, "ar1": 1.2}, scatter={"gain": {"explained": None}})
+    assert judge.mattering(deep) == ["gain"]
+    assert value([deep, record()], "perturbed, r0 ≥ 2: kind told") == 0.5
+
+
+def test_one_effect_is_named_with_or_without_the_twin() -> None:
+    single = {"set": "perturbed-single", "truth": ["end_stop"], "verdict": "named", "qualified": True}
+    right = record(**single, effects=["end_stop"])
+    both = record(**single, effects=["end_stop", "flexible_coupling"], perturbations={"second_mode": {}})
+    more = record(**single, effects=["end_stop", "cogging"])
+    other = record(**single, effects=["cogging"])
+    silent = record(**single | {"verdict": "unexplained"})
+    error = {k: v for k, v in right.items() if k not in ("verdict", "effects", "alternatives")} | {
+        "error": "ValueError"
+    }
+    faint = record(**single | {"qualified": False}, effects=["cogging"])
+    some = [right, both, more, other, silent, error, faint]
+    assert value(some, "perturbed, one effect: named") == pytest.approx(2 / 6)
+    assert value(some, "perturbed, one effect: other name") == pytest.approx(2 / 6)
+
+
+def test_triples_count_where_each_effect_is_needed() -> None:
+    names = ["a", "b", "c"]
+    triple = {"set": "triples", "truth": names, "verdict": "named", "perturbations": None}
+    needed = {"costs": {"a": 2.0, "b": 1.3, "c": 9.0}}
+    full = record(**triple, **needed, effects=names)
+    part = record(**triple, **needed, effects=["a", "b"])
+    twin = record(**triple, **needed, effects=["a", "b", "d"], twins=[["d", "a", "b"]])
+    hidden = record(**triple, costs={"a": 2.0, "b": 1.1, "c": 9.0}, effects=["a"])
+    for r in (full, part, twin, hidden):
+        del r["perturbations"]
+    assert value([full, part, twin, hidden], "triples that need all: all named") == pytest.approx(2 / 3)
+
+
+def test_probability_is_compared_with_what_is_right() -> None:
+    single = {"set": "single-all", "truth": ["end_stop"], "verdict": "named", "perturbations": {}}
+    right, wrong = (record(**single, probability=0.92, effects=[e]) for e in ("end_stop", "cogging"))
+    (row,) = score_perturbed.calibration([right] * 90 + [wrong] * 10)
+    assert (row["low"], row["count"], row["right"], row["met"]) == (0.9, 100, 0.9, True)
+    (row,) = score_perturbed.calibration([right] * 50 + [wrong] * 50)
+    assert row["met"] is False
+    (row,) = score_perturbed.calibration([right] * 10)
+    assert row["met"] is None
+
+
+def test_intervals_of_plant_and_effect() -> None:
+    told = record(
+        set="perturbed-single",
+        truth=["end_stop"],
+        verdict="named",
+        effects=["end_stop"],
+        true_plant={"base_mass": 1.0, "force_gain": 5.0},
+        true_parameters={"end_stop.position": 0.01},
+        parameters={"base_mass": (1.01, 0.01), "force_gain": (9.0, 0.1), "end_stop.position": (0.02, 0.001)},
+        intervals={"end_stop.position": [0.005, 0.03]},
+    )
+    assert value([told], "perturbed: 95 % intervals cover") == 1.0
+    assert value([told], "perturbed: median |error|/σ") == pytest.approx(5.5)
+
+
+def test_a_run_is_taken_up_where_it_broke_off(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+
+    def fake(task: one_by_one.Task) -> dict[str, Any]:
+        made.append(task)
+        return {"set": task[0], "number": task[1], "salt": task[2]}
+
+    monkeypatch.setattr(one_by_one, "run_task", fake)
+    monkeypatch.setattr(one_by_one, "warm", lambda: None)
+    file, tasks = tmp_path / "lines.jsonl", [("none", i, "s") for i in range(4)]
+    one_by_one.run(tasks[:2], file, 1)
+    with file.open("a", encoding="utf-8") as lines:
+        lines.write('{"set": "none", "num')
+    records = one_by_one.run(tasks, file, 1)
+    assert made == tasks
+    assert [r["number"] for r in records] == [0, 1, 2, 3]
+    assert [json.loads(x)["number"] for x in file.read_text(encoding="utf-8").splitlines()] == [0, 1, 2, 3]
+    assert one_by_one.wanted("triples=60") == ("triples", 60)
+    with pytest.raises(ValueError, match="NAME=N"):
+        one_by_one.wanted("nothing=3")
