@@ -5,36 +5,35 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from functools import partial
-
-import numpy as np
+from typing import NamedTuple
 
 from stepid.core.arguments import as_campaign, as_workers
-from stepid.core.base import Array
 from stepid.core.experiment import Campaign
-from stepid.core.noise import rms
-from stepid.diagnosis.experiment_design import next_experiment
-from stepid.diagnosis.locate import locate, phases_of
-from stepid.diagnosis.notes import notes_on
-from stepid.diagnosis.result import Diagnosis, Gap, Ranked, RunGap
-from stepid.diagnosis.selection.candidate import Candidate
-from stepid.diagnosis.verdict import Judgment, judge
-from stepid.diagnosis.wording import effect_names
+from stepid.diagnosis.answer import report
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.evidence import at_floor
+from stepid.diagnosis.explore import Found, explored, linear_candidate
+from stepid.diagnosis.gather import EvidenceRecord
+from stepid.diagnosis.progress import Progress
+from stepid.diagnosis.result import Diagnosis
+from stepid.diagnosis.selection.effort import Effort
+from stepid.diagnosis.verdict import judge
 from stepid.effects import CATALOGUE, Effect, among_themselves
 from stepid.errors import UndeterminedError
-from stepid.fitting.covariance import estimates, parameter_names
-from stepid.fitting.cross_validation import held_out_residuals
-from stepid.fitting.fit import prepare, unpack
+from stepid.fitting.fit import prepare
+from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
-from stepid.fitting.outlier_run import Suspect
+from stepid.fitting.record_fault import RecordFault
+from stepid.fitting.run_fault import find_fault
 from stepid.fitting.screening import screen
 from stepid.simulation.threads import single_threaded
 from stepid.simulation.warm_up import warm_up
 
-Progress = Callable[[str], None]
+Tell = Callable[[Progress], object]
 
 
-def _silent(_: str) -> None:
+def _silent(_: Progress) -> None:
     return None
 
 
@@ -43,7 +42,9 @@ def diagnose(
     campaign: Campaign,
     *,
     catalogue: tuple[Effect, ...] = CATALOGUE,
-    progress: Progress | None = None,
+    criteria: Criteria | None = None,
+    effort: Effort | None = None,
+    progress: Tell | None = None,
     workers: int = 1,
 ) -> Diagnosis:
     """Say whether a linear model is adequate for a campaign and, if not, which effect it is missing.
@@ -54,8 +55,13 @@ def diagnose(
         Two runs or more.
     catalogue : tuple of Effect
         Candidates; add your own to `stepid.effects.CATALOGUE`.
+    criteria : Criteria, optional
+        What decides the answer.
+    effort : Effort, optional
+        How hard to search: ``Effort.quick()``, ``Effort()``, ``Effort.thorough()``.
     progress : callable, optional
-        Called with a few words before each stage.
+        Called with a `Progress` before each stage: a few words, the best answer so far, what is left. An exception
+        that it raises cancels the diagnosis.
     workers : int
         Threads that simulate; the answer is the same for any number.
 
@@ -79,136 +85,59 @@ def diagnose(
             f"campaign {campaign.name!r} has one run: a model that fits it cannot be checked on another",
             "Add a run with another added mass, or repeat this one.",
         )
-    warm_up(tell)
-    tell("linear fit")
-    context = prepare(campaign, workers=as_workers(workers))
+    how = _How(among_themselves(catalogue), criteria or Criteria(), effort or Effort(), tell, as_workers(workers))
+    warm_up(lambda words: tell(Progress(words)))
+    tell(Progress("linear fit"))
+    context = prepare(campaign, workers=how.workers)
     if len(context.records.runs) < 2:
         raise UndeterminedError(
             f"campaign {campaign.name!r} has one usable run. {' '.join(screen(campaign).notes)}",
             "Record the others again: a model that fits one run cannot be checked on another.",
         )
-    judgment = judge(context, among_themselves(catalogue), tell)
-    if judgment.suspect is not None:
-        return _diagnose_without(judgment.suspect, campaign, catalogue, tell, workers)
-    tell("runs held out")
-    return _report(campaign, context, judgment)
+    return _diagnosed(campaign, context, how)
 
 
-def _diagnose_without(
-    suspect: Suspect, campaign: Campaign, catalogue: tuple[Effect, ...], progress: Progress, workers: int
-) -> Diagnosis:
-    """Leave out a run whose labels or scale are plainly wrong, and say so."""
-    rest = tuple(e for e in campaign.experiments if e.name != suspect.run)
-    others = campaign.model_copy(update={"experiments": rest})
-    found = diagnose(others, catalogue=catalogue, progress=progress, workers=workers)
-    notes = (f"{suspect.words} It is left out of this diagnosis.", *found.notes)
-    return found.model_copy(update={"notes": notes, "data": campaign})
+class _How(NamedTuple):
+    catalogue: tuple[Effect, ...]
+    criteria: Criteria
+    effort: Effort
+    tell: Tell
+    workers: int
 
 
-def _pooled(residuals: dict[int, Array]) -> float | None:
-    return rms(np.concatenate(list(residuals.values()))) if residuals else None
+def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tuple[RecordFault, ...] = ()) -> Diagnosis:
+    """Diagnose what was laid out; a run that is plainly at fault is left out, and the rest diagnosed anew."""
+    fault = find_input_fault(context)
+    if fault is not None:
+        found = Found(context, (linear_candidate(context),))
+    else:
+        fault_of_run = _outlying(context, context.linear)
+        if fault_of_run is None:
+            found = explored(context, how.catalogue, how.criteria, how.effort, how.tell)
+            best = found.best
+            many = len(best.effects) > 1 or not at_floor(found.context, how.criteria, best)
+            fault_of_run = _outlying(found.context, best.optimum) if many and best.effects else None
+        if fault_of_run is not None and len(context.records.runs) > 2:
+            rest = tuple(e for e in campaign.experiments if e.name != fault_of_run.run)
+            others = campaign.model_copy(update={"experiments": rest})
+            done = _diagnosed(others, prepare(others, workers=how.workers), how, (*accused, fault_of_run))
+            return done.model_copy(update={"data": campaign})
+    how.tell(Progress("runs held out", best=found.best.names))
+    evidence = EvidenceRecord(found.context, how.criteria, found.candidates, fault, (*accused, *found.context.faults))
+    return report(campaign, evidence, judge(evidence))
 
 
-def _report(campaign: Campaign, context: FitContext, judgment: Judgment) -> Diagnosis:
-    records, floor = context.records, context.floor
-    linear = context.linear
-    final = judgment.chosen.optimum if judgment.verdict in ("named", "ambiguous") else linear
-    chosen = judgment.chosen if final is not linear else None
-    effects = chosen.effects if chosen else ()
-    seen_before = held_out_residuals(linear, tolerance=context.tolerance)
-    seen_after = held_out_residuals(final, tolerance=context.tolerance) if chosen else seen_before
-    both = seen_before.keys() & seen_after.keys()
-    seen_before = {i: seen_before[i] for i in sorted(both)}
-    seen_after = {i: seen_after[i] for i in sorted(both)}
-    proposal = None
-    if judgment.alternatives:
-        words = {id(c.optimum): effect_names(c.names) for c in (judgment.chosen, *judgment.alternatives)}
-        proposal = next_experiment(
-            campaign,
-            judgment.chosen.optimum,
-            [c.optimum for c in judgment.alternatives],
-            floor=floor,
-            tell=lambda o: words[id(o)],
-        )
-    elif judgment.fault is not None:
-        proposal = judgment.fault.remedy
-    elif judgment.verdict == "unexplained":
-        doubt = f"Look at run {judgment.doubt.run!r} first: {judgment.doubt.words} " if judgment.doubt else ""
-        proposal = (
-            f"{doubt}Repeat one run without changing anything: what differs between the repeats is no property of "
-            "the plant. Then a free release and a step the other way."
-        )
-    verdict, reasons = judgment.verdict, judgment.reasons
-    return Diagnosis(
-        campaign=campaign.name,
-        verdict=verdict,
-        effects=tuple(e.name for e in effects),
-        alternatives=tuple(c.names for c in judgment.alternatives),
-        gap=Gap(
-            before=linear.rms,
-            after=final.rms,
-            noise=floor,
-            held_out_before=_pooled(seen_before),
-            held_out_after=_pooled(seen_after),
-        ),
-        parameters=estimates(final, effects, floor)[0],
-        linear_parameters=estimates(linear, (), floor)[0],
-        where=locate(records, linear, floor, context.measured),
-        next_experiment=proposal,
-        advice={e.name: e.advice for e in effects if e.advice},
-        reasons=reasons,
-        notes=((judgment.fault.words,) if judgment.fault else ()) + notes_on(campaign, context, final, effects),
-        ranking=_ranking(judgment),
-        runs=_runs(context, final, seen_before, seen_after),
-        model=unpack(final, effects),
-        linear_model=unpack(linear, ()),
-        data=campaign,
-    )
-
-
-def _ranking(judgment: Judgment) -> tuple[Ranked, ...]:
-    if not judgment.ranking:
-        return ()
-    best = judgment.ranking[0].evidence
-    return tuple(
-        Ranked(effects=c.names, rms=c.optimum.rms, evidence=c.evidence - best, parameters=_own(c))
-        for c in judgment.ranking
-    )
-
-
-def _own(found: Candidate) -> dict[str, float]:
-    names = [name for name, _ in parameter_names(found.optimum, found.effects)]
-    return {n: float(v) for n, v in zip(names, found.optimum.shared, strict=True) if "." in n}
-
-
-def _runs(
-    context: FitContext, final: Optimum, seen_before: dict[int, Array], seen_after: dict[int, Array]
-) -> tuple[RunGap, ...]:
-    records, linear = context.records, context.linear
-    before, after = linear.residual, final.residual
-    phases = phases_of(records, linear, context.floor, context.measured)
-    out = []
-    for i, (run, piece) in enumerate(zip(records.runs, records.pieces(), strict=True)):
-        y = records.position[piece]
-        out.append(
-            RunGap(
-                name=run.name,
-                time=records.time[piece],
-                measured=y,
-                linear=y - before[piece],
-                model=y - after[piece],
-                before=rms(before[piece]),
-                after=rms(after[piece]),
-                held_out_before=rms(seen_before[i]) if i in seen_before else None,
-                held_out_after=rms(seen_after[i]) if i in seen_after else None,
-                phases=phases[run.name],
-            )
-        )
-    return tuple(out)
+def _outlying(context: FitContext, optimum: Optimum) -> RecordFault | None:
+    return find_fault(optimum, context.floor)
 
 
 def diagnose_many(
-    campaigns: Iterable[Campaign], *, catalogue: tuple[Effect, ...] = CATALOGUE, executor: Executor | None = None
+    campaigns: Iterable[Campaign],
+    *,
+    catalogue: tuple[Effect, ...] = CATALOGUE,
+    criteria: Criteria | None = None,
+    effort: Effort | None = None,
+    executor: Executor | None = None,
 ) -> list[Diagnosis]:
     """Diagnose many campaigns, side by side where an executor is given.
 
@@ -216,6 +145,8 @@ def diagnose_many(
     ----------
     campaigns : iterable of Campaign
     catalogue : tuple of Effect
+    criteria : Criteria, optional
+    effort : Effort, optional
     executor : concurrent.futures.Executor, optional
         A process pool uses all cores.
 
@@ -229,5 +160,5 @@ def diagnose_many(
     stepid.errors.StepidError
         The first error of any campaign, see `diagnose`.
     """
-    one = partial(diagnose, catalogue=catalogue)
+    one = partial(diagnose, catalogue=catalogue, criteria=criteria, effort=effort)
     return list(executor.map(one, campaigns) if executor is not None else map(one, campaigns))

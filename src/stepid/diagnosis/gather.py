@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +20,11 @@ from stepid.fitting.input_fault import InputFault
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import repeatability
 from stepid.fitting.record_fault import RecordFault
+
+if TYPE_CHECKING:
+    from stepid.diagnosis.verdict import Answer
+
+PROBABILITY = {"complete": 0.98, "complete_but_open": 0.95, "leads": 0.9}
 
 
 @dataclass(frozen=True)
@@ -105,6 +111,12 @@ class EvidenceRecord:
         more = [e for e in found.effects if e.name not in simpler.names]
         open_ = undetermined(self.context, self.criteria, found)
         return all(f"{e.name}.{q.name}" in open_ for e in more for q in e.parameters)
+
+    def probability(self, answer: Answer) -> float | None:
+        """Probability that an answer holds the truth; None where no effect is named."""
+        if answer.verdict not in ("named", "ambiguous"):
+            return None
+        return PROBABILITY.get(answer.rule)
 
     # ---- vetoes ---------------------------------------------------------------------------------------------------
 

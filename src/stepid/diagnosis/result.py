@@ -13,8 +13,10 @@ from stepid.core.base import Finite, Label, Model, NonNegative, Vector
 from stepid.core.estimate import Estimate
 from stepid.core.experiment import Campaign
 from stepid.core.frames import make_frame, parameter_frame
+from stepid.diagnosis.differences import Scatter
 from stepid.diagnosis.text import as_html, as_text, one_line
 from stepid.diagnosis.wording import length
+from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.model import PlantModel
 
 if TYPE_CHECKING:
@@ -120,14 +122,30 @@ class Where(Model):
 class Ranked(Model):
     """One candidate set of effects in the ranking.
 
-    `evidence` is the difference of χ² plus the price of the parameters (BIC) from the best candidate, so 0 is best;
-    `rms` [m] is what it leaves.
+    Parameters
+    ----------
+    effects : tuple of str
+    rms : float
+        m, what it leaves.
+    evidence : float
+        QBIC less that of the best candidate, so 0 is best; see `stepid.diagnosis.evidence`.
+    parameters : mapping
+        Of the effects, by name.
+    deviations : tuple of str
+        Conditions that differ from run to run.
+    explained : float
+        Share of the linear model's misfit that it takes, in power.
+    probability : float
+        Its weight among the candidates.
     """
 
     effects: tuple[str, ...]
     rms: NonNegative
     evidence: Finite
     parameters: Mapping[str, Finite] = {}
+    deviations: tuple[str, ...] = ()
+    explained: Finite = 0.0
+    probability: NonNegative = 0.0
 
 
 class Diagnosis(Model):
@@ -161,6 +179,17 @@ class Diagnosis(Model):
         Candidates, best first; the linear model is the entry without effects.
     runs : tuple of RunGap
     model, linear_model : PlantModel
+    explained : float or None
+        Share of the linear model's misfit that the answer takes on runs left out of the fit, in power; None where no
+        run can be left out.
+    left : float
+        Per cent: what the answer leaves over the motion about rest, RMS.
+    probability : float or None
+        That the answered set holds the truth; None where no effect is named.
+    scatter : mapping
+        ``"start_time"``, ``"gain"``, ``"rest"``, ``"damping"`` or ``"friction"`` to `Scatter`: what the runs differ by.
+    faults : tuple of RecordFault
+        Faults of single records.
     data : Campaign or None
         What was diagnosed, kept so that a report can show the hand method beside it.
     """
@@ -181,6 +210,11 @@ class Diagnosis(Model):
     runs: tuple[RunGap, ...] = ()
     model: PlantModel
     linear_model: PlantModel
+    explained: Finite | None = None
+    left: NonNegative = 0.0
+    probability: NonNegative | None = None
+    scatter: Mapping[str, Scatter] = {}
+    faults: tuple[RecordFault, ...] = ()
     data: Campaign | None = None
 
     def to_dataframe(self) -> DataFrame:

@@ -98,6 +98,18 @@ class Search:
         """The candidate of least QBIC so far."""
         return min(self.candidates.values(), key=lambda c: self._score(c))
 
+    @property
+    def left(self) -> int:
+        """Proposals that are not fitted yet."""
+        return len({p.key for p in self.proposals} - self.nodes.keys())
+
+    @property
+    def promise(self) -> float:
+        """Largest share of what the best leaves that one of them promises to take."""
+        least = min(node.cost for node in self.nodes.values())
+        open_ = [p.left for p in self.proposals if p.key not in self.nodes]
+        return max(1.0 - min(open_) / least, 0.0) if open_ and least > 0 else 0.0
+
     def _score(self, found: Candidate) -> float:
         """QBIC by the samples that are effective in this candidate's own residual, up to what all have in common."""
         least = min(self.candidates.values(), key=lambda c: c.optimum.cost)
@@ -166,9 +178,10 @@ class Search:
                 first.append(p)
                 continue
             taken[p.base] += 1
-            room = self.effort.first if p.base in leading else self.effort.share
-            if taken[p.base] <= room and p.gain > self.effort.worth * most[p.base]:
-                (first if taken[p.base] <= self.effort.share else then).append(p)
+            if taken[p.base] <= self.effort.share:
+                first.append(p)
+            elif p.base in leading and (taken[p.base] <= self.effort.first or p.gain > self.effort.worth * most[p.base]):
+                then.append(p)
         return first + then
 
     def _idle(self, proposal: Proposal) -> bool:
@@ -197,7 +210,7 @@ class Search:
             return self.effort.optimism * proposal.left < proposal.like.cost or len(proposal.effects) > 1
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
-        return self.effort.optimism * proposal.left < least - slack and proposal.left < proposal.like.cost - slack
+        return proposal.left < proposal.like.cost - slack
 
     # ---- fits -----------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,150 @@
+"""From the evidence and the verdict to the result: gaps, parameters, tables, what next."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.core.experiment import Campaign
+from stepid.core.noise import rms
+from stepid.diagnosis.differences import scatter_of, scatter_words
+from stepid.diagnosis.experiment_design import next_experiment
+from stepid.diagnosis.gather import EvidenceRecord
+from stepid.diagnosis.locate import locate, phases_of
+from stepid.diagnosis.notes import notes_on
+from stepid.diagnosis.result import Diagnosis, Gap, Ranked, RunGap
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.diagnosis.verdict import Answer
+from stepid.diagnosis.wording import effect_names
+from stepid.fitting.covariance import estimates, parameter_names
+from stepid.fitting.cross_validation import held_out_residuals
+from stepid.fitting.fit import unpack
+from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.multistart import FitContext
+
+_REPEAT = (
+    "Repeat one run without changing anything: what differs between the repeats is no property of the plant. "
+    "Then record a free release and a step the other way."
+)
+
+
+def _pooled(residuals: dict[int, Array]) -> float | None:
+    return rms(np.concatenate(list(residuals.values()))) if residuals else None
+
+
+def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diagnosis:
+    """Make a diagnosis's result."""
+    context = evidence.context
+    records, floor, linear = context.records, context.floor, context.linear
+    told = answer.shown if answer.verdict != "unexplained" else evidence.linear
+    final, effects = told.optimum, told.effects
+    before = held_out_residuals(linear, tolerance=context.tolerance)
+    after = held_out_residuals(final, tolerance=context.tolerance) if final is not linear else before
+    both = sorted(before.keys() & after.keys())
+    before, after = {i: before[i] for i in both}, {i: after[i] for i in both}
+    scatter = scatter_of(context, told if told.deviations else answer.shown, evidence.candidates)
+    pooled = _pooled(before), _pooled(after)
+    return Diagnosis(
+        campaign=campaign.name,
+        verdict=answer.verdict,
+        effects=tuple(e.name for e in effects),
+        alternatives=tuple(c.names for c in answer.alternatives),
+        gap=Gap(before=linear.rms, after=final.rms, noise=floor, held_out_before=pooled[0], held_out_after=pooled[1]),
+        parameters=estimates(final, effects, floor)[0],
+        linear_parameters=estimates(linear, (), floor)[0],
+        where=locate(records, linear, floor, context.measured),
+        next_experiment=_next(campaign, evidence, answer),
+        advice={e.name: e.advice for e in effects if e.advice},
+        reasons=answer.reasons,
+        notes=(
+            *(fault.words for fault in evidence.faults),
+            *((evidence.input_fault.words,) if evidence.input_fault else ()),
+            *scatter_words(scatter),
+            *notes_on(campaign, context, final, effects),
+        ),
+        ranking=_ranking(evidence),
+        runs=_runs(context, final, before, after),
+        model=unpack(final, effects),
+        linear_model=unpack(linear, ()),
+        explained=_explained(pooled),
+        left=_left(context, final),
+        probability=evidence.probability(answer),
+        scatter=scatter,
+        faults=evidence.faults,
+        data=campaign,
+    )
+
+
+def _explained(pooled: tuple[float | None, float | None]) -> float | None:
+    before, after = pooled
+    return None if before is None or after is None or before == 0 else 1.0 - (after / before) ** 2
+
+
+def _left(context: FitContext, final: Optimum) -> float:
+    """RMS of the residual in per cent of that of the motion about each run's rest."""
+    records = context.records
+    rest = records.position - final.solved.reading
+    motion = records.position - (rest - final.residual)
+    size = rms(motion)
+    return 100.0 * final.rms / size if size > 0 else 0.0
+
+
+def _next(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> str | None:
+    if answer.alternatives:
+        words = {id(c.optimum): effect_names(c.names) for c in (answer.shown, *answer.alternatives)}
+        return next_experiment(
+            campaign,
+            answer.shown.optimum,
+            [c.optimum for c in answer.alternatives],
+            floor=evidence.context.floor,
+            tell=lambda o: words[id(o)],
+        )
+    if evidence.input_fault is not None:
+        return evidence.input_fault.remedy
+    return _REPEAT if answer.verdict == "unexplained" else None
+
+
+def _ranking(evidence: EvidenceRecord) -> tuple[Ranked, ...]:
+    return tuple(
+        Ranked(
+            effects=w.candidate.names,
+            deviations=tuple(sorted(w.candidate.deviations)),
+            rms=w.candidate.optimum.rms,
+            evidence=w.loss,
+            probability=w.weight,
+            explained=1.0 - w.candidate.optimum.cost / evidence.linear.optimum.cost,
+            parameters=_own(w.candidate),
+        )
+        for w in evidence.weighed
+    )
+
+
+def _own(found: Candidate) -> dict[str, float]:
+    names = [name for name, _ in parameter_names(found.optimum, found.effects)]
+    return {n: float(v) for n, v in zip(names, found.optimum.shared, strict=True) if "." in n}
+
+
+def _runs(
+    context: FitContext, final: Optimum, seen_before: dict[int, Array], seen_after: dict[int, Array]
+) -> tuple[RunGap, ...]:
+    records, linear = context.records, context.linear
+    before, after = linear.residual, final.residual
+    phases = phases_of(records, linear, context.floor, context.measured)
+    out = []
+    for i, (run, piece) in enumerate(zip(records.runs, records.pieces(), strict=True)):
+        y = records.position[piece]
+        out.append(
+            RunGap(
+                name=run.name,
+                time=records.time[piece],
+                measured=y,
+                linear=y - before[piece],
+                model=y - after[piece],
+                before=rms(before[piece]),
+                after=rms(after[piece]),
+                held_out_before=rms(seen_before[i]) if i in seen_before else None,
+                held_out_after=rms(seen_after[i]) if i in seen_after else None,
+                phases=phases[run.name],
+            )
+        )
+    return tuple(out)

@@ -1,0 +1,94 @@
+"""What runs differ by that are repeats by their labels: a result of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stepid.core.base import Finite, Model, NonNegative
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.fitting.deviations import deviation_std, scatter_values
+from stepid.fitting.levenberg_marquardt import minimize
+from stepid.fitting.multistart import FitContext
+from stepid.simulation.layout import DEVIATIONS
+
+_UNITS = {q.name: q.unit for q in DEVIATIONS} | {"rest": "m"}
+_NOTABLE = 3.0  # times the standard error of a rest position, that its scatter must be to be told
+_WORDS = {
+    "start_time": "The runs start within ±{0:.3g} ms of one another (standard deviation)",
+    "gain": "The gain differs from run to run by {1:.2g} % (standard deviation)",
+    "rest": "The rest position differs from run to run by {2:.3g} µm (standard deviation)",
+    "damping": "The damping differs from run to run by {1:.2g} % (standard deviation)",
+    "friction": "The friction differs from run to run by {1:.2g} % (standard deviation)",
+}
+
+
+class Scatter(Model):
+    """One condition that differs from run to run.
+
+    Parameters
+    ----------
+    deviation : float
+        Standard deviation over the runs, in `unit`; of gain, damping and friction relative.
+    unit : str
+        ``"s"``, ``"m"`` or ``""``.
+    explained : float
+        Part of the misfit's power that it explains, between 0 and 1.
+    """
+
+    deviation: NonNegative
+    unit: str
+    explained: Finite
+
+
+def scatter_of(context: FitContext, found: Candidate, candidates: Sequence[Candidate]) -> dict[str, Scatter]:
+    """Say by what the runs differ under a candidate: for each condition its standard deviation, and what it explains.
+
+    Parameters
+    ----------
+    context : FitContext
+    found : Candidate
+    candidates : sequence of Candidate
+        Others, fitted with fewer conditions free.
+    """
+    optimum = found.optimum
+    values = scatter_values(optimum)
+    spread = deviation_std({kind: v for kind, v in values.items() if kind == "rest" or kind in found.deviations})
+    samples = np.add.reduceat(context.records.weight**2, context.records.first)
+    out = {}
+    for kind in sorted(found.deviations):
+        without = _without(context, found, kind, candidates)
+        share = 1.0 - optimum.cost / without if without > 0 else 0.0
+        out[kind] = Scatter(deviation=spread.get(kind, 0.0), unit=_UNITS[kind], explained=min(max(share, 0.0), 1.0))
+    rest = spread.get("rest", 0.0)
+    if rest > _NOTABLE * optimum.rms / np.sqrt(samples.min()) and rest > context.floor:
+        moved = float(np.sum(samples * (values["rest"] - np.average(values["rest"], weights=samples)) ** 2))
+        out["rest"] = Scatter(deviation=rest, unit="m", explained=moved / (moved + optimum.cost))
+    return out
+
+
+def _without(context: FitContext, found: Candidate, kind: str, candidates: Sequence[Candidate]) -> float:
+    """Cost [m²] that is left where one condition is the same in all runs."""
+    fewer = found.deviations - {kind}
+    known = [c for c in candidates if c.effects == found.effects and c.deviations == fewer]
+    if known:
+        return known[0].optimum.cost
+    problem = found.optimum.problem
+    active, row = problem.active.copy(), problem.layout.deviation(kind)
+    active[row] = False
+    local = np.where(active, found.optimum.local, 0.0)
+    fitted = minimize(
+        replace(problem, active=active), found.optimum.shared, local, tolerance=context.tolerance, iterations=12
+    )
+    return found.optimum.cost if fitted is None else fitted.cost
+
+
+def scatter_words(scatter: dict[str, Scatter]) -> tuple[str, ...]:
+    """The same in sentences."""
+    out = []
+    for kind, s in scatter.items():
+        said = _WORDS[kind].format(1e3 * s.deviation, 1e2 * s.deviation, 1e6 * s.deviation)
+        out.append(f"{said}: {100 * s.explained:.0f} % of the misfit's power.")
+    return tuple(out)

@@ -1,0 +1,71 @@
+"""Search a campaign, look again at its readings by what the best answer leaves, and search on where that tells more."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.evidence import at_floor, block_means, is_white
+from stepid.diagnosis.progress import Progress
+from stepid.diagnosis.refine import refined
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.diagnosis.selection.effort import Effort
+from stepid.diagnosis.selection.proposal import Proposal
+from stepid.diagnosis.selection.search import Search
+from stepid.effects.base import Effect
+from stepid.fitting.multistart import FitContext
+
+_LOOKS = 2  # at the readings
+
+
+class Found(NamedTuple):
+    """What a search found, and the records as they were seen in the end."""
+
+    context: FitContext
+    candidates: tuple[Candidate, ...]
+
+    @property
+    def best(self) -> Candidate:
+        """The candidate that leaves least."""
+        return min(self.candidates, key=lambda c: c.optimum.cost)
+
+
+def linear_candidate(context: FitContext) -> Candidate:
+    """The plain plant as a candidate."""
+    return Candidate((), frozenset(), context.linear, block_means(context, context.linear))
+
+
+def explored(
+    context: FitContext,
+    catalogue: tuple[Effect, ...],
+    criteria: Criteria,
+    effort: Effort,
+    tell: Callable[[Progress], object],
+) -> Found:
+    """Search; where the linear plant leaves white noise there is nothing to search for."""
+    look = 0
+    while True:
+        linear = linear_candidate(context)
+        if at_floor(context, criteria, linear) and is_white(context, linear, criteria.white):
+            found = Found(context, (linear,))
+        else:
+            found = Found(context, tuple(_search(context, catalogue, criteria, effort, tell)))
+        again = refined(context, found.best) if look < _LOOKS else None
+        if again is None:
+            return found
+        context, look = again, look + 1
+
+
+def _search(
+    context: FitContext,
+    catalogue: tuple[Effect, ...],
+    criteria: Criteria,
+    effort: Effort,
+    tell: Callable[[Progress], object],
+) -> list[Candidate]:
+    def told(search: Search, proposal: Proposal) -> None:
+        words = " + ".join([*(e.name for e in proposal.effects), *sorted(proposal.deviations)])
+        tell(Progress(words, best=search.best.names, left=search.left, promise=search.promise))
+
+    return Search(context, catalogue, criteria=criteria, effort=effort, tell=told).run()

@@ -1,0 +1,82 @@
+"""What the residual of the best answer says about the readings: wrong ones, their color, a floor that was too high."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepid.core.noise import floor_from_residual
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.fitting.levenberg_marquardt import minimize
+from stepid.fitting.multistart import FitContext
+from stepid.fitting.noise_color import colored_floor
+from stepid.fitting.problem import build
+from stepid.fitting.reading_faults import outliers_of
+from stepid.fitting.record_fault import RecordFault
+
+_BELOW = 0.85  # times the floor that a fit leaves where the floor was read too high
+_MANY = 0.02  # share of samples, beyond which they are no isolated wrong readings
+_UNTRUSTED = 1e-3  # square-root weight of a reading that is left out
+
+
+def refined(context: FitContext, best: Candidate) -> FitContext | None:
+    """Look again at the readings, by what the best answer leaves; a new context where that changes what is known."""
+    for look in (_without_outliers, _with_color, _with_lower_floor):
+        found = look(context, best)
+        if found is not None:
+            return found
+    return None
+
+
+def _again(
+    context: FitContext, best: Candidate, floor: float, weight: np.ndarray, faults: tuple[RecordFault, ...] = ()
+) -> FitContext | None:
+    records = context.records if weight is context.records.weight else context.records.reweighted(weight)
+    linear = context.linear
+    if records is not context.records:
+        fitted = minimize(build(records, (), workers=context.workers), linear.shared, linear.local)
+        if fitted is None:
+            return None
+        linear = fitted
+    return FitContext(
+        records, linear, floor, workers=context.workers, faults=(*context.faults, *faults), colored=context.colored
+    )
+
+
+def _without_outliers(context: FitContext, best: Candidate) -> FitContext | None:
+    records, residual = context.records, best.optimum.residual
+    weight, faults = records.weight.copy(), []
+    for run, piece in zip(records.runs, records.pieces(), strict=True):
+        mask = outliers_of(residual[piece], context.floor) & (weight[piece] > 0.5)
+        if not mask.any() or mask.mean() > _MANY:
+            continue
+        weight[piece] = np.where(mask, _UNTRUSTED, weight[piece])
+        size = float(np.abs(residual[piece][mask]).max())
+        words = (
+            f"Run {run.name!r}: {int(mask.sum())} readings stand out by up to {1e6 * size:.3g} µm. They are left out."
+        )
+        faults.append(RecordFault(run=run.name, kind="outliers", size=size, unit="m", words=words))
+    return _again(context, best, context.floor, weight, tuple(faults)) if faults else None
+
+
+def _with_color(context: FitContext, best: Candidate) -> FitContext | None:
+    if context.colored is not None:
+        return None
+    floor, colored = colored_floor(context.records, best.optimum.residual)
+    if colored is None or floor <= context.floor:
+        return None
+    found = _again(context, best, floor, context.records.weight)
+    if found is not None:
+        found.colored = colored
+    return found
+
+
+def _with_lower_floor(context: FitContext, best: Candidate) -> FitContext | None:
+    if best.optimum.rms >= _BELOW * context.floor:
+        return None
+    problem = best.optimum.problem
+    steps = [run.resolution for run in context.records.runs if run.resolution is not None]
+    count = int(problem.free.sum() + problem.active.sum())
+    floor = floor_from_residual(best.optimum.residual, parameters=count, resolution=max(steps, default=None))
+    if floor >= _BELOW * context.floor:
+        return None
+    return _again(context, best, floor, context.records.weight)
