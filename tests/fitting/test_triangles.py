@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -86,7 +88,12 @@ def test_uncertainties_are_those_of_the_whole_jacobian(names: tuple[str, ...], k
 def test_derivatives_that_nobody_reads_are_not_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
     problem, _, shared, local = started(("coulomb_friction",), "four")
     derive, calls = problem.simulator.derivatives, []
-    monkeypatch.setattr(problem.simulator, "derivatives", lambda *args: calls.append(1) or derive(*args))
+
+    def counted(*args: Any) -> tuple[np.ndarray, np.ndarray]:
+        calls.append(1)
+        return derive(*args)
+
+    monkeypatch.setattr(problem.simulator, "derivatives", counted)
     found = minimize(problem, shared, local, iterations=1)
     assert found is not None
     assert found.iterations == len(calls) == 1
