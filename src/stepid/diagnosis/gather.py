@@ -65,7 +65,7 @@ class EvidenceRecord:
 
     def _simplest(self, weighed: tuple[Weighed, ...]) -> Candidate:
         more = self.criteria.further - self.criteria.tie
-        return min(weighed, key=lambda w: w.loss + more * (len(w.candidate.effects) + len(w.candidate.deviations))).candidate
+        return min(weighed, key=lambda w: w.loss + more * w.candidate.size).candidate
 
     def at_floor(self, found: Candidate) -> bool:
         """Tell whether a candidate leaves nothing but noise."""

@@ -14,8 +14,11 @@ class Deviate:
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
         """Propose the node's effects with one more condition that differs from run to run."""
         out = []
-        new = frozenset(SCATTER) - node.deviations
-        for kind, found in promised(node.best, new).items():
+        promises = promised(node.best, (kind for kind in SCATTER if kind not in node.deviations))
+        for kind in SCATTER:
+            if kind not in promises:
+                continue
+            found = promises[kind]
             left = max(node.cost - found.gain, 0.0)
             deviations = node.deviations | {kind}
             here = (standing(node),)
