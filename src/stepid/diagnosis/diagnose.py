@@ -111,12 +111,12 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
     if fault is not None:
         found = Found(context, (linear_candidate(context),))
     else:
-        fault_of_run = _outlying(context, context.linear)
+        fault_of_run = _outlying(context, context.linear, how)
         if fault_of_run is None:
             found = explored(context, how.catalogue, how.criteria, how.effort, how.tell)
             best = found.best
             many = len(best.effects) > 1 or not at_floor(found.context, how.criteria, best)
-            fault_of_run = _outlying(found.context, best.optimum) if many and best.effects else None
+            fault_of_run = _outlying(found.context, best.optimum, how) if many and best.effects else None
         if fault_of_run is not None and len(context.records.runs) > 2:
             rest = tuple(e for e in campaign.experiments if e.name != fault_of_run.run)
             others = campaign.model_copy(update={"experiments": rest})
@@ -127,8 +127,8 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
     return report(campaign, evidence, judge(evidence))
 
 
-def _outlying(context: FitContext, optimum: Optimum) -> RecordFault | None:
-    return find_fault(optimum, context.floor)
+def _outlying(context: FitContext, optimum: Optimum, how: _How) -> RecordFault | None:
+    return find_fault(optimum, context.floor, sure=how.criteria.size)
 
 
 def diagnose_many(

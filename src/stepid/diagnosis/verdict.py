@@ -9,7 +9,7 @@ from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.result import Verdict
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.vetoes import undetermined
-from stepid.diagnosis.wording import effect_names, length
+from stepid.diagnosis.wording import effect_names, length, percent
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def leads(e: EvidenceRecord) -> Answer | None:
     if share < e.criteria.lead or steady < e.criteria.steady:
         return None
     said = (
-        f"{_title(lead)} takes {100 * share:.0f} % of the misfit's power on runs that the fit did not see.",
+        f"{_title(lead)} takes {percent(share)} of the misfit's power on runs that the fit did not see.",
         f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor: more is missing.",
     )
     return Answer("named", lead, (), said)

@@ -26,11 +26,6 @@ class Candidate:
         return tuple(e.name for e in self.effects)
 
     @property
-    def size(self) -> int:
-        """Number of effects and of conditions that differ."""
-        return len(self.effects) + len(self.deviations)
-
-    @property
     def key(self) -> Key:
         """What tells it from others, whatever the order of its effects."""
         return frozenset(self.names), self.deviations

@@ -130,7 +130,7 @@ class Search:
 
     def _complete(self, best: Candidate) -> bool:
         """Tell whether the best leaves nothing that a further effect could explain."""
-        return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, 3.0)
+        return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, self.criteria.white / 2)
 
     # ---- proposals ------------------------------------------------------------------------------------------------
 
@@ -237,7 +237,8 @@ class Search:
             for place, node in enumerate(order):
                 if place < count or node.cost < near:
                     fitted = node.fitted
-                    enough = max(0.003 * (node.cost - best), 0.002 * fitted.excess, 0.2 * self.fit.unit)
+                    share = self.effort.enough * max(node.cost - best, fitted.excess)
+                    enough = max(share, self.effort.converged * self.fit.unit)
                     fitted.run(laps=laps, tolerance=enough)
             laps, count = 2 * laps, count // 2
 
