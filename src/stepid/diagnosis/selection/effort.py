@@ -31,7 +31,7 @@ class Effort(Model):
     beam : int
         Candidates that are expanded in one round.
     rounds : int
-        Most rounds.
+        Most rounds of proposals and fits, in exploring and in confirming.
     worth : float
         Share of the best gain that a proposal must promise (a linearized step tells it within a factor of some four).
     rival : float
