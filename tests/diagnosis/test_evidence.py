@@ -83,4 +83,4 @@ def test_the_linear_plant_is_found_among_the_candidates() -> None:
     assert e.linear.names == ()
     assert e.times(e.linear) == pytest.approx(10.0)
     assert e.best.names == ("coulomb_friction",)
-    assert FLOOR == e.context.floor
+    assert e.context.floor == FLOOR
