@@ -110,13 +110,13 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
     if fault is not None:
         found = Found(context, (linear_candidate(context),))
     else:
-        suspected = accuse(context.linear, context.floor)
+        suspected = accuse(context.linear, context.floor, sure=how.criteria.size)
         found = explored(context, how.catalogue, how.criteria, how.effort, how.tell)
         fault_of_run = None
         if suspected is not None and outweighs(suspected.cost, found, how.criteria):
             fault_of_run = suspected.fault
         elif found.best.effects and not at_floor(found.context, how.criteria, found.best):
-            fault_of_run = find_fault(found.best.optimum, found.context.floor)
+            fault_of_run = find_fault(found.best.optimum, found.context.floor, sure=how.criteria.size)
         if fault_of_run is not None and len(context.records.runs) > 2:
             rest = tuple(e for e in campaign.experiments if e.name != fault_of_run.run)
             others = campaign.model_copy(update={"experiments": rest})

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
 from stepid.diagnosis.selection.candidate import Candidate
@@ -23,8 +24,6 @@ from stepid.fitting.record_fault import RecordFault
 
 if TYPE_CHECKING:
     from stepid.diagnosis.verdict import Answer
-
-PROBABILITY = {"complete": 0.98, "complete_but_open": 0.95, "leads": 0.9}
 
 
 @dataclass(frozen=True)
@@ -64,8 +63,12 @@ class EvidenceRecord:
         return self._simplest(self.weighed)
 
     def _simplest(self, weighed: tuple[Weighed, ...]) -> Candidate:
-        more = self.criteria.further - self.criteria.tie
-        return min(weighed, key=lambda w: w.loss + more * (len(w.candidate.effects) + len(w.candidate.deviations))).candidate
+        effect, condition = self.criteria.further - self.criteria.tie, self.criteria.scatter - self.criteria.tie
+
+        def loss(w: Weighed) -> float:
+            return w.loss + effect * len(w.candidate.effects) + condition * len(w.candidate.deviations)
+
+        return min(weighed, key=loss).candidate
 
     def at_floor(self, found: Candidate) -> bool:
         """Tell whether a candidate leaves nothing but noise."""

@@ -146,7 +146,7 @@ def score(
     residual, jacobian, kept = _linearized(base, instead)
     if not np.isfinite(jacobian).all():  # a fit at a runaway's edge gives no direction
         return []
-    problem, records = base.problem, context.sketch
+    problem = base.problem
     size = np.linalg.norm(jacobian, axis=0)
     size[size == 0] = np.inf
     q, upper = np.linalg.qr(jacobian / size)
