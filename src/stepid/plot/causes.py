@@ -14,7 +14,7 @@ from stepid.plot.gap import AFTER, BEFORE, NOISE
 from stepid.plot.scale import plain_logarithm
 from stepid.plot.style import SERIES, dress, styled
 
-_SHOWN = 8  # candidates
+_SHOWN = 6  # candidates, for which there is room
 _WIDE = 60  # letters of a candidate's name on one line
 
 
