@@ -16,7 +16,7 @@ from stepid.diagnosis.selection.search import Search
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import FitContext
 
-_LOOKS = 2  # at the readings
+_LOOKS = 3  # at the readings
 
 
 class Found(NamedTuple):

@@ -83,15 +83,20 @@ class Search:
     def _confirm(self) -> None:
         """Look for rivals of the best: simpler and more general laws, other effects in the place of one."""
         for _ in range(self.effort.rounds):
-            best = self.best
-            node = self.nodes[best.key]
-            if not self._expand(node, CONFIRMING):
+            bases = [self.nodes[c.key] for c in self._leading()]
+            if not any([self._expand(node, CONFIRMING) for node in bases]):
                 break
-            batch = [p for p in self._promising() if p.base == node.key]
-            for proposal in batch:
+            keys = {node.key for node in bases}
+            for proposal in [p for p in self._promising() if p.base in keys]:
                 self._fit(proposal)
             self._promote()
             self._polish_best()
+
+    def _leading(self) -> list[Candidate]:
+        """The best, and others that leave only noise because runs may differ: they may need less for it."""
+        best = self.best
+        others = [c for c in self.candidates.values() if c.deviations and c is not best and self._complete(c)]
+        return [best, *sorted(others, key=self._score)[: self.effort.beam - 1]]
 
     @property
     def best(self) -> Candidate:
