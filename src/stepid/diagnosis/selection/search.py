@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 from stepid.diagnosis.criteria import Criteria
@@ -87,7 +87,7 @@ class Search:
             if not any([self._expand(node, CONFIRMING) for node in bases]):
                 break
             keys = {node.key for node in bases}
-            for proposal in [p for p in self._promising() if p.base in keys]:
+            for proposal in self._promising(keys):
                 self._fit(proposal)
             self._promote()
             self._polish_best()
@@ -153,18 +153,25 @@ class Search:
         costly = self.effort.costly if any(e.contains for e in node.effects) else 1.0
         return node.cost * costly ** (0.0 if len(node.effects) < 2 else 0.0)
 
-    def _promising(self) -> list[Proposal]:
-        """The proposals to fit next: the smallest sets first, of these the most promising."""
+    def _promising(self, bases: Collection[Key] | None = None) -> list[Proposal]:
+        """The proposals to fit next: the smallest sets first, of these the most promising.
+
+        With `bases`, only rivals that are proposed on these.
+        """
         best: dict[Key, Proposal] = {}
         for p in self.proposals:
+            if bases is not None and (p.base not in bases or p.move not in _RIVALS):
+                continue
             if (p.base, p.key) not in self._tried and (p.key not in best or p.like.cost - p.gain < best[p.key].like.cost - best[p.key].gain):
                 best[p.key] = p
         order = sorted(best.values(), key=lambda p: p.like.cost - p.gain)
         least = min(node.cost for node in self.nodes.values())
         out = [p for p in self._worthy(order) if self._new(p) and self._gains(least, p)]
+        if bases is not None:
+            return out[: self.effort.width]
         smallest = min((p.size for p in out), default=0)
         out = [p for p in out if p.size == smallest]
-        return out[: min(self.effort.width, self.effort.fits - self.fits)]
+        return out[: max(min(self.effort.width, self.effort.fits - self.fits), 0)]
 
     def _worthy(self, order: list[Proposal]) -> list[Proposal]:
         """Of each node's proposals those that promise a share of what its best promises; most on the best nodes."""
