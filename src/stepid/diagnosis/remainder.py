@@ -184,7 +184,7 @@ def _sentence(one: Share) -> str:
     if one.shape == "slow":
         return f"{percent} changes slowly in time: a drifting sensor, creep or warming makes it."
     if one.shape == "line":
-        return f"{percent} is a steady swing at {one.detail}: a shaker, a fan or a second mass makes it."
+        return f"{percent} is a steady swing at {one.detail}: a shaker, a fan or a further mode of the plant makes it."
     where = f", most in {one.detail}" if one.detail else ""
     return (
         f"{percent} is a stiffness, damping or gain of its own in every run{where}: "
