@@ -242,7 +242,8 @@ class Simulator:
         )  # fmt: skip
         if late is not None:
             self._shift(late[copies, run], run, offset, out.ravel(), apart)
-        slopes(out.ravel(), reading, steps[copies], run, offset, r.bounds)
+        with np.errstate(all="ignore"):  # plain Python would warn of a runaway
+            slopes(out.ravel(), reading, steps[copies], run, offset, r.bounds)
         started = active[of.deviation("start_time")] & ~r.moving
         if started.any():
             if states is None:
