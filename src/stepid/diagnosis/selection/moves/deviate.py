@@ -7,7 +7,7 @@ from stepid.fitting.deviations import SCATTER, promised
 
 
 class Deviate:
-    """Free one condition in every run: start time, gain, damping, friction."""
+    """Free one condition in every run, or all: start time, gain, damping, friction."""
 
     name = "deviate"
 
@@ -15,10 +15,18 @@ class Deviate:
         """Propose the node's effects with one more condition that differs from run to run."""
         out = []
         new = frozenset(SCATTER) - node.deviations
-        for kind, found in promised(node.best, new).items():
+        every = promised(node.best, new)
+        for kind, found in every.items():
             left = max(node.cost - found.gain, 0.0)
-            deviations = node.deviations | {kind}
+            deviations = node.deviations | {str(kind)}
             here = (standing(node),)
             costly = 1.0 + context.effort.price * int((found.values != 0).sum())
             out.append(Proposal(node.effects, deviations, here, node.key, node.best, left, costly, self.name))
+        if len(every) > 1:  # each alone may show little; which of them are needed is seen from there
+            left = max(node.cost - sum(found.gain for found in every.values()), 0.0)
+            costly = 1.0 + context.effort.price * sum(int((found.values != 0).sum()) for found in every.values())
+            deviations = node.deviations | {str(kind) for kind in every}
+            out.append(
+                Proposal(node.effects, deviations, (standing(node),), node.key, node.best, left, costly, self.name)
+            )
         return out
