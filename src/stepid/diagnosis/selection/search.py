@@ -167,10 +167,11 @@ class Search:
         order = sorted(best.values(), key=lambda p: p.like.cost - p.gain)
         least = min(node.cost for node in self.nodes.values())
         out = [p for p in self._worthy(order) if self._new(p) and self._gains(least, p)]
-        if bases is None:
-            smallest = min((p.size for p in out), default=0)
-            out = [p for p in out if p.size == smallest]
-        return out[: min(self.effort.width, self.effort.fits - self.fits)]
+        if bases is not None:
+            return out[: self.effort.width]
+        smallest = min((p.size for p in out), default=0)
+        out = [p for p in out if p.size == smallest]
+        return out[: max(min(self.effort.width, self.effort.fits - self.fits), 0)]
 
     def _worthy(self, order: list[Proposal]) -> list[Proposal]:
         """Of each node's proposals those that promise a share of what its best promises; most on the best nodes."""
