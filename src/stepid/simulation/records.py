@@ -12,12 +12,12 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
+from stepid.core.releases import release_index
 from stepid.core.samples import InputBetween, course, is_even
 from stepid.simulation.clock import clock
 from stepid.simulation.starts import starts_in_motion
 
 Index = npt.NDArray[np.intp]
-_HELD = 8  # samples near the farthest point that a free swing hardly stays
 
 
 @dataclass(frozen=True)
@@ -135,25 +135,6 @@ class Records:
     def reweighted(self, weight: Array) -> Records:
         """Return the same records with other square-root weights, shape (S,)."""
         return replace(self, weight=weight)
-
-
-def release_index(experiment: Experiment) -> int:
-    """Index of the first sample at which a cart that a hand pulled or held is surely free; 0 where none held it.
-
-    Only a record without input, of which nobody said how it starts, may begin with a hand.
-
-    The hand is off once the cart has left its farthest point by 3 % of the swing; what came before is the hand's.
-    """
-    if not experiment.is_release or experiment.starts != "auto":
-        return 0
-    y = experiment.position
-    away = np.abs(y - np.median(y[-max(8, y.size // 10) :]))
-    top = int(np.argmax(away))
-    left = np.flatnonzero(away[top:] < 0.97 * away[top])
-    if not left.size:
-        return 0
-    first = top + int(left[0])
-    return first if first > _HELD else 0
 
 
 def lay_out(campaign: Campaign) -> Records:
