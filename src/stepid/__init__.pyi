@@ -7,6 +7,7 @@ from .core.estimate import Estimate as Estimate
 from .core.experiment import Campaign as Campaign
 from .core.experiment import Experiment as Experiment
 from .core.experiment import MassOffset as MassOffset
+from .core.releases import split_releases as split_releases
 from .datasets.replication import rebuild_paper as rebuild_paper
 from .diagnosis.diagnose import diagnose as diagnose
 from .diagnosis.diagnose import diagnose_many as diagnose_many

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from stepid.core.experiment import Experiment
 
 _FEW = 8  # samples, the last of a record
+_TAIL = 1.5  # periods near rest, after which a cart has come to it; or
+_MUCH = 0.1  # of the record
+_TIMES = 4  # that a middle of swings is found anew
+_BIG = 0.3  # of the farthest point, which a cart that comes to rest stays below
 _FAR = 0.85  # of the farthest point: the first as far is where the hand held the cart, or pushed it to
 _HIGH = 0.6  # of the swing that follows: above it the cart is near its farthest point
 _DAMPED = 0.3  # of the farthest point, what at least is taken for the swing that follows
@@ -24,7 +28,10 @@ _TERMS = 5  # of a damped swing over a part of its period
 _HALF = 0.42  # of a period, before the cart turns again
 _CHANCE = 4.0  # standard deviations of χ²
 _NEAR = 1e-3  # of the travel, that the terms of a swing are off by themselves
-_AGAIN = 1.5  # times the least swing before: no free swing grows so
+_AGAIN = 1.5  # times the swing before: no free swing grows so
+_FAINT = 0.05  # of the largest swing: less is rest
+_STILL = 0.2  # of what is rest: less is no motion of the hand
+_LONG = 2.0  # half periods, that no free cart stays on one side
 _NOTABLE = 0.2  # of the largest swing, below which a growing one is noise or a touch
 _QUIET = 8.0  # standard deviations of the noise that no swing stands out from
 _SEEN = 3.0  # counts, likewise
@@ -64,7 +71,7 @@ def release_index(experiment: Experiment) -> int:
     return 0 if first <= 3 * width and _swings_through(experiment, first, (end - begin) / _PART) else first
 
 
-def _fall(away: Array) -> tuple[int, int, float]| None:
+def _fall(away: Array) -> tuple[int, int, float] | None:
     """Last sample near the farthest point, first on the other side of rest, and which side the cart comes from."""
     top = int(np.argmax(np.abs(away) >= _FAR * np.abs(away).max()))
     side = float(np.sign(away[top]))
@@ -85,7 +92,7 @@ def _swings_through(experiment: Experiment, first: int, period: float) -> bool:
     """
     y = experiment.position
     last = first + round(_HALF * period)
-    if not 2 * _TERMS <= last - first <= y.size - first:
+    if not _TERMS < last - first <= y.size - first:
         return False
     turn = 2 * np.pi / period * (np.arange(last) - first)
     terms = np.column_stack([np.ones(last), np.cos(turn), np.sin(turn), turn * np.cos(turn), turn * np.sin(turn)])
@@ -117,59 +124,64 @@ def split_releases(experiment: Experiment) -> tuple[Experiment, ...]:
     """
     if not experiment.is_release or experiment.starts == "rest":
         return (experiment,)
-    cuts = _hands(experiment)
-    bounds = [0, *cuts, experiment.time.size]
-    parts = [(a, b) for a, b in pairwise(bounds) if b - a >= _FEWEST]
+    hands = _hands(experiment)
+    begins, ends = [0, *(after for _, after in hands)], [*(before for before, _ in hands), experiment.time.size]
+    parts = [(a, b) for a, b in zip(begins, ends, strict=True) if b - a >= _FEWEST]
     if len(parts) < 2:
         return (experiment,)
-    return tuple(
-        experiment.slice(a, b, name=f"{experiment.name} ({i})") if a else _first(experiment, b)
-        for i, (a, b) in enumerate(parts, 1)
-    )
+    return tuple(experiment.slice(a, b, name=f"{experiment.name} ({i})") for i, (a, b) in enumerate(parts, 1))
 
 
-def _first(experiment: Experiment, last: int) -> Experiment:
-    return experiment.slice(0, last, name=f"{experiment.name} (1)")
+class _Lobe(NamedTuple):
+    """A stay on one side of rest: first sample, last (not included), farthest point [m], which side."""
+
+    first: int
+    last: int
+    size: float
+    side: float
 
 
-def _hands(experiment: Experiment) -> list[int]:
-    """Samples at which a hand takes a cart that was let go before."""
+def _hands(experiment: Experiment) -> list[tuple[int, int]]:
+    """Last free sample before each time that a hand takes a cart that was let go, and first of what follows."""
     y = experiment.position
-    away = y - _rest(y)
+    away = y - _rest_between(y)
     noise = noise_level(y, resolution=experiment.resolution)
-    quiet = max(_QUIET * noise, _SEEN * (experiment.resolution or 0.0), _NOTABLE / 4 * float(np.abs(away).max()))
-    half = max(2, round(_period(y) / 2))
-    lobes = _lobes(away, quiet)
-    largest = max((float(np.abs(away[a:b]).max()) for a, b in lobes), default=0.0)
-    out: list[int] = []
-    least, free = np.inf, release_index(experiment)
-    for before, (a, b) in pairwise([(0, 0), *lobes]):
-        size = float(np.abs(away[a:b]).max())
-        rested = a - before[1] > half  # the swing had died away
-        if before[1] > free and rested:
-            least = min(least, quiet)
-        if b > free and size > max(_AGAIN * least, _NOTABLE * largest) and least < np.inf:
-            out.append(max(before[1], a - half) if rested else before[0])
-            least, free = np.inf, out[-1] + _released(experiment, out[-1])
-        if b > free:
-            least = min(least, size)
+    largest = float(np.abs(away).max())
+    quiet = max(_QUIET * noise, _SEEN * (experiment.resolution or 0.0), _FAINT * largest)
+    lobes, half = _lobes(away, quiet)
+    out: list[tuple[int, int]] = []
+    swings = 0  # lobes since the last hand
+    for before, lobe in pairwise(lobes):
+        rested = lobe.first - before.last > half
+        grown = lobe.size > _AGAIN * (quiet if rested else before.size)
+        held = lobe.last - lobe.first > _LONG * half
+        if lobe.size > _NOTABLE * largest and swings + rested > 1 and (grown or held):
+            still = max(before.last, _moved(away, before, lobe, quiet) - round(half)) if rested else lobe.first
+            out.append((still if rested else before.first, still))  # a hand that catches the cart shapes a swing
+            swings = 0
+        else:
+            swings += lobe.side != before.side or rested
     return out
 
 
-def _released(experiment: Experiment, first: int) -> int:
-    if experiment.time.size - first < _FEWEST:
-        return 0
-    return release_index(experiment.slice(first, None))
+def _moved(away: Array, before: _Lobe, lobe: _Lobe, quiet: float) -> int:
+    """Last sample of a cart at rest before a hand moves it."""
+    between = away[before.last : lobe.first]
+    still = np.flatnonzero(np.abs(between - np.median(between)) < _STILL * quiet)
+    return before.last + int(still[-1])
 
 
-def _lobes(away: Array, quiet: float) -> list[tuple[int, int]]:
-    """First and last sample (not included) of each stay on one side of rest, beyond what is quiet."""
-    side = np.where(away > quiet, 1, np.where(away < -quiet, -1, 0))
-    at = np.flatnonzero(side)
-    if not at.size:
-        return []
-    ends = np.flatnonzero(np.diff(side[at])) + 1
-    return [(int(part[0]), int(part[-1]) + 1) for part in np.split(at, ends)]
+def _lobes(away: Array, quiet: float) -> tuple[list[_Lobe], float]:
+    """Stays on one side of rest, farther than `quiet`, one after another; and the samples of half a swing."""
+    at = np.flatnonzero(np.abs(away) > quiet)
+    sides = np.sign(away[at])
+    turns = at[1:][np.diff(sides) != 0]
+    if turns.size < 2:
+        return [], 0.0
+    half = float(np.quantile(np.diff(turns), 0.25))
+    ends = np.flatnonzero((np.diff(sides) != 0) | (np.diff(at) > half)) + 1
+    parts = [(int(part[0]), int(part[-1]) + 1) for part in np.split(at, ends)]
+    return [_Lobe(a, b, float(np.abs(away[a:b]).max()), float(np.sign(away[a]))) for a, b in parts], half
 
 
 def _rest(y: Array) -> float:
@@ -178,6 +190,26 @@ def _rest(y: Array) -> float:
     top = int(np.argmax(away))
     left = top + int(np.argmax(away[top:] < 0.5 * away[top]))
     return float(np.median(y[left + (y.size - left) // 2 :]))
+
+
+def _rest_between(y: Array) -> float:
+    """Where the cart rests, m, whatever a hand does between: where it ends, or the middle of its swings."""
+    away = np.abs(y - np.median(y[-_FEW:]))
+    tail = y[int(np.flatnonzero(away >= _BIG * away.max())[-1]) + 1 :]
+    period = _period(y)
+    if tail.size > max(_FEW, min(_TAIL * period, _MUCH * y.size)):
+        return float(np.median(tail[tail.size // 2 :]))
+    width = max(1, round(period / 24))
+    order = np.argsort(middle := 0.5 * (y[width:] + y[:-width]))
+    passed = np.cumsum(((y[width:] - y[:-width]) ** 2)[order])  # little of it where a hand holds
+    rest = float(middle[order][int(np.searchsorted(passed, 0.5 * passed[-1]))])
+    for _ in range(_TIMES):
+        lobes, _half = _lobes(y - rest, _FAINT * float(np.ptp(y)))
+        top = np.array([lobe.side * lobe.size for lobe in lobes])
+        if top.size < 4:
+            break
+        rest += float(np.median(0.25 * top[:-2] + 0.5 * top[1:-1] + 0.25 * top[2:]))
+    return rest
 
 
 def _period(y: Array) -> float:

@@ -26,7 +26,7 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.run_fault import find_fault
-from stepid.fitting.screening import screen
+from stepid.fitting.screening import screen, split_campaign
 from stepid.simulation.threads import single_threaded
 from stepid.simulation.warm_up import warm_up
 
@@ -78,7 +78,7 @@ def diagnose(
     stepid.errors.ConvergenceError
         If not even a linear plant can be fitted.
     """
-    campaign = as_campaign(campaign)
+    campaign, splits = split_campaign(as_campaign(campaign))
     tell = progress or _silent
     if len(campaign.experiments) < 2:
         raise UndeterminedError(
@@ -94,7 +94,8 @@ def diagnose(
             f"campaign {campaign.name!r} has one usable run. {' '.join(screen(campaign).notes)}",
             "Record the others again: a model that fits one run cannot be checked on another.",
         )
-    return _diagnosed(campaign, context, how)
+    done = _diagnosed(campaign, context, how)
+    return done.model_copy(update={"notes": (*splits, *done.notes)}) if splits else done
 
 
 class _How(NamedTuple):
