@@ -21,8 +21,7 @@ _BIG = 0.3  # of the farthest point, which a cart that comes to rest stays below
 _FAR = 0.85  # of the farthest point: the first as far is where the hand held the cart, or pushed it to
 _HIGH = 0.6  # of the swing that follows: above it the cart is near its farthest point
 _DAMPED = 0.3  # of the farthest point, what at least is taken for the swing that follows
-_PART = 0.1  # of a period that a free cart takes from there to its rest
-_WIDTH = 0.4  # of that time, over which speed is measured: a part of a period of 1/24
+_WIDTH = 0.4  # of the time from there to rest, a tenth of a period, over which speed is measured
 _SURE = 0.25  # of the fastest fall: a free cart is as fast once it has left its farthest point by 3 % of the swing
 _TERMS = 5  # of a damped swing over a part of its period
 _HALF = 0.42  # of a period, before the cart turns again
@@ -68,7 +67,7 @@ def release_index(experiment: Experiment) -> int:
     if not slow.size:
         return 0
     first = int(slow[-1]) + 1 + (width + 1) // 2
-    return 0 if first <= 3 * width and _swings_through(experiment, first, (end - begin) / _PART) else first
+    return 0 if first <= 3 * width and _swings_through(experiment, first) else first
 
 
 def _fall(away: Array) -> tuple[int, int, float] | None:
@@ -85,12 +84,13 @@ def _fall(away: Array) -> tuple[int, int, float] | None:
     return top + int(np.flatnonzero(side * away[top:end] > high)[-1]), end, side
 
 
-def _swings_through(experiment: Experiment, first: int, period: float) -> bool:
+def _swings_through(experiment: Experiment, first: int) -> bool:
     """Tell whether the free swing from a sample on, carried back, goes through the samples before it.
 
-    A damped swing of about that period [samples] is 1, cos, sin, t·cos and t·sin over so short a time.
+    A damped swing of about the record's period is 1, cos, sin, t·cos and t·sin over so short a time.
     """
     y = experiment.position
+    period = _period(y[first:])
     last = first + round(_HALF * period)
     if not _TERMS < last - first <= y.size - first:
         return False

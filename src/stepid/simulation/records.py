@@ -68,12 +68,22 @@ class Records:
 
     def evenly(self, run: int, values: Array) -> tuple[float, Array]:
         """Values at a run's samples at as many even times, by straight lines, and those times' distance, s."""
-        piece = self.pieces()[run]
-        own, time = values[piece], self.time[piece]
-        if self.at is not None or is_even(time):
+        own, even = values[self.pieces()[run]], self._even[run]
+        if even is None:
             return float(self.sample_time[run]), own
-        even = np.linspace(time[0], time[-1], time.size)
-        return float(even[1] - even[0]), np.interp(even, time, own)
+        return float(even[1] - even[0]), np.interp(even, self.time[self.pieces()[run]], own)
+
+    def at_samples(self, run: int, values: Array) -> Array:
+        """Values at even times, as `evenly` gives them, at the run's samples."""
+        even = self._even[run]
+        return values if even is None else np.interp(self.time[self.pieces()[run]], even, values)
+
+    @cached_property
+    def _even(self) -> tuple[Array | None, ...]:
+        """As many even times as each run has samples, s; None where its samples are even, or were thinned out."""
+        times = [self.time[piece] for piece in self.pieces()]
+        thin = self.at is not None
+        return tuple(None if thin or is_even(t) else np.linspace(t[0], t[-1], t.size) for t in times)
 
     def centered(self, values: Array) -> Array:
         """Subtract each run's weighted mean over the last axis: what a free rest position leaves."""
