@@ -104,8 +104,8 @@ class Optimum:
 
     @property
     def rms(self) -> float:
-        """Root mean square of the unweighted residual, m."""
-        return float(np.sqrt(np.mean(self.residual**2)))
+        """Root mean square of the unweighted residual, m, of the readings that count."""
+        return float(np.sqrt(np.mean(self.residual[self.problem.records.trusted] ** 2)))
 
 
 class _Columns:

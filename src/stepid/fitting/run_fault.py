@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -46,7 +47,20 @@ class _Found:
         return self.optimum.cost
 
 
+class Accusation(NamedTuple):
+    """A fault of one run, and the cost [m²] that all records leave with it mended."""
+
+    fault: RecordFault
+    cost: float
+
+
 def find_fault(optimum: Optimum, floor: float, *, sure: float = 5.0) -> RecordFault | None:
+    """Find the run that one deviation brings in line with the others; see `accuse`."""
+    found = accuse(optimum, floor, sure=sure)
+    return None if found is None else found.fault
+
+
+def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0) -> Accusation | None:
     """Find the run that one deviation brings in line with the others.
 
     Parameters
@@ -60,7 +74,7 @@ def find_fault(optimum: Optimum, floor: float, *, sure: float = 5.0) -> RecordFa
 
     Returns
     -------
-    RecordFault or None
+    Accusation or None
         None where no fault is as large as that, worth mentioning, and explains the misfit. `kind` is
         ``"added_mass"`` [kg], ``"stiffness"`` [N/m], ``"damping"`` [N·s/m] (what the run has less what its record
         says), ``"gain"`` (factor on its readings), ``"start_time"`` [s] or ``"sensor_drift"`` [m/s].
@@ -79,13 +93,14 @@ def find_fault(optimum: Optimum, floor: float, *, sure: float = 5.0) -> RecordFa
             continue
         near = best.cost + _DECIDES * level**2
         rivals = dict.fromkeys(records.runs[f.run].name for f in others if f.cost < near and _has_size(f, sure))
-        return RecordFault(
+        fault = RecordFault(
             run=records.runs[best.run].name,
             kind=best.kind,
             size=_told(best),
             unit=UNITS[best.kind],
             words=fault_words(best.optimum, best.run, best.kind, best.size, tuple(rivals)),
         )
+        return Accusation(fault, best.cost)
     return None
 
 

@@ -46,8 +46,8 @@ class Node:
 
     @property
     def size(self) -> int:
-        """Number of effects and of conditions that differ."""
-        return len(self.effects) + len(self.deviations)
+        """Number of effects, and one where conditions differ from run to run."""
+        return len(self.effects) + bool(self.deviations)
 
     @property
     def cost(self) -> float:
@@ -94,8 +94,8 @@ class Proposal:
 
     @property
     def size(self) -> int:
-        """Number of effects and of conditions that differ."""
-        return len(self.effects) + len(self.deviations)
+        """Number of effects, and one where conditions differ from run to run."""
+        return len(self.effects) + bool(self.deviations)
 
     @property
     def gain(self) -> float:

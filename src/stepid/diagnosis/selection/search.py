@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 
@@ -86,15 +86,21 @@ class Search:
     def _confirm(self) -> None:
         """Look for rivals of the best: simpler and more general laws, other effects in the place of one."""
         for _ in range(self.effort.rounds):
-            best = self.best
-            node = self.nodes[best.key]
-            if not self._expand(node, CONFIRMING):
+            bases = [self.nodes[c.key] for c in self._leading()]
+            made = [self._expand(node, CONFIRMING) for node in bases]
+            if not any(made):
                 break
-            batch = [p for p in self._promising() if p.base == node.key]
-            for proposal in batch:
+            keys = {node.key for node in bases}
+            for proposal in self._promising(keys):
                 self._fit(proposal)
             self._promote()
             self._polish_best()
+
+    def _leading(self) -> list[Candidate]:
+        """The best, and others that leave only noise because runs may differ: they may need less for it."""
+        best = self.best
+        others = [c for c in self.candidates.values() if c.deviations and c is not best and self._complete(c)]
+        return [best, *sorted(others, key=self._score)[: self.effort.beam - 1]]
 
     @property
     def best(self) -> Candidate:
@@ -148,18 +154,25 @@ class Search:
         made = [self._expand(node, moves) for node in order]
         return any(made)
 
-    def _promising(self) -> list[Proposal]:
-        """The proposals to fit next: the smallest sets first, of these the most promising."""
+    def _promising(self, bases: Collection[Key] | None = None) -> list[Proposal]:
+        """The proposals to fit next: the smallest sets first, of these the most promising.
+
+        With `bases`, only rivals that are proposed on these.
+        """
         best: dict[Key, Proposal] = {}
         for p in self.proposals:
+            if bases is not None and (p.base not in bases or p.move not in _RIVALS):
+                continue
             if (p.base, p.key) not in self._tried and (p.key not in best or p.rank < best[p.key].rank):
                 best[p.key] = p
         order = sorted(best.values(), key=lambda p: p.rank)
         least = min(node.cost for node in self.nodes.values())
         out = [p for p in self._worthy(order) if self._new(p) and self._gains(least, p)]
+        if bases is not None:
+            return out[: self.effort.width]
         smallest = min((p.size for p in out), default=0)
         out = [p for p in out if p.size == smallest]
-        return out[: min(self.effort.width, self.effort.fits - self.fits)]
+        return out[: max(min(self.effort.width, self.effort.fits - self.fits), 0)]
 
     def _worthy(self, order: list[Proposal]) -> list[Proposal]:
         """Of each node's proposals those that promise a share of what its best promises; most on the best nodes."""

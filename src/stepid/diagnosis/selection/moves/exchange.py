@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, related
+from stepid.fitting.deviations import SCATTER
 from stepid.fitting.multistart import Start
 from stepid.fitting.score_test import columns, score, without
 
@@ -19,7 +20,19 @@ class Exchange:
         out = []
         for place in range(len(node.effects)):
             out += self._instead(node, place, context)
+            if node.effects[place].run_parameters:
+                out.append(self._deviating(node, place))
         return out
+
+    def _deviating(self, node: Node, place: int) -> Proposal:
+        """All conditions free in place of an effect that has a freedom of its own in every run: they may imitate it."""
+        of = node.best.problem.layout
+        rest = [i for i in range(len(node.effects)) if i != place]
+        start = Start(
+            node.best.shared[of.linear], tuple(tuple(map(float, node.best.shared[of.values[i]])) for i in rest)
+        )
+        effects = tuple(node.effects[i] for i in rest)
+        return Proposal(effects, frozenset(SCATTER), (start,), node.key, node.best, node.cost, 1.0, self.name)
 
     def _instead(self, node: Node, place: int, context: SearchContext) -> list[Proposal]:
         fit, effort, effect = context.fit, context.effort, node.effects[place]
