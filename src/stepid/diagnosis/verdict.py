@@ -76,8 +76,8 @@ def complete(e: EvidenceRecord) -> Answer | None:
 
 def leads(e: EvidenceRecord) -> Answer | None:
     """One effect or two predict most of the misfit on runs left out, although a rest remains."""
-    lead = e.lead
-    if not lead.effects or e.weight(lead) < e.criteria.sure:
+    lead, beside = e.lead, e.beside_lead
+    if not lead.effects or e.weight(lead, *beside) < e.criteria.sure:
         return None
     if any(name.split(".")[0] in lead.names for name in _open(e, lead)):
         return None
@@ -88,6 +88,9 @@ def leads(e: EvidenceRecord) -> Answer | None:
         f"{_title(lead)} takes {percent(share)} of the misfit's power on runs that the fit did not see.",
         f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor: more is missing.",
     )
+    if beside:
+        others = " or ".join(_title(c) for c in beside)
+        return Answer("ambiguous", lead, beside, (*said, f"These data do not tell it from {others}."))
     return Answer("named", lead, (), said)
 
 
