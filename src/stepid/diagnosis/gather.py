@@ -173,7 +173,8 @@ class EvidenceRecord:
         alone = [
             w.candidate
             for w in self._able
-            if len(w.candidate.effects) == 1 and includes(pair.effects, w.candidate.effects)
+            if len(w.candidate.effects) == 1
+            and includes(pair.effects, w.candidate.effects)
             and self._taken(self.linear, w.candidate) >= self.criteria.lead
             and self._taken(w.candidate, pair) < self.criteria.lead
         ]
@@ -192,7 +193,11 @@ class EvidenceRecord:
         out: dict[frozenset[str], Candidate] = {}
         for w in self._able:
             other, names = w.candidate, frozenset(w.candidate.names)
-            if len(names) != len(lead.effects) or names == frozenset(lead.names) or abs(w.loss - own) >= self.criteria.tie:
+            if (
+                len(names) != len(lead.effects)
+                or names == frozenset(lead.names)
+                or abs(w.loss - own) >= self.criteria.tie
+            ):
                 continue
             twin = abs(other.optimum.cost - lead.optimum.cost) < self.criteria.tie * self.context.floor**2
             general = includes(other.effects, lead.effects) and w.loss < own
