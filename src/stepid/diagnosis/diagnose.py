@@ -25,7 +25,7 @@ from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.run_fault import accuse, find_fault
-from stepid.fitting.screening import screen
+from stepid.fitting.screening import screen, split_campaign
 from stepid.simulation.threads import single_threaded
 from stepid.simulation.warm_up import warm_up
 
@@ -77,7 +77,7 @@ def diagnose(
     stepid.errors.ConvergenceError
         If not even a linear plant can be fitted.
     """
-    campaign = as_campaign(campaign)
+    campaign, splits = split_campaign(as_campaign(campaign))
     tell = progress or _silent
     if len(campaign.experiments) < 2:
         raise UndeterminedError(
@@ -93,7 +93,8 @@ def diagnose(
             f"campaign {campaign.name!r} has one usable run. {' '.join(screen(campaign).notes)}",
             "Record the others again: a model that fits one run cannot be checked on another.",
         )
-    return _diagnosed(campaign, context, how)
+    done = _diagnosed(campaign, context, how)
+    return done.model_copy(update={"notes": (*splits, *done.notes)}) if splits else done
 
 
 class _How(NamedTuple):
@@ -110,13 +111,13 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
     if fault is not None:
         found = Found(context, (linear_candidate(context),))
     else:
-        suspected = accuse(context.linear, context.floor)
+        suspected = accuse(context.linear, context.floor, sure=how.criteria.size)
         found = explored(context, how.catalogue, how.criteria, how.effort, how.tell)
         fault_of_run = None
         if suspected is not None and outweighs(suspected.cost, found, how.criteria):
             fault_of_run = suspected.fault
         elif found.best.effects and not at_floor(found.context, how.criteria, found.best):
-            fault_of_run = find_fault(found.best.optimum, found.context.floor)
+            fault_of_run = find_fault(found.best.optimum, found.context.floor, sure=how.criteria.size)
         if fault_of_run is not None and len(context.records.runs) > 2:
             rest = tuple(e for e in campaign.experiments if e.name != fault_of_run.run)
             others = campaign.model_copy(update={"experiments": rest})

@@ -46,11 +46,12 @@ def residual_force(records: Records, linear: Optimum, motion: Motion, phase: Ind
     residual, period = linear.residual, strongest_period(records)
     parts: list[list[Array]] = []
     for r, piece in enumerate(records.pieces()):
-        h = float(records.sample_time[r])
+        h, values = records.evenly(r, residual)
         mass, stiffness, damping = (float(q[piece][0]) for q in (motion.mass, motion.stiffness, motion.damping))
-        values, here = residual[piece], phase[piece]
-        x, v, volts, sign = (q[piece] for q in (motion.x, motion.v, motion.volts, motion.sign))
-        signals = (x, v, volts, sign, v * np.abs(v), x**2, x**3, motion.time[piece], np.full(x.size, float(r)))
+        here = np.rint(records.evenly(r, phase.astype(np.float64))[1])
+        x, v, volts, sign = (records.evenly(r, q)[1] for q in (motion.x, motion.v, motion.volts, motion.sign))
+        time = records.evenly(r, motion.time)[1]
+        signals = (x, v, volts, sign, v * np.abs(v), x**2, x**3, time, np.full(x.size, float(r)))
         found = _narrowest(values, (mass, damping, stiffness), h, floor, period)
         if found is None:
             continue

@@ -26,6 +26,11 @@ def digits(value: float) -> str:
     return f"{value:.{places}f}"
 
 
+def percent(share: float) -> str:
+    """Write a share in whole per cent: ``"97 %"``."""
+    return f"{100 * share:.0f} %"
+
+
 def effect_names(names: Iterable[str]) -> str:
     """Write canonical names as people speak: ``"Coulomb friction and input delay"``."""
     return " and ".join(
@@ -141,7 +146,7 @@ def _about_force(shape: Shape | None) -> str:
         return "too little motion to see a force in the residual"
     if shape.share < CLEAR:
         return "the residual force follows neither velocity nor position alone: look at the drive, the reading or time"
-    share = f"{100 * shape.share:.0f} % of the force that no spring or damper gives"
+    share = f"{percent(shape.share)} of the force that no spring or damper gives"
     if shape.name == "sign of velocity":
         size = abs(shape.coefficient)
         like = f", like friction of {size:.2g} N either way" if shape.coefficient < 0 else ""

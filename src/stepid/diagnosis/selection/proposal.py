@@ -103,6 +103,11 @@ class Proposal:
         return (self.like.cost - self.left) / self.costly
 
     @property
+    def rank(self) -> float:
+        """What it promises to leave, m², more where it is costly: the least goes first."""
+        return self.like.cost - self.gain
+
+    @property
     def key(self) -> Key:
         """See `Candidate.key`."""
         return frozenset(e.name for e in self.effects), self.deviations

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
 
+import numpy as np
+
+from stepid.core.base import Array
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, is_white, price
 from stepid.diagnosis.selection.candidate import Candidate, Key
@@ -58,6 +60,7 @@ class Search:
         self.candidates: dict[Key, Candidate] = {}
         self.fits = 0
         self._tried: set[tuple[Key, Key]] = set()  # base and set
+        self._counted: tuple[Candidate, Array] | None = None
         self._polish(self.root)
 
     # ---- the loop -------------------------------------------------------------------------------------------------
@@ -119,20 +122,20 @@ class Search:
         """QBIC by the samples that are effective in this candidate's own residual, up to what all have in common."""
         least = min(self.candidates.values(), key=lambda c: c.optimum.cost)
         counts = self._counts(least)
-        ratio = found.optimum.cost / max(least.optimum.cost, 1e-300)
+        ratio = found.optimum.cost / max(least.optimum.cost, np.finfo(float).tiny)
         return float(counts.sum()) * math.log(max(ratio, 1.0)) + price(found.optimum, counts)
 
-    def _counts(self, found: Candidate):  # type: ignore[no-untyped-def]
-        known = getattr(self, "_counted", None)
-        if known is None or known[0] is not found:
+    def _counts(self, found: Candidate) -> Array:
+        """Effective samples of each run in a candidate's residual, of the last one asked for kept."""
+        if self._counted is None or self._counted[0] is not found:
             optimum = found.optimum
             counts = effective_samples(self.fit.records, optimum.problem.residual(optimum.solved))
-            known = self._counted = (found, counts)
-        return known[1]
+            self._counted = found, counts
+        return self._counted[1]
 
     def _complete(self, best: Candidate) -> bool:
         """Tell whether the best leaves nothing that a further effect could explain."""
-        return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, 3.0)
+        return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, self.criteria.white / 2)
 
     # ---- proposals ------------------------------------------------------------------------------------------------
 
@@ -146,12 +149,9 @@ class Search:
 
     def _expand_best(self, moves: Sequence[Move]) -> bool:
         """Expand the best nodes of those not expanded yet."""
-        order = sorted(self.nodes.values(), key=self._rank)[: self.effort.beam]
-        return any([self._expand(node, moves) for node in order])
-
-    def _rank(self, node: Node) -> float:
-        costly = self.effort.costly if any(e.contains for e in node.effects) else 1.0
-        return node.cost * costly ** (0.0 if len(node.effects) < 2 else 0.0)
+        order = sorted(self.nodes.values(), key=lambda n: n.cost)[: self.effort.beam]
+        made = [self._expand(node, moves) for node in order]
+        return any(made)
 
     def _promising(self, bases: Collection[Key] | None = None) -> list[Proposal]:
         """The proposals to fit next: the smallest sets first, of these the most promising.
@@ -162,9 +162,9 @@ class Search:
         for p in self.proposals:
             if bases is not None and (p.base not in bases or p.move not in _RIVALS):
                 continue
-            if (p.base, p.key) not in self._tried and (p.key not in best or p.like.cost - p.gain < best[p.key].like.cost - best[p.key].gain):
+            if (p.base, p.key) not in self._tried and (p.key not in best or p.rank < best[p.key].rank):
                 best[p.key] = p
-        order = sorted(best.values(), key=lambda p: p.like.cost - p.gain)
+        order = sorted(best.values(), key=lambda p: p.rank)
         least = min(node.cost for node in self.nodes.values())
         out = [p for p in self._worthy(order) if self._new(p) and self._gains(least, p)]
         if bases is not None:
@@ -184,15 +184,15 @@ class Search:
         for p in order:
             most[p.base] = max(most.get(p.base, 0.0), p.gain)
         taken: Counter[Key] = Counter()
-        first, then = [], []
+        first, then, effort = [], [], self.effort
         for p in order:
             if p.move in _RIVALS:
                 first.append(p)
                 continue
             taken[p.base] += 1
-            if taken[p.base] <= self.effort.share:
+            if taken[p.base] <= effort.share:
                 first.append(p)
-            elif p.base in leading and (taken[p.base] <= self.effort.first or p.gain > self.effort.worth * most[p.base]):
+            elif p.base in leading and (taken[p.base] <= effort.first or p.gain > effort.worth * most[p.base]):
                 then.append(p)
         return first + then
 
@@ -245,10 +245,12 @@ class Search:
         while count:
             order = sorted(self.nodes.values(), key=lambda n: n.cost)
             best = order[0].cost
+            near = best + (1 + self.effort.promoted - count) * self.fit.unit * self.criteria.tie
             for place, node in enumerate(order):
-                if place < count or node.cost < best + (1 + self.effort.promoted - count) * self.fit.unit * self.criteria.tie:
+                if place < count or node.cost < near:
                     fitted = node.fitted
-                    enough = max(0.003 * (node.cost - best), 0.002 * fitted.excess, 0.2 * self.fit.unit)
+                    share = self.effort.enough * max(node.cost - best, fitted.excess)
+                    enough = max(share, self.effort.converged * self.fit.unit)
                     fitted.run(laps=laps, tolerance=enough)
             laps, count = 2 * laps, count // 2
 
@@ -268,12 +270,8 @@ class Search:
         return self.best
 
     def _polish(self, node: Node) -> None:
-        found = polished(self.fit, node.fitted, self.effort)
-        if found is not None:
-            optimum = found
+        optimum = polished(self.fit, node.fitted, self.effort)
+        if optimum is not None:
             self.candidates[node.key] = Candidate(
                 node.effects, node.deviations, optimum, block_means(self.fit, optimum)
             )
-
-
-__all__ = ["Search", "replace"]
