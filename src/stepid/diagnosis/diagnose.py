@@ -18,6 +18,7 @@ from stepid.diagnosis.progress import Progress
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.verdict import judge
+from stepid.diagnosis.wording import length
 from stepid.effects import CATALOGUE, Effect, among_themselves
 from stepid.errors import UndeterminedError
 from stepid.fitting.fit import prepare
