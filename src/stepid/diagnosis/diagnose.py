@@ -94,6 +94,7 @@ def diagnose(
             f"campaign {campaign.name!r} has one usable run. {' '.join(screen(campaign).notes)}",
             "Record the others again: a model that fits one run cannot be checked on another.",
         )
+    tell(Progress(f"linear model leaves {length(context.linear.rms)}, noise {length(context.floor)}"))
     done = _diagnosed(campaign, context, how)
     return done.model_copy(update={"notes": (*splits, *done.notes)}) if splits else done
 
