@@ -1,10 +1,13 @@
-"""Write the tables of the effects into the docs. Run with ``python docs/make_tables.py``."""
+"""Write the tables of the effects, and of what decides and what hurries, into the docs. Run with ``python docs/make_tables.py``."""
 
 from __future__ import annotations
 
+import inspect
+import re
 from collections.abc import Callable
 from pathlib import Path
 
+import stepid
 from stepid.effects import CATALOGUE
 from stepid.transfer.express import why_not_linear, why_not_nonlinear
 
@@ -36,8 +39,30 @@ def expressible() -> str:
     return "\n".join(rows) + "\n"
 
 
+def explained(model: type) -> dict[str, str]:
+    """What the docstring of a model says of each of its fields."""
+    part = inspect.cleandoc(model.__doc__ or "").split("Parameters\n----------\n")[1]
+    found = re.findall(r"^(\w+) : [^\n]*\n((?:    [^\n]*\n?)+)", part, re.MULTILINE)
+    return {name: " ".join(words.split()) for name, words in found}
+
+
+def numbers() -> str:
+    """What decides an answer, and what only saves time, as two sections."""
+    rows = ["### Criteria", "", "| `stepid.Criteria` | default | what it is, and why |", "| --- | --- | --- |"]
+    said = explained(stepid.Criteria)
+    rows += [f"| `{name}` | {value:g} | {said[name]} |" for name, value in stepid.Criteria()]
+    rows += ["", "### Effort", ""]
+    rows += ["| `stepid.Effort` | quick | default | thorough | what it is |", "| --- | --- | --- | --- | --- |"]
+    made, said = (stepid.Effort.quick(), stepid.Effort(), stepid.Effort.thorough()), explained(stepid.Effort)
+    for name in stepid.Effort.model_fields:
+        values = " | ".join(f"{getattr(one, name):g}" for one in made)
+        rows.append(f"| `{name}` | {values} | {said[name]} |")
+    return "\n".join(rows) + "\n"
+
+
 TABLES: dict[Path, Callable[[], str]] = {
     DOCS / "diagnosis.md": catalogue,
+    DOCS / "evidence.md": numbers,
     DOCS / "how-to" / "ecosystem.md": expressible,
 }
 

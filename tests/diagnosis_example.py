@@ -59,8 +59,10 @@ def named(*, runs: tuple[str, ...] = RUNS) -> Diagnosis:
                 held_out_before=1.1 * rms(before),
                 held_out_after=1.1 * rms(after),
                 phases=phases[run.name],
+                explained=1 - (rms(after) / rms(before)) ** 2,
             )
         )
+    explained = 1 - (final.rms / linear.rms) ** 2
     return Diagnosis(
         campaign=measured.name,
         verdict="named",
@@ -78,10 +80,20 @@ def named(*, runs: tuple[str, ...] = RUNS) -> Diagnosis:
         where=locate(records, linear, floor),
         reasons=("With Coulomb friction the gap is at the floor.",),
         ranking=(
-            Ranked(effects=("coulomb_friction",), rms=final.rms, evidence=0.0),
-            Ranked(effects=("quadratic_damping", "input_delay"), rms=0.4 * linear.rms, evidence=870.4),
+            Ranked(effects=("coulomb_friction",), rms=final.rms, evidence=0.0, probability=0.996, explained=explained),
+            Ranked(
+                effects=("quadratic_damping", "input_delay"),
+                deviations=("start_time",),
+                rms=0.4 * linear.rms,
+                evidence=12.4,
+                probability=0.004,
+                explained=0.84,
+            ),
             Ranked(effects=(), rms=linear.rms, evidence=123456.0),
         ),
+        explained=explained,
+        left=0.25,
+        probability=0.98,
         runs=tuple(gaps),
         model=unpack(final, effects),
         linear_model=unpack(linear, ()),

@@ -9,11 +9,16 @@ from .core.experiment import Experiment as Experiment
 from .core.experiment import MassOffset as MassOffset
 from .core.releases import split_releases as split_releases
 from .datasets.replication import rebuild_paper as rebuild_paper
+from .diagnosis.criteria import Criteria as Criteria
 from .diagnosis.diagnose import diagnose as diagnose
 from .diagnosis.diagnose import diagnose_many as diagnose_many
+from .diagnosis.differences import Scatter as Scatter
+from .diagnosis.progress import Progress as Progress
 from .diagnosis.result import Diagnosis as Diagnosis
+from .diagnosis.selection.effort import Effort as Effort
 from .fitting.fit import Fit as Fit
 from .fitting.fit import fit as fit
+from .fitting.record_fault import RecordFault as RecordFault
 from .identification import characteristics as characteristics
 from .identification.characteristics import characterize as characterize
 from .identification.characteristics import characterize_all as characterize_all

@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
@@ -17,6 +18,7 @@ import stepid  # what takes long to load is loaded by the command that needs it:
 from stepid.errors import IdentificationError, StepidError
 
 if TYPE_CHECKING:
+    from stepid import Effort
     from stepid.core.experiment import Campaign
     from stepid.identification.parameters import IdentifiedParameters
     from stepid.report import Section
@@ -38,6 +40,19 @@ Out = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", metavar="", help="Print JSON instead of text.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", metavar="", help="Show no progress on standard error.")]
+
+
+class EffortName(StrEnum):
+    """Presets of `stepid.Effort`, as the command line names them."""
+
+    quick = "quick"
+    default = "default"
+    thorough = "thorough"
+
+
+Hard = Annotated[
+    EffortName, typer.Option("--effort", help="How hard to search: quick, default or thorough.", show_choices=False)
+]
 
 _MANIFEST = """
 
@@ -150,12 +165,22 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
 
 
 @app.command(
-    epilog=_examples("stepid diagnose lab/campaign.toml --out results", "stepid diagnose lab/campaign.toml --json")
+    epilog=_examples(
+        "stepid diagnose lab/campaign.toml --out results",
+        "stepid diagnose lab/campaign.toml --effort quick --json",
+    )
 )
 @_showing_a_manifest
-def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False, quiet: Quiet = False) -> None:
+def diagnose(
+    campaign: CampaignFile,
+    out: Out = None,
+    effort: Hard = EffortName.default,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
     """Say whether a linear model is adequate, and if not, which effect is missing; show the gap before and after."""
     from stepid.core.atomic_write import staged
+    from stepid.diagnosis.progress import stage_line
     from stepid.report import as_text, diagnosis_report
     from stepid.report.json_values import diagnosis_values
     from stepid.report.provenance import of_files
@@ -165,7 +190,7 @@ def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False, qui
     if not (quiet or as_json):
         _console(stderr=True).print(_runs(read), markup=False)
     with _progress(lines=not (quiet or as_json), status=not quiet) as tell:
-        found = stepid.diagnose(read, progress=lambda stage: tell(f"diagnosing: {stage.replace('_', ' ')}"))
+        found = stepid.diagnose(read, effort=_effort(effort), progress=lambda stage: tell(f"diagnosing: {stage_line(stage)}"))
         by_hand: IdentifiedParameters | StepidError
         try:
             by_hand = stepid.identify(read)
@@ -190,6 +215,12 @@ def diagnose(campaign: CampaignFile, out: Out = None, as_json: Json = False, qui
             written = sorted(out / path.name for path in folder.iterdir())
     if not as_json:
         _show((), written)
+
+
+def _effort(name: EffortName) -> Effort:
+    from stepid import Effort
+
+    return Effort() if name == EffortName.default else getattr(Effort, name)()
 
 
 @contextmanager

@@ -16,6 +16,7 @@ from matplotlib import pyplot as plt
 import diagnosis_example as example
 import stepid
 from stepid.cli import run
+from stepid.diagnosis.progress import stage_line
 from stepid.diagnosis.result import Diagnosis
 
 LAB = Path(stepid.datasets.__file__).parent / "lab" / "campaign.toml"
@@ -39,9 +40,9 @@ def stages(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Put the ready-made diagnosis in place of the search; collect the stages that are shown."""
     shown: list[str] = []
 
-    def ready(campaign: stepid.Campaign, *, progress: Any) -> Diagnosis:
+    def ready(campaign: stepid.Campaign, *, progress: Any, effort: Any) -> Diagnosis:
         assert [e.name for e in campaign.experiments] == list(example.RUNS)
-        progress("linear fit")
+        progress(stepid.Progress("linear fit"))
         shown.append("linear fit")
         return example.named()
 
@@ -94,10 +95,10 @@ def test_progress_is_shown_on_a_terminal(
     seen: list[str] = []
     ready = stepid.diagnose
 
-    def search(campaign: stepid.Campaign, *, progress: Any) -> Diagnosis:
-        progress("linear fit")
+    def search(campaign: stepid.Campaign, *, progress: Any, effort: Any) -> Diagnosis:
+        progress(stepid.Progress("linear fit"))
         time.sleep(0.3)  # several times what the line needs to be drawn
-        return ready(campaign, progress=progress)
+        return ready(campaign, progress=progress, effort=effort)
 
     def draw(*_: object) -> None:
         time.sleep(0.3)
@@ -114,6 +115,29 @@ def test_progress_is_shown_on_a_terminal(
     capsys.readouterr()
     assert run(["diagnose", str(manifest), "--quiet"]) == 0
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("name", ["quick", "default", "thorough"])
+def test_effort_is_handed_on(name: str, manifest: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[stepid.Effort] = []
+
+    def ready(_: stepid.Campaign, *, progress: Any, effort: stepid.Effort) -> Diagnosis:
+        asked.append(effort)
+        return example.named()
+
+    monkeypatch.setattr(stepid, "diagnose", ready)
+    assert run(["diagnose", str(manifest), "--effort", name, "--quiet"]) == 0
+    made = {"quick": stepid.Effort.quick(), "default": stepid.Effort(), "thorough": stepid.Effort.thorough()}
+    assert asked == [made[name]]
+    assert run(["diagnose", str(manifest), "--effort", "endless"]) == 2
+
+
+def test_progress_tells_the_best_answer_and_what_is_left() -> None:
+    assert stage_line(stepid.Progress("linear fit")) == "linear fit"
+    first = stepid.Progress("cubic_stiffness", left=12, promise=0.4)
+    assert stage_line(first) == "cubic stiffness | best so far: linear model | 12 left to try, may take 40 % of the rest"
+    last = stepid.Progress("runs held out", best=("coulomb_friction",))
+    assert stage_line(last) == "runs held out | best so far: Coulomb friction"
 
 
 def test_writes_text_json_and_figures(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import pty
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -193,6 +194,23 @@ def test_status_130_where_it_is_interrupted(
     out = tmp_path / "out"
     assert run(["diagnose", str(tmp_path / "lab" / "campaign.toml"), "--out", str(out)]) == 130
     assert "Traceback" not in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_a_signal_while_searching_ends_it_without_a_trace(tmp_path: Path) -> None:
+    lab = Path(stepid.datasets.__file__).parent / "lab" / "campaign.toml"
+    out = tmp_path / "out"
+    asked = [*STEPID, "diagnose", str(lab), "--out", str(out)]
+    with subprocess.Popen(asked, env=PLAIN, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
+        assert child.stderr is not None
+        for line in child.stderr:
+            if "best so far" in line:
+                break
+        child.send_signal(signal.SIGINT)
+        written, told = child.communicate(timeout=60)
+    assert child.returncode == 130
+    assert written == ""
+    assert "Traceback" not in told
     assert not out.exists()
 
 

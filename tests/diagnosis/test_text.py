@@ -12,7 +12,7 @@ from diagnosis_example import changed
 from stepid.core.estimate import Estimate
 from stepid.diagnosis.result import Diagnosis, Gap, Where
 from stepid.diagnosis.text import QUESTIONS, next_steps
-from stepid.diagnosis.wording import digits, effect_names, length
+from stepid.diagnosis.wording import candidate_name, chance, digits, effect_names, length, per_cent
 from stepid.identification.parameters import IdentifiedParameters, ParameterUncertainty
 from stepid.report import diagnosis_report, hand_method_table
 
@@ -51,6 +51,41 @@ def test_digits_and_names() -> None:
     assert effect_names(("coulomb_friction", "input_delay")) == "Coulomb friction and input delay"
 
 
+@pytest.mark.parametrize(
+    ("share", "expected"),
+    [
+        (1.0, "100 %"),
+        (0.99999, "> 99.99 %"),
+        (0.9987, "99.87 %"),
+        (0.913, "91.3 %"),
+        (0.52, "52 %"),
+        (0.004, "0.4 %"),
+        (1e-5, "0 %"),
+        (-0.12, "−12 %"),
+    ],
+)
+def test_shares_have_the_digits_that_count(share: float, expected: str) -> None:
+    assert per_cent(share) == expected
+
+
+def test_probabilities_are_never_certain() -> None:
+    assert [chance(p) for p in (1.0, 0.985, 0.5, 0.011, 0.0)] == [">99 %", "98 %", "50 %", "1 %", "<1 %"]
+
+
+def test_candidates_tell_what_differs_between_runs() -> None:
+    assert candidate_name(()) == "nothing (linear)"
+    assert candidate_name((), ("gain",)) == "linear, gains differ"
+    said = candidate_name(("coulomb_friction",), ("friction", "start_time"))
+    assert said == "Coulomb friction, friction differs, start times differ"
+
+
+def test_the_best_eight_candidates_and_the_linear_model_are_shown() -> None:
+    d = example.named()
+    many = tuple(d.ranking[1].model_copy(update={"effects": (f"effect_{i}",)}) for i in range(12))
+    shown = rows(changed(d, ranking=(*many, d.ranking[-1])).summary(), "candidate")
+    assert list(shown) == [*(f"effect {i}, start times differ" for i in range(8)), "nothing (linear)"]
+
+
 def test_summary_answers_the_five_questions_in_order() -> None:
     d = example.named()
     text = d.summary()
@@ -63,11 +98,18 @@ def test_summary_answers_the_five_questions_in_order() -> None:
     assert set(rows(answers[1], "phase")) == set(d.where.phases)
     assert list(rows(answers[2], "candidate")) == [
         "Coulomb friction",
-        "quadratic damping and input delay",
+        "quadratic damping and input delay, start times differ",
         "nothing (linear)",
     ]
-    assert rows(answers[2], "candidate")["quadratic damping and input delay"][1] == "870"
-    assert rows(answers[2], "candidate")["nothing (linear)"][1] == "1.2e+05"
+    others = rows(answers[2], "candidate")
+    explained = 100 * (1 - (d.gap.after / d.gap.before) ** 2)
+    assert others["Coulomb friction"] == [f"{explained:.2f} %", digits(1e6 * d.gap.after), ">99 %"]
+    assert others["quadratic damping and input delay, start times differ"][::2] == ["84 %", "<1 %"]
+    assert others["nothing (linear)"] == ["0 %", digits(1e6 * d.gap.before), "<1 %"]
+    assert f"On runs left out of the fit it explains {explained:.2f} % of the linear model's misfit." in answers[3]
+    assert "The final model leaves 0.25 % of the motion, in RMS." in answers[3]
+    assert "The probability that this answer is right is 98 %." in answers[3]
+    assert "evidence" not in text
     assert d.reasons[0] in answers[3]
     assert "clean and align the rails" in answers[4]
     assert str(d) == text
@@ -81,7 +123,9 @@ def test_gap_and_parameters_are_what_the_model_holds() -> None:
     assert g.held_out_before is not None
     assert g.held_out_after is not None
     expected = [1e6 * g.before, 1e6 * g.after, g.after / g.noise, 1e6 * g.held_out_before, 1e6 * g.held_out_after]
-    assert [float(cell) for cell in gaps["all runs"]] == pytest.approx(expected, rel=6e-3)
+    cells = gaps["all runs"]
+    assert [float(cell) for cell in (*cells[:3], *cells[4:])] == pytest.approx(expected, rel=6e-3)
+    assert [gaps[run.name][3] for run in d.runs] == [per_cent(run.explained) for run in d.runs]
     found = rows(d.summary(), "parameter")
     assert list(found) == list(d.parameters)
     level = d.parameters["coulomb_friction.level"]
@@ -93,7 +137,7 @@ def test_gap_and_parameters_are_what_the_model_holds() -> None:
 def test_no_run_held_out_is_a_dash() -> None:
     d = example.named()
     bare = changed(d, gap=Gap(before=d.gap.before, after=d.gap.after, noise=d.gap.noise))
-    assert rows(bare.summary(), "RMS [µm]")["all runs"][3:] == ["–", "–"]
+    assert rows(bare.summary(), "RMS [µm]")["all runs"][4:] == ["–", "–"]
 
 
 def test_undetermined_is_said() -> None:

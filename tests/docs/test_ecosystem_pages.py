@@ -43,8 +43,8 @@ def test_the_page_lists_every_command() -> None:
 
 @pytest.fixture
 def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    def ready(_: stepid.Campaign, *, progress: Any) -> stepid.Diagnosis:
-        progress("linear fit")
+    def ready(_: stepid.Campaign, *, progress: Any, effort: Any) -> stepid.Diagnosis:
+        progress(stepid.Progress("linear fit"))
         return example.named()
 
     monkeypatch.setattr(stepid, "diagnose", ready)

@@ -12,6 +12,7 @@ from stepid.diagnosis.experiment_design import next_experiment
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.locate import locate, phases_of
 from stepid.diagnosis.notes import notes_on
+from stepid.diagnosis.remainder import remainder
 from stepid.diagnosis.result import Diagnosis, Gap, Ranked, RunGap
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.verdict import Answer
@@ -55,7 +56,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         where=locate(records, linear, floor, context.measured),
         next_experiment=_next(campaign, evidence, answer),
         advice={e.name: e.advice for e in effects if e.advice},
-        reasons=answer.reasons,
+        reasons=(*answer.reasons, *_rest(evidence, answer)),
         notes=(
             *(fault.words for fault in evidence.faults),
             *((evidence.input_fault.words,) if evidence.input_fault else ()),
@@ -75,9 +76,22 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
     )
 
 
+def _rest(evidence: EvidenceRecord, answer: Answer) -> tuple[str, ...]:
+    """Say what shape the rest has, where one remains that no wrong input makes."""
+    if evidence.input_fault is not None or evidence.at_floor(answer.shown):
+        return ()
+    return remainder(evidence.context, answer.shown) if answer.verdict in ("named", "unexplained") else ()
+
+
 def _explained(pooled: tuple[float | None, float | None]) -> float | None:
     before, after = pooled
     return None if before is None or after is None or before == 0 else 1.0 - (after / before) ** 2
+
+
+def _taken(before: Array, after: Array) -> float:
+    """Share of a residual's power that is gone, 0 where there was none."""
+    power = float(before @ before)
+    return 1.0 - float(after @ after) / power if power > 0 else 0.0
 
 
 def _left(context: FitContext, final: Optimum) -> float:
@@ -145,6 +159,7 @@ def _runs(
                 held_out_before=rms(seen_before[i]) if i in seen_before else None,
                 held_out_after=rms(seen_after[i]) if i in seen_after else None,
                 phases=phases[run.name],
+                explained=_taken(before[piece], after[piece]),
             )
         )
     return tuple(out)

@@ -63,7 +63,7 @@ class Criteria(Model):
     size : float
         Standard deviations (of the other runs' scatter and of its own uncertainty) beyond which a run is accused.
     scatter : float
-        Decrease of QBIC for which runs are said to differ in one of their conditions.
+        Decrease of QBIC for which runs are said to differ in one of their conditions: as for an effect.
     """
 
     tie: Positive = 10.0
@@ -84,4 +84,4 @@ class Criteria(Model):
     fast: Positive = 0.05
     swings: Positive = 1.0
     size: Positive = 5.0
-    scatter: Positive = 10.0
+    scatter: Positive = 16.0

@@ -12,7 +12,7 @@ from stepid.core.experiment import Campaign
 from stepid.diagnosis.answer import report
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
-from stepid.diagnosis.explore import Found, explored, linear_candidate
+from stepid.diagnosis.explore import Found, explored, linear_candidate, outweighs
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.progress import Progress
 from stepid.diagnosis.result import Diagnosis
@@ -22,10 +22,9 @@ from stepid.effects import CATALOGUE, Effect, among_themselves
 from stepid.errors import UndeterminedError
 from stepid.fitting.fit import prepare
 from stepid.fitting.input_fault import find_input_fault
-from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.record_fault import RecordFault
-from stepid.fitting.run_fault import find_fault
+from stepid.fitting.run_fault import accuse, find_fault
 from stepid.fitting.screening import screen, split_campaign
 from stepid.simulation.threads import single_threaded
 from stepid.simulation.warm_up import warm_up
@@ -112,12 +111,13 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
     if fault is not None:
         found = Found(context, (linear_candidate(context),))
     else:
-        fault_of_run = _outlying(context, context.linear)
-        if fault_of_run is None:
-            found = explored(context, how.catalogue, how.criteria, how.effort, how.tell)
-            best = found.best
-            many = len(best.effects) > 1 or not at_floor(found.context, how.criteria, best)
-            fault_of_run = _outlying(found.context, best.optimum) if many and best.effects else None
+        suspected = accuse(context.linear, context.floor, sure=how.criteria.size)
+        found = explored(context, how.catalogue, how.criteria, how.effort, how.tell)
+        fault_of_run = None
+        if suspected is not None and outweighs(suspected.cost, found, how.criteria):
+            fault_of_run = suspected.fault
+        elif found.best.effects and not at_floor(found.context, how.criteria, found.best):
+            fault_of_run = find_fault(found.best.optimum, found.context.floor, sure=how.criteria.size)
         if fault_of_run is not None and len(context.records.runs) > 2:
             rest = tuple(e for e in campaign.experiments if e.name != fault_of_run.run)
             others = campaign.model_copy(update={"experiments": rest})
@@ -126,10 +126,6 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
     how.tell(Progress("runs held out", best=found.best.names))
     evidence = EvidenceRecord(found.context, how.criteria, found.candidates, fault, (*accused, *found.context.faults))
     return report(campaign, evidence, judge(evidence))
-
-
-def _outlying(context: FitContext, optimum: Optimum) -> RecordFault | None:
-    return find_fault(optimum, context.floor)
 
 
 def diagnose_many(

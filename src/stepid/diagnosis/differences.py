@@ -9,6 +9,7 @@ import numpy as np
 
 from stepid.core.base import Finite, Model, NonNegative
 from stepid.diagnosis.selection.candidate import Candidate
+from stepid.diagnosis.wording import percent
 from stepid.fitting.deviations import deviation_std, scatter_values
 from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.multistart import FitContext
@@ -90,5 +91,5 @@ def scatter_words(scatter: dict[str, Scatter]) -> tuple[str, ...]:
     out = []
     for kind, s in scatter.items():
         said = _WORDS[kind].format(1e3 * s.deviation, 1e2 * s.deviation, 1e6 * s.deviation)
-        out.append(f"{said}: {100 * s.explained:.0f} % of the misfit's power.")
+        out.append(f"{said}: {percent(s.explained)} of the misfit's power.")
     return tuple(out)

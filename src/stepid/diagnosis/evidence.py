@@ -70,9 +70,7 @@ def weigh(context: FitContext, candidates: Sequence[Candidate]) -> list[Weighed]
     scores = [samples * math.log(max(c.optimum.cost, least) / least) + price(c.optimum, counts) for c in candidates]
     lowest = min(scores)
     raw = [math.exp(-0.5 * min(s - lowest, 1400.0)) for s in scores]
-    found = [
-        Weighed(c, s - lowest, w / math.fsum(raw)) for c, s, w in zip(candidates, scores, raw, strict=True)
-    ]
+    found = [Weighed(c, s - lowest, w / math.fsum(raw)) for c, s, w in zip(candidates, scores, raw, strict=True)]
     return sorted(found, key=lambda w: w.loss)
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import at_floor, block_means, is_white
+from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, is_white, price, weigh
 from stepid.diagnosis.progress import Progress
 from stepid.diagnosis.refine import refined
 from stepid.diagnosis.selection.candidate import Candidate
@@ -16,7 +17,7 @@ from stepid.diagnosis.selection.search import Search
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import FitContext
 
-_LOOKS = 2  # at the readings
+_LOOKS = 3  # at the readings
 
 
 class Found(NamedTuple):
@@ -29,6 +30,19 @@ class Found(NamedTuple):
     def best(self) -> Candidate:
         """The candidate that leaves least."""
         return min(self.candidates, key=lambda c: c.optimum.cost)
+
+
+def outweighs(cost: float, found: Found, criteria: Criteria) -> bool:
+    """Tell whether one fault of one run in a linear plant, which leaves `cost` [m²], is better than what was found.
+
+    One effect in the whole plant is the likelier of two as good answers; several that are needed for one fault are not.
+    """
+    records, best = found.context.records, weigh(found.context, found.candidates)[0].candidate
+    counts = effective_samples(records, best.optimum.problem.residual(best.optimum.solved))
+    samples = float(counts.sum())
+    more = price(best.optimum, counts) - price(found.context.linear, counts) - math.log(samples)
+    lost = samples * math.log(cost / best.optimum.cost)
+    return lost < more - (criteria.tie if len(best.effects) < 2 else 0.0)
 
 
 def linear_candidate(context: FitContext) -> Candidate:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
 from stepid.diagnosis.selection.candidate import Candidate
@@ -23,8 +24,6 @@ from stepid.fitting.record_fault import RecordFault
 
 if TYPE_CHECKING:
     from stepid.diagnosis.verdict import Answer
-
-PROBABILITY = {"complete": 0.98, "complete_but_open": 0.95, "leads": 0.9}
 
 
 @dataclass(frozen=True)
@@ -64,8 +63,12 @@ class EvidenceRecord:
         return self._simplest(self.weighed)
 
     def _simplest(self, weighed: tuple[Weighed, ...]) -> Candidate:
-        more = self.criteria.further - self.criteria.tie
-        return min(weighed, key=lambda w: w.loss + more * (len(w.candidate.effects) + len(w.candidate.deviations))).candidate
+        effect, condition = self.criteria.further - self.criteria.tie, self.criteria.scatter - self.criteria.tie
+
+        def loss(w: Weighed) -> float:
+            return w.loss + effect * len(w.candidate.effects) + condition * len(w.candidate.deviations)
+
+        return min(weighed, key=loss).candidate
 
     def at_floor(self, found: Candidate) -> bool:
         """Tell whether a candidate leaves nothing but noise."""
@@ -132,21 +135,76 @@ class EvidenceRecord:
     # ---- leads ----------------------------------------------------------------------------------------------------
 
     @cached_property
-    def lead(self) -> Candidate:
-        """The best of those that may lead where a rest remains: one effect or two, none of them an imitator."""
+    def _able(self) -> tuple[Weighed, ...]:
+        """Candidates of two effects at most, none of them an imitator, best first."""
         able = [w for w in self.weighed if len(w.candidate.effects) <= 2 and not self.imitators(w.candidate)]
         lowest = min(w.loss for w in able)
-        able = [w._replace(loss=w.loss - lowest) for w in able]
-        return self._simplest(tuple(able))
+        return tuple(w._replace(loss=w.loss - lowest) for w in able)
 
-    def weight(self, found: Candidate) -> float:
-        """Weight of all candidates that hold the effects of one, or effects that contain them."""
+    @cached_property
+    def lead(self) -> Candidate:
+        """The best of those that may lead where a rest remains, with no more in it than takes a notable part."""
+        best = self._simplest(self._able)
+        return self._without_trifle(self._simpler_law(best))
+
+    def _loss(self, found: Candidate) -> float:
+        return next(w.loss for w in self._able if w.candidate is found)
+
+    def _simpler_law(self, best: Candidate) -> Candidate:
+        """The simplest law inside a candidate that the data do not tell from it."""
+        near = [
+            w.candidate
+            for w in self._able
+            if abs(w.loss - self._loss(best)) < self.criteria.tie
+            and w.candidate.deviations == best.deviations
+            and len(w.candidate.effects) == len(best.effects)
+            and includes(best.effects, w.candidate.effects)
+        ]
+        return min(near, key=lambda c: (_n_parameters(c), self._loss(c)))
+
+    def _without_trifle(self, pair: Candidate) -> Candidate:
+        """One effect of two, where it leads and the other takes no such part of what it leaves."""
+        if len(pair.effects) < 2:
+            return pair
+        alone = [
+            w.candidate
+            for w in self._able
+            if len(w.candidate.effects) == 1 and includes(pair.effects, w.candidate.effects)
+            and self._taken(self.linear, w.candidate) >= self.criteria.lead
+            and self._taken(w.candidate, pair) < self.criteria.lead
+        ]
+        return alone[0] if alone else pair
+
+    def _taken(self, before: Candidate, after: Candidate) -> float:
+        """Share of the power above the floor that one candidate leaves, which another takes."""
+        noise = self.context.floor**2
+        left = before.optimum.rms**2 - noise
+        return 1.0 - max(after.optimum.rms**2 - noise, 0.0) / left if left > 0 else 0.0
+
+    @cached_property
+    def beside_lead(self) -> tuple[Candidate, ...]:
+        """Candidates that the data do not tell from the lead: its twins, and more general laws with more evidence."""
+        lead, own = self.lead, self._loss(self.lead)
+        out: dict[frozenset[str], Candidate] = {}
+        for w in self._able:
+            other, names = w.candidate, frozenset(w.candidate.names)
+            if len(names) != len(lead.effects) or names == frozenset(lead.names) or abs(w.loss - own) >= self.criteria.tie:
+                continue
+            twin = abs(other.optimum.cost - lead.optimum.cost) < self.criteria.tie * self.context.floor**2
+            general = includes(other.effects, lead.effects) and w.loss < own
+            if (twin and not includes(other.effects, lead.effects)) or general:
+                out.setdefault(names, other)
+        return tuple(out.values())
+
+    def weight(self, *found: Candidate) -> float:
+        """Weight of all candidates that hold the effects of one of some, or effects that contain them."""
         able = [w for w in self.weighed if not self.imitators(w.candidate)]
         total = math.fsum(w.weight for w in able)
         if total <= 0:
             able = [w._replace(weight=math.exp(-0.5 * (w.loss - able[0].loss))) for w in able]
             total = math.fsum(w.weight for w in able)
-        return math.fsum(w.weight for w in able if includes(w.candidate.effects, found.effects)) / total
+        held = [w.weight for w in able if any(includes(w.candidate.effects, c.effects) for c in found)]
+        return math.fsum(held) / total
 
     def held_out(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
         """Residuals of runs left out, linear plant and candidate: their own freedoms from their first part."""
@@ -175,3 +233,7 @@ class EvidenceRecord:
 def includes(bigger: tuple[Effect, ...], smaller: tuple[Effect, ...]) -> bool:
     """Tell whether every effect of `smaller` is in `bigger` or contained in one of its effects."""
     return all(any(e.name == b.name or e.name in b.contains for b in bigger) for e in smaller)
+
+
+def _n_parameters(found: Candidate) -> int:
+    return sum(len(e.parameters) for e in found.effects)

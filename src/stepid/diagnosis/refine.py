@@ -15,7 +15,7 @@ from stepid.fitting.record_fault import RecordFault
 
 _BELOW = 0.85  # times the floor that a fit leaves where the floor was read too high
 _MANY = 0.02  # share of samples, beyond which they are no isolated wrong readings
-_UNTRUSTED = 1e-3  # square-root weight of a reading that is left out
+_UNTRUSTED = 1e-6  # square-root weight of a reading that is left out
 
 
 def refined(context: FitContext, best: Candidate) -> FitContext | None:
@@ -46,7 +46,7 @@ def _without_outliers(context: FitContext, best: Candidate) -> FitContext | None
     records, residual = context.records, best.optimum.residual
     weight, faults = records.weight.copy(), []
     for run, piece in zip(records.runs, records.pieces(), strict=True):
-        mask = outliers_of(residual[piece], context.floor) & (weight[piece] > 0.5)
+        mask = outliers_of(residual[piece], context.floor) & (weight[piece] > _UNTRUSTED)
         if not mask.any() or mask.mean() > _MANY:
             continue
         weight[piece] = np.where(mask, _UNTRUSTED, weight[piece])

@@ -23,7 +23,8 @@ CLEAR = 0.4  # share of the variance that a shape must explain to be named
 class ResidualForce(NamedTuple):
     """The force that the linear plant lacks, N, and the motion it acts in, averaged alike; shape (k,) each.
 
-    `features` (len(SHAPES), k) are the forces that it may follow, for a coefficient of one.
+    `features` (len(SHAPES), k) are the forces that it may follow, for a coefficient of one; `time`, s, and `run`, the
+    index of the record, tell where each sample comes from.
     """
 
     force: Array
@@ -31,11 +32,14 @@ class ResidualForce(NamedTuple):
     v: Array
     volts: Array
     features: Array
+    time: Array
+    run: Array
 
 
 def residual_force(records: Records, linear: Optimum, motion: Motion, phase: Index, floor: float) -> ResidualForce:
     """Force that would produce the residual: f = m r″ + c r′ + k r while the cart moves.
 
+    The residual may be that of any fit; the motion then holds its mass, stiffness and damping.
     The residual is averaged with a bump φ, whose derivatives stand in for those of the residual (the weak form), so
     that noise is not differentiated; the motion is averaged with the same φ. The bump is as narrow as the noise allows.
     """
@@ -46,7 +50,8 @@ def residual_force(records: Records, linear: Optimum, motion: Motion, phase: Ind
         mass, stiffness, damping = (float(q[piece][0]) for q in (motion.mass, motion.stiffness, motion.damping))
         here = np.rint(records.evenly(r, phase.astype(np.float64))[1])
         x, v, volts, sign = (records.evenly(r, q)[1] for q in (motion.x, motion.v, motion.volts, motion.sign))
-        signals = (x, v, volts, sign, v * np.abs(v), x**2, x**3)
+        time = records.evenly(r, motion.time)[1]
+        signals = (x, v, volts, sign, v * np.abs(v), x**2, x**3, time, np.full(x.size, float(r)))
         found = _narrowest(values, (mass, damping, stiffness), h, floor, period)
         if found is None:
             continue
@@ -56,9 +61,10 @@ def residual_force(records: Records, linear: Optimum, motion: Motion, phase: Ind
         parts.append([force[moves], *(np.convolve(signal, kernel, "valid")[moves] for signal in signals)])
     if not parts:
         empty = np.zeros(0)
-        return ResidualForce(empty, empty, empty, empty, np.zeros((len(SHAPES), 0)))
+        return ResidualForce(empty, empty, empty, empty, np.zeros((len(SHAPES), 0)), empty, empty)
     joined = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    return ResidualForce(joined[0], joined[1], joined[2], joined[3], np.array(joined[4:]))
+    last = 4 + len(SHAPES)
+    return ResidualForce(*joined[:4], np.array(joined[4:last]), joined[last], np.rint(joined[last + 1]))
 
 
 def _narrowest(

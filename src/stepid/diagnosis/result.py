@@ -58,7 +58,8 @@ class RunGap(Model):
     """One run: measured and simulated records and their gap.
 
     `phases` maps "before", "driven", "rise", "overshoot", "ring-down" and "rest" to the RMS [m] of the linear model's
-    residual in that phase of the run's responses; "driven" is where the input changes all the time.
+    residual in that phase of the run's responses; "driven" is where the input changes all the time. `explained` is the
+    share of the linear model's misfit in this run, in power, that the final model takes; negative where it adds to it.
     """
 
     name: Label
@@ -71,6 +72,7 @@ class RunGap(Model):
     held_out_before: NonNegative | None = None
     held_out_after: NonNegative | None = None
     phases: Mapping[str, NonNegative] = {}
+    explained: Finite = 0.0
 
     def to_dataframe(self) -> DataFrame:
         """Return the records as a pandas DataFrame: columns `time` [s], `measured`, `linear` and `model` [m]."""

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 from stepid.core.estimate import Estimate, format_value
 from stepid.core.tables import Rows, html_table, text_table
-from stepid.diagnosis.wording import digits, effect_names, length
+from stepid.diagnosis.wording import candidate_name, chance, digits, effect_names, length, per_cent
 
 if TYPE_CHECKING:
-    from stepid.diagnosis.result import Diagnosis, Gap, RunGap
+    from stepid.diagnosis.result import Diagnosis, Gap, Ranked, RunGap
 
-_SHOWN = 8  # candidates in the ranking
+SHOWN = 8
+"""Candidates in the ranking."""
 QUESTIONS = (
     "1. What is the noise floor?",
     "2. Where does the linear model disagree?",
@@ -57,6 +58,19 @@ def found_sizes(d: Diagnosis) -> list[tuple[str, str, str]]:
     ]
 
 
+def standing(d: Diagnosis) -> tuple[str, ...]:
+    """How far the answer goes: what it explains where it was not fitted, what is left of the motion, how sure it is."""
+    said = []
+    if d.effects and d.explained is not None:
+        said.append(f"On runs left out of the fit it explains {per_cent(d.explained)} of the linear model's misfit.")
+    model = "The final model" if d.gap.after != d.gap.before else "The linear model"
+    said.append(f"{model} leaves {d.left:.2g} % of the motion, in RMS.")
+    if d.probability is not None:
+        which = "one of these answers is right" if d.alternatives else "this answer is right"
+        said.append(f"The probability that {which} is {chance(d.probability)}.")
+    return tuple(said)
+
+
 def gap_rows(d: Diagnosis) -> list[tuple[str, ...]]:
     """The gap before and after: all runs, then run by run, fitted and held out."""
 
@@ -70,6 +84,7 @@ def gap_rows(d: Diagnosis) -> list[tuple[str, ...]]:
             cell(gap.before),
             cell(gap.after),
             digits(gap.after / d.gap.noise) if d.gap.noise else "–",
+            _taken(gap) if d.gap.after != d.gap.before else "–",
             cell(gap.held_out_before),
             cell(gap.held_out_after),
         )
@@ -77,7 +92,12 @@ def gap_rows(d: Diagnosis) -> list[tuple[str, ...]]:
     ]
 
 
-GAP_HEADER = ("RMS [µm]", "linear", "final model", "final/noise", "held out: linear", "final model")
+def _taken(gap: Gap | RunGap) -> str:
+    """Share of the misfit's power that the final model takes."""
+    return per_cent(1.0 - (gap.after / gap.before) ** 2) if gap.before > 0 else "–"
+
+
+GAP_HEADER = ("RMS [µm]", "linear", "final model", "final/noise", "explained", "held out: linear", "final model")
 
 
 def parameter_rows(d: Diagnosis) -> list[tuple[str, ...]]:
@@ -101,26 +121,25 @@ def parameter_header(d: Diagnosis) -> tuple[str, ...]:
     return ("parameter", "linear", "final model", "unit") if d.effects else ("parameter", "linear", "unit")
 
 
+def shown_candidates(d: Diagnosis) -> list[Ranked]:
+    """The best candidates, best first, and the plain linear model."""
+    return [one for i, one in enumerate(d.ranking) if i < SHOWN or not (one.effects or one.deviations)]
+
+
 def ranking_rows(d: Diagnosis) -> list[tuple[str, ...]]:
-    """The best candidates and the linear model."""
-    shown = [one for i, one in enumerate(d.ranking) if i < _SHOWN or not one.effects]
+    """Of each candidate shown: what it explains of the linear model's misfit, what it leaves, its probability."""
     return [
         (
-            effect_names(one.effects) if one.effects else "nothing (linear)",
+            candidate_name(one.effects, one.deviations),
+            per_cent(one.explained),
             digits(1e6 * one.rms),
-            _lost(one.evidence),
+            chance(one.probability),
         )
-        for one in shown
+        for one in shown_candidates(d)
     ]
 
 
-def _lost(evidence: float) -> str:
-    if abs(evidence) < 1e4:
-        return f"{evidence:.0f}" if abs(evidence) >= 0.5 else "0"
-    return f"{evidence:.1e}"
-
-
-RANKING_HEADER = ("candidate", "RMS [µm]", "evidence lost")
+RANKING_HEADER = ("candidate", "explained", "RMS [µm]", "probability")
 PHASE_HEADER = ("phase", "RMS [µm]")
 
 
@@ -151,7 +170,7 @@ def _answers(d: Diagnosis, table: _Table) -> tuple[tuple[Sequence[str], Sequence
         ((floor,), ()),
         (d.where.sentences, (table(PHASE_HEADER, phase_rows(d)),)),
         ((), (table(RANKING_HEADER, ranking_rows(d)),) if d.ranking else ()),
-        (d.reasons, (table(GAP_HEADER, gap_rows(d)), table(parameter_header(d), parameter_rows(d)))),
+        ((*d.reasons, *standing(d)), (table(GAP_HEADER, gap_rows(d)), table(parameter_header(d), parameter_rows(d)))),
         ((*next_steps(d), *(f"Note: {note}" for note in d.notes)), ()),
     )
 

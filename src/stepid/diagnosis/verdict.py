@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.result import Verdict
 from stepid.diagnosis.selection.candidate import Candidate
-from stepid.diagnosis.wording import effect_names, length
+from stepid.diagnosis.vetoes import undetermined
+from stepid.diagnosis.wording import effect_names, length, percent
 
 
 @dataclass(frozen=True)
@@ -75,8 +76,8 @@ def complete(e: EvidenceRecord) -> Answer | None:
 
 def leads(e: EvidenceRecord) -> Answer | None:
     """One effect or two predict most of the misfit on runs left out, although a rest remains."""
-    lead = e.lead
-    if not lead.effects or e.weight(lead) < e.criteria.sure:
+    lead, beside = e.lead, e.beside_lead
+    if not lead.effects or e.weight(lead, *beside) < e.criteria.sure:
         return None
     if any(name.split(".")[0] in lead.names for name in _open(e, lead)):
         return None
@@ -84,9 +85,12 @@ def leads(e: EvidenceRecord) -> Answer | None:
     if share < e.criteria.lead or steady < e.criteria.steady:
         return None
     said = (
-        f"{_title(lead)} takes {100 * share:.0f} % of the misfit's power on runs that the fit did not see.",
+        f"{_title(lead)} takes {percent(share)} of the misfit's power on runs that the fit did not see.",
         f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor: more is missing.",
     )
+    if beside:
+        others = " or ".join(_title(c) for c in beside)
+        return Answer("ambiguous", lead, beside, (*said, f"These data do not tell it from {others}."))
     return Answer("named", lead, (), said)
 
 
@@ -95,7 +99,7 @@ def unexplained(e: EvidenceRecord) -> Answer | None:
     best = e.best if e.best.effects else e.lead
     if not best.effects:
         return Answer("unexplained", best, (), ("No candidate explains the misfit.",))
-    said = (
+    said: tuple[str, ...] = (
         f"The best candidate, {_title(best)}, leaves {length(best.optimum.rms)}, "
         f"{e.times(best):.3g} times the noise floor.",
     )
@@ -125,15 +129,11 @@ def judge(evidence: EvidenceRecord, rules: tuple[Rule, ...] = RULES) -> Answer:
     for rule in rules:
         answer = rule(evidence)
         if answer is not None:
-            return Answer(
-                answer.verdict, answer.shown, answer.alternatives, (times, *answer.reasons), rule.__name__
-            )
+            return Answer(answer.verdict, answer.shown, answer.alternatives, (times, *answer.reasons), rule.__name__)
     raise AssertionError("the last rule answers always")
 
 
 def _open(e: EvidenceRecord, found: Candidate) -> tuple[str, ...]:
-    from stepid.diagnosis.vetoes import undetermined
-
     return undetermined(e.context, e.criteria, found)
 
 

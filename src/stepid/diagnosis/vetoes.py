@@ -8,7 +8,7 @@ import numpy as np
 
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.selection.candidate import Candidate
-from stepid.effects.base import Swing
+from stepid.effects.swing import Swing
 from stepid.fitting.covariance import estimates
 from stepid.fitting.multistart import FitContext
 

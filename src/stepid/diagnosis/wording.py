@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from stepid.diagnosis.residual_force import CLEAR, Shape
 
@@ -26,11 +26,56 @@ def digits(value: float) -> str:
     return f"{value:.{places}f}"
 
 
+def percent(share: float) -> str:
+    """Write a share in whole per cent: ``"97 %"``."""
+    return f"{100 * share:.0f} %"
+
+
 def effect_names(names: Iterable[str]) -> str:
     """Write canonical names as people speak: ``"Coulomb friction and input delay"``."""
     return " and ".join(
         name.replace("_", " ").replace("coulomb", "Coulomb").replace("stribeck", "Stribeck") for name in names
     )
+
+
+_DIFFER_WORDS = {
+    "start_time": "start times differ",
+    "gain": "gains differ",
+    "damping": "damping differs",
+    "friction": "friction differs",
+}
+
+
+def candidate_name(effects: Sequence[str], deviations: Sequence[str] = ()) -> str:
+    """Write a candidate as people speak: ``"Coulomb friction, start times differ"``; the plain plant is linear."""
+    first = effect_names(effects) or ("linear" if deviations else "nothing (linear)")
+    return ", ".join([first, *(_DIFFER_WORDS.get(kind, f"{kind} differs") for kind in deviations)])
+
+
+def per_cent(share: float) -> str:
+    """Write a share in per cent, with more digits near 0 and 100: ``"99.95 %"``, ``"12 %"``, ``"0.2 %"``."""
+    value = 100.0 * share
+    if value <= -0.5:
+        return f"−{-value:.0f} %"
+    if share >= 1.0:
+        return "100 %"
+    if value >= 99.995:
+        return "> 99.99 %"
+    if value >= 99.0:
+        return f"{value:.2f} %"
+    if value >= 90.0:
+        return f"{value:.1f} %"
+    if value >= 0.95:
+        return f"{value:.2g} %"
+    return f"{value:.1g} %" if value >= 0.05 else "0 %"
+
+
+def chance(probability: float) -> str:
+    """Write a probability in whole per cent, never as certainty: ``"98 %"``, ``"<1 %"``, ``">99 %"``."""
+    value = 100.0 * probability
+    if value < 1.0:
+        return "<1 %"
+    return ">99 %" if value > 99.0 else f"{value:.0f} %"
 
 
 def sentences(
@@ -85,7 +130,7 @@ def _during(phase: str) -> str:
 def _about_runs(runs: Mapping[str, float]) -> str:
     worst, best = max(runs, key=lambda n: runs[n]), min(runs, key=lambda n: runs[n])
     if runs[worst] < _DIFFER * runs[best]:
-        return "much the same in every run"
+        return "of similar size in every run"
     return f"most in run {worst!r} ({length(runs[worst])}), least in run {best!r} ({length(runs[best])})"
 
 
@@ -101,7 +146,7 @@ def _about_force(shape: Shape | None) -> str:
         return "too little motion to see a force in the residual"
     if shape.share < CLEAR:
         return "the residual force follows neither velocity nor position alone: look at the drive, the reading or time"
-    share = f"{100 * shape.share:.0f} % of what a linear plant cannot take up"
+    share = f"{percent(shape.share)} of the force that no spring or damper gives"
     if shape.name == "sign of velocity":
         size = abs(shape.coefficient)
         like = f", like friction of {size:.2g} N either way" if shape.coefficient < 0 else ""

@@ -8,6 +8,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.effects.swing import Swing
 
 GRAVITY = 9.81  # m/s²
 
@@ -151,41 +152,6 @@ class Regressor(NamedTuple):
 
     forces: tuple[Array, ...]
     values: Callable[[Array], tuple[float, ...] | None]
-
-
-class Swing(NamedTuple):
-    """How a campaign's plants swing, for `Effect.imitates`.
-
-    Parameters
-    ----------
-    rates : tuple of float
-        rad/s, natural frequency of each run.
-    displacement : float
-        m, largest excursion from rest.
-    duration : float
-        s, longest record.
-    resolution : float
-        Relative difference of two rates that the records tell apart.
-    pitch : float
-        Largest pitch of a force periodic in position, over `displacement`, that does not just bend the spring.
-    fast, slow : float
-        Relaxation times over 1/rate that are neither damping nor a shift of rest.
-    swings : float
-        Least number of periods in the longest record.
-    """
-
-    rates: tuple[float, ...]
-    displacement: float
-    duration: float
-    resolution: float
-    pitch: float
-    fast: float
-    slow: float
-    swings: float
-
-    def near(self, rate: float) -> bool:
-        """Tell whether a rate [rad/s] cannot be told from that of a run."""
-        return any(abs(rate - own) < self.resolution * own for own in self.rates)
 
 
 class Effect:

@@ -8,7 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from stepid.effects.base import Effect, Moment, Motion, Parameter, Regressor, Scales, Swing, Values
+from stepid.effects.base import Effect, Moment, Motion, Parameter, Regressor, Scales, Values
+from stepid.effects.swing import Swing
 
 
 class ActuatorLag(Effect):

@@ -7,7 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from stepid.effects.base import Effect, Moment, Parameter, Scales, Swing, Values
+from stepid.effects.base import Effect, Moment, Parameter, Scales, Values
+from stepid.effects.swing import Swing
 
 
 class ViscoelasticSpring(Effect):

@@ -104,8 +104,8 @@ class Optimum:
 
     @property
     def rms(self) -> float:
-        """Root mean square of the unweighted residual, m."""
-        return float(np.sqrt(np.mean(self.residual**2)))
+        """Root mean square of the unweighted residual, m, of the readings that count."""
+        return float(np.sqrt(np.mean(self.residual[self.problem.records.trusted] ** 2)))
 
 
 class _Columns:
@@ -135,10 +135,11 @@ class _Linearized:
         n, blocks, width = columns.n_shared, columns.sizes.size, columns.columns.shape[1] + 1
         self._triangles = np.zeros((blocks, width, width))
         size, own_size, self.pull = np.zeros(n), np.zeros((blocks, width - 1 - n)), np.zeros(n)
-        self.finite = reduce_runs(
-            *solved.derivatives, residual, r.weight, r.bounds, columns.columns, columns.own, columns.block,
-            self._triangles, size, own_size, self.pull,
-        )  # fmt: skip
+        with np.errstate(all="ignore"):  # plain Python would warn of a runaway
+            self.finite = reduce_runs(
+                *solved.derivatives, residual, r.weight, r.bounds, columns.columns, columns.own, columns.block,
+                self._triangles, size, own_size, self.pull,
+            )  # fmt: skip
         self._size, self._own_size = self._usable(np.sqrt(size)), self._usable(np.sqrt(own_size))
 
     @staticmethod

@@ -11,8 +11,8 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Motion, Scales
-from stepid.fitting.deviations import with_deviations
 from stepid.fitting.decimation import outline, shortest_period, sketch
+from stepid.fitting.deviations import with_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.multistart_sticking import resettle
 from stepid.fitting.noise_color import NoiseColor

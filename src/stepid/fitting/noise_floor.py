@@ -59,10 +59,11 @@ def succession(records: Records, residual: Array) -> tuple[float, int]:
     """
     squares, steps, count = 0.0, 0.0, 0
     for run, piece in zip(records.runs, records.pieces(), strict=True):
-        y, r = records.position[piece], residual[piece]
+        y, r, use = records.position[piece], residual[piece], records.trusted[piece]
         if y.size <= _ORDER:
             continue
         at = np.flatnonzero(_moves(run, y)) + _ORDER // 2
+        at = at[use[at] & use[at - 1]]
         squares += float(np.sum(r[at] ** 2))
         steps += float(np.sum((r[at] - r[at - 1]) ** 2))
         count += at.size

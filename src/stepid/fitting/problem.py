@@ -63,7 +63,8 @@ def start_local(problem: Problem, like: Optimum | None = None) -> Array:
     if like is not None:
         local[:2] = like.local[:2]
         local[0, ~problem.active[0]] = 0.0
-        local[problem.layout.deviations] = like.local[like.problem.layout.deviations]
+        own = problem.layout.deviations
+        local[own] = np.where(problem.active[own], like.local[like.problem.layout.deviations], 0.0)
         return local
     for r, piece in enumerate(records.pieces()):
         if records.moving[r]:

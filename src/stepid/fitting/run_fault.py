@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from stepid.fitting.run_fault_words import DRIFT, ROUND, UNITS, fault_words
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import Simulator
 
-_SURE = 5.0  # times the other runs' standard deviation, and its own error, that a fault must be
 _WORTH = {"added_mass": 0.02, "stiffness": 0.05, "damping": 0.05, "gain": 0.03, "start_time": 1.0}
 # worth mentioning, as a share of the run's moving mass, stiffness, damping and gain, and in samples
 _HINT = 0.05  # share of the misfit that a linearized step must promise for a fit to be tried
@@ -47,7 +47,20 @@ class _Found:
         return self.optimum.cost
 
 
-def find_fault(optimum: Optimum, floor: float) -> RecordFault | None:
+class Accusation(NamedTuple):
+    """A fault of one run, and the cost [m²] that all records leave with it mended."""
+
+    fault: RecordFault
+    cost: float
+
+
+def find_fault(optimum: Optimum, floor: float, *, sure: float = 5.0) -> RecordFault | None:
+    """Find the run that one deviation brings in line with the others; see `accuse`."""
+    found = accuse(optimum, floor, sure=sure)
+    return None if found is None else found.fault
+
+
+def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0) -> Accusation | None:
     """Find the run that one deviation brings in line with the others.
 
     Parameters
@@ -56,14 +69,15 @@ def find_fault(optimum: Optimum, floor: float) -> RecordFault | None:
         A fit to all runs, of the linear plant or with effects.
     floor : float
         m, noise floor.
+    sure : float
+        Times what the other runs scatter by, and its own standard error, that a fault must be.
 
     Returns
     -------
-    RecordFault or None
-        None where no fault is five times what the other runs scatter by and five of its standard errors, is worth
-        mentioning, and explains the misfit. `kind` is ``"added_mass"`` [kg], ``"stiffness"`` [N/m], ``"damping"``
-        [N·s/m] (what the run has less what its record says), ``"gain"`` (factor on its readings), ``"start_time"``
-        [s] or ``"sensor_drift"`` [m/s].
+    Accusation or None
+        None where no fault is as large as that, worth mentioning, and explains the misfit. `kind` is
+        ``"added_mass"`` [kg], ``"stiffness"`` [N/m], ``"damping"`` [N·s/m] (what the run has less what its record
+        says), ``"gain"`` (factor on its readings), ``"start_time"`` [s] or ``"sensor_drift"`` [m/s].
     """
     records = optimum.problem.records
     excess = optimum.cost - (_REACHED * floor) ** 2 * _samples(records)
@@ -75,17 +89,18 @@ def find_fault(optimum: Optimum, floor: float) -> RecordFault | None:
     close = [f for f in found if f.cost < found[0].cost + _DECIDES * level**2]  # a worse explanation is none
     for best in close:
         others = [f for f in found if f.run != best.run]
-        if not (_has_size(best) and _explains(best, optimum, others, floor)):
+        if not (_has_size(best, sure) and _explains(best, optimum, others, floor)):
             continue
         near = best.cost + _DECIDES * level**2
-        rivals = dict.fromkeys(records.runs[f.run].name for f in others if f.cost < near and _has_size(f))
-        return RecordFault(
+        rivals = dict.fromkeys(records.runs[f.run].name for f in others if f.cost < near and _has_size(f, sure))
+        fault = RecordFault(
             run=records.runs[best.run].name,
             kind=best.kind,
             size=_told(best),
             unit=UNITS[best.kind],
             words=fault_words(best.optimum, best.run, best.kind, best.size, tuple(rivals)),
         )
+        return Accusation(fault, best.cost)
     return None
 
 
@@ -224,10 +239,10 @@ def _scatter(found: Optimum, run: int, kind: str) -> float:
     return float(np.sqrt(squares / freedom)) if freedom else 0.0
 
 
-def _has_size(found: _Found) -> bool:
+def _has_size(found: _Found, sure: float) -> bool:
     """Tell whether a fault is beyond what the other runs and its error allow, and worth mentioning in its unit."""
     size = abs(found.size)
-    if size < _SURE * max(found.error, found.scatter):
+    if size < sure * max(found.error, found.scatter):
         return False
     if found.kind == DRIFT:
         return True

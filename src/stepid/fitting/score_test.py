@@ -20,6 +20,8 @@ from stepid.simulation.simulator import COARSE, Simulator
 _HARDLY = 0.02  # share of the change to a general law that a linearized step must ask for
 _STARTS = 3  # of each effect: of what rings, the loudest may not be what is missing
 _AT_ONCE = 8  # forces whose responses are simulated together
+_ASTRAY = 0.2  # share of the motion that the linear plant leaves, beyond which it swings out of step
+_SLIGHT = 1e-4  # of the spring's largest force: a force that hardly changes the motion
 _OPEN = 1e-5  # singular value of a direction that the data leave open: no start moves along it
 
 
@@ -52,8 +54,56 @@ def _means(force: Array, records: Records) -> Array:
     return np.append(between, 0.0)
 
 
-def columns(context: FitContext, effects: tuple[Effect, ...], scales: Scales | None = None) -> list[_Column]:
-    """Responses of the linear plant to every effect at each of its starts."""
+def responses_along(base: Optimum, context: FitContext, forces: list[Array]) -> Array:
+    """Reading's response of a fitted plant to slight added forces, per newton, shapes (S,) each to (S, n)."""
+    problem, records = base.problem, context.sketch
+    of, gain = problem.layout, float(base.shared[problem.layout.force_gain])
+    stiffness = float(base.shared[of.stiffness].mean())
+    shared = base.shared.copy()
+    if gain == 0:
+        shared[of.force_gain] = gain = 1.0
+    out = np.empty((len(forces), records.size))
+    for i in range(0, len(forces), _AT_ONCE):
+        some = [_means(force, records) for force in forces[i : i + _AT_ONCE]]
+        sizes = [_SLIGHT * stiffness * problem.simulator.scale / max(float(np.abs(f).max()), 1e-300) for f in some]
+        volts = np.concatenate([records.volts + size * f / gain for size, f in zip(sizes, some, strict=True)])
+        pushed = records.repeated(len(some)).with_input(volts)
+        readings = Simulator(pushed, problem.simulator.effects).readings(
+            shared[None], np.tile(base.local, len(some))[None]
+        )
+        changed = readings.reshape(len(some), -1) - Simulator(records, problem.simulator.effects).readings(
+            base.shared[None], base.local[None]
+        )
+        out[i : i + len(some)] = changed / np.array(sizes)[:, None]
+    return out.T
+
+
+def astray(context: FitContext, base: Optimum) -> bool:
+    """Tell whether the linear plant swings so unlike a fit that its response to a force is not the plant's."""
+    effects = base.problem.simulator.effects
+    if any(type(e).drive is not Effect.drive or type(e).delay is not Effect.delay for e in effects):
+        return False
+    records = context.records
+    motion = float(np.linalg.norm(records.weighted(records.position)))
+    return bool(effects) and float(np.sqrt(context.linear.cost)) > _ASTRAY * motion
+
+
+def columns(
+    context: FitContext, effects: tuple[Effect, ...], scales: Scales | None = None, base: Optimum | None = None
+) -> list[_Column]:
+    """Responses of the linear plant to every effect at each of its starts; of a fitted one where it swings otherwise.
+
+    Parameters
+    ----------
+    context : FitContext
+    effects : tuple of Effect
+    scales : Scales, optional
+        For the starts, the context's by default.
+    base : Optimum, optional
+        The fit, on the context's sketch.
+    """
+    if base is not None and astray(context, base):
+        return _columns(context, effects, scales or context.scales, base)
     if scales is not None:
         return _columns(context, effects, scales)
     new = tuple(e for e in effects if e not in context.columns)
@@ -62,7 +112,9 @@ def columns(context: FitContext, effects: tuple[Effect, ...], scales: Scales | N
     return [c for e in effects for c in context.columns[e]]
 
 
-def _columns(context: FitContext, effects: tuple[Effect, ...], scales: Scales) -> list[_Column]:
+def _columns(
+    context: FitContext, effects: tuple[Effect, ...], scales: Scales, base: Optimum | None = None
+) -> list[_Column]:
     found: list[_Column] = []
     motion: Motion = context.motion
     forces: list[Array] = []
@@ -82,7 +134,8 @@ def _columns(context: FitContext, effects: tuple[Effect, ...], scales: Scales) -
                     weighted = context.sketch.weighted(response.T).T
                     found.append(_Column(effect, weighted, _scaled(effect, tuple(values))))
     if forces:
-        responses = context.sketch.weighted(force_responses(context, forces).T).T
+        pushed = force_responses(context, forces) if base is None else responses_along(base, context, forces)
+        responses = context.sketch.weighted(pushed.T).T
         at = 0
         for effect, width, convert in pending:
             found.append(_Column(effect, responses[:, at : at + width], convert))
@@ -146,7 +199,7 @@ def score(
     residual, jacobian, kept = _linearized(base, instead)
     if not np.isfinite(jacobian).all():  # a fit at a runaway's edge gives no direction
         return []
-    problem, records = base.problem, context.sketch
+    problem = base.problem
     size = np.linalg.norm(jacobian, axis=0)
     size[size == 0] = np.inf
     q, upper = np.linalg.qr(jacobian / size)

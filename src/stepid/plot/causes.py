@@ -9,12 +9,12 @@ from matplotlib.axes import Axes
 
 from stepid.core.base import Array
 from stepid.diagnosis.result import Diagnosis, Ranked, Where
-from stepid.diagnosis.wording import effect_names
+from stepid.diagnosis.wording import candidate_name, chance, per_cent
 from stepid.plot.gap import AFTER, BEFORE, NOISE
 from stepid.plot.scale import plain_logarithm
 from stepid.plot.style import SERIES, dress, styled
 
-_SHOWN = 6  # candidates
+_SHOWN = 6  # candidates, for which there is room
 _WIDE = 60  # letters of a candidate's name on one line
 
 
@@ -118,15 +118,13 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
         for place, (one, named) in enumerate(shown):
             color, hatch = (AFTER, "") if named else (BEFORE, "//")
             axes.barh(place, 1e6 * one.rms, 0.42, color=color, hatch=hatch, edgecolor="white", zorder=2)
-            said = f" {1e6 * one.rms:.3g}"
-            if one.evidence >= 0.5:
-                said += f"  (−{_short(one.evidence)})"
+            said = f" {1e6 * one.rms:.3g}" + _explains(one)
             axes.text(1e6 * one.rms, place, said, va="center", fontsize=7)
             # above its bar: beside it, long names would leave no room in a column
             axes.text(
                 0.01,
                 place - 0.26,
-                _candidate(one.effects),
+                _candidate(one),
                 transform=axes.get_yaxis_transform(),
                 va="bottom",
                 fontsize=7,
@@ -145,26 +143,35 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
         axes.set_yticks([])
         axes.set_ylim(max(len(shown), 1) - 0.7, -0.85)
         axes.grid(axis="y", visible=False)
-        axes.set_xlabel("RMS left [µm] (dashed: noise; in brackets: evidence lost)")
+        axes.set_xlabel("RMS left [µm] (dashed: noise; in brackets: misfit explained, probability)")
         axes.set_title("candidates")
     return axes
 
 
 def leading(d: Diagnosis, *, most: int) -> list[tuple[Ranked, bool]]:
-    """The best candidates, then the linear model, each with whether the diagnosis names it, alone or among others."""
-    named = {d.effects, *d.alternatives} if d.effects else set()
-    best = [one for one in d.ranking if one.effects][:most] + [one for one in d.ranking if not one.effects][:1]
-    return [(one, one.effects in named) for one in best]
+    """The best candidates, then the linear model, each with whether the diagnosis names it, alone or among others.
+
+    A set of effects that was fitted with and without conditions that differ between runs counts as named once: where
+    it leaves what the answer leaves, else where it ranks best.
+    """
+    named: dict[tuple[str, ...], Ranked] = {}
+    for one in d.ranking:
+        answered = one.effects == d.effects and one.rms == d.gap.after
+        if one.effects and one.effects in (d.effects, *d.alternatives) and (answered or one.effects not in named):
+            named[one.effects] = one
+    plain = [one for one in d.ranking if not (one.effects or one.deviations)][:1]
+    best = [one for one in d.ranking if one.effects or one.deviations][:most] + plain
+    return [(one, named.get(one.effects) is one) for one in best]
 
 
-def _short(value: float) -> str:
-    """Write a number briefly: ``"2.5"``, ``"870"``, ``"3e5"``."""
-    if value < 1e4:
-        return f"{value:.1f}" if value < 9.95 else f"{value:.0f}"
-    return f"{value:.0e}".replace("e+0", "e").replace("e+", "e")
+def _explains(one: Ranked) -> str:
+    """What a candidate explains of the misfit, and how probable it is, in brackets; nothing for the linear model."""
+    if not (one.effects or one.deviations):
+        return ""
+    return f"  ({per_cent(one.explained)}, {chance(one.probability)})"
 
 
-def _candidate(effects: tuple[str, ...]) -> str:
-    if not effects:
+def _candidate(one: Ranked) -> str:
+    if not (one.effects or one.deviations):
         return "linear"
-    return textwrap.fill(effect_names(effects), _WIDE)
+    return textwrap.fill(candidate_name(one.effects, one.deviations), _WIDE)

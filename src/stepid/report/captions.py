@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stepid.diagnosis.result import Diagnosis
-from stepid.diagnosis.wording import digits, effect_names, length
+from stepid.diagnosis.wording import candidate_name, digits, length
 from stepid.report.chapter import Picture
 from stepid.report.pull import linear_pull
 from stepid.transfer.verification import Verification
@@ -69,7 +69,7 @@ def where(d: Diagnosis) -> tuple[Picture, ...]:
 def candidates(d: Diagnosis) -> Picture:
     """What each candidate leaves."""
     best = d.ranking[0]
-    name = effect_names(best.effects) or "nothing added"
+    name = candidate_name(best.effects, best.deviations) if best.effects or best.deviations else "nothing added"
     return Picture(
         name="candidates",
         title="What each candidate leaves",

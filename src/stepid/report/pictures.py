@@ -10,8 +10,8 @@ import numpy as np
 import plotly.graph_objects as go
 
 from stepid.core.base import Array
-from stepid.diagnosis.result import Diagnosis, RunGap
-from stepid.diagnosis.wording import effect_names
+from stepid.diagnosis.result import Diagnosis, Ranked, RunGap
+from stepid.diagnosis.wording import candidate_name, chance, per_cent
 from stepid.plot.causes import leading
 from stepid.plot.scale import length_unit, reach_of
 from stepid.report.axes import BAR, bars, framed, noise_across, noise_upright, own_line, paired, run_line
@@ -176,19 +176,19 @@ def _gap(d: Diagnosis) -> go.Figure:
 
 def _candidates(d: Diagnosis) -> go.Figure:
     shown = leading(d, most=_SHOWN)
-    names = [_broken(effect_names(one.effects) or "nothing (linear)") for one, _ in shown]
+    names = [_broken(candidate_name(one.effects, one.deviations)) for one, _ in shown]
     figure = framed(go.Figure(), x="RMS left [µm]", y="")
     for kind in ("after", "before"):  # what the diagnosis names, and the others
         part = [(name, one) for name, (one, named) in zip(names, shown, strict=True) if named == (kind == "after")]
         style = bars(kind, "") | {
             "orientation": "h",
             "texttemplate": "%{x:.3s}",
-            "hovertemplate": "%{y}<br>%{x:.4g} µm<br>evidence lost: %{customdata:.4g}<extra></extra>",
+            "hovertemplate": "%{y}<br>%{x:.4g} µm<br>%{customdata}<extra></extra>",
         }
         figure.add_bar(
             y=[name for name, _ in part],
             x=[1e6 * one.rms for _, one in part],
-            customdata=[one.evidence for _, one in part],
+            customdata=[_worth(one) for _, one in part],
             **style,
         )
     noise_upright(figure, 1e6 * d.gap.noise)
@@ -197,6 +197,11 @@ def _candidates(d: Diagnosis) -> go.Figure:
     figure.update_yaxes(categoryorder="array", categoryarray=names[::-1], showgrid=False, automargin=True)
     figure.update_layout(barmode="overlay", height=124 + BAR * len(shown))
     return figure
+
+
+def _worth(one: Ranked) -> str:
+    """What is said of a candidate that is pointed at."""
+    return f"explains {escape(per_cent(one.explained))} of the misfit<br>probability {escape(chance(one.probability))}"
 
 
 def _broken(name: str) -> str:

@@ -13,6 +13,7 @@ from stepid.diagnosis.text import (
     parameter_header,
     parameter_rows,
     ranking_rows,
+    standing,
 )
 from stepid.diagnosis.wording import digits, effect_names, length
 from stepid.errors import IdentificationError
@@ -146,7 +147,7 @@ def _missing(d: Diagnosis) -> Chapter:
         name="missing",
         title="What is missing",
         lead=" ".join([answer(d), *(f"{effect}: {name} {size}." for effect, name, size in found_sizes(d))]),
-        points=d.reasons,
+        points=(*d.reasons, *standing(d)),
         pictures=(captions.candidates(d),) if d.ranking else (),
         tables=(ranking,) if d.ranking else (),
     )
@@ -157,6 +158,11 @@ def _gap(d: Diagnosis) -> Chapter:
         lead = (
             f"The linear model leaves {length(d.gap.before)} RMS over all samples, the model with "
             f"{effect_names(d.effects)} {length(d.gap.after)}, noise {length(d.gap.noise)}."
+        )
+    elif d.gap.after != d.gap.before:
+        lead = (
+            f"No effect was added. The linear model leaves {length(d.gap.before)} RMS, with what the runs differ by "
+            f"{length(d.gap.after)}, noise {length(d.gap.noise)}."
         )
     else:
         lead = f"Nothing was added: the linear model leaves {length(d.gap.before)} RMS, noise {length(d.gap.noise)}."

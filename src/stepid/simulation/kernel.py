@@ -55,6 +55,8 @@ _STILL = 1e-7  # m/s, slower than this is at rest where dry friction acts
 _CROSSED = 1e-13  # m or m/s, by which a margin must be past zero
 _EVENTS = 64  # between two changes of the input, at most; the rest of such a sample is followed without
 _SHORTEST = 1e-7  # of a sample, to which a step may shrink
+_LOOKS = 4  # a stretch of input, at least, whether a held cart breaks loose
+_RESOLVED = 8.0  # changes of the force on a held cart that make up what holds it, one a look
 _LOCATE = 60  # tries to locate an event
 _FAR = 1e3  # positions this many times larger than the scale are a runaway
 _CREDIT = 1000.0  # steps that a plant may take beside its patience, where something is narrow
@@ -93,6 +95,7 @@ WORK = np.dtype(
         ("credit", np.float64),  # what is left of them
         ("far", np.float64),  # m, from where on it is a runaway
         ("net", np.float64),  # force on a held cart, N, when it was last looked at
+        ("rate", np.float64),  # its fastest change so far, N/s
         ("chain", np.float64, (MOST_EFFECTS, 4)),  # volts that reach each effect of the drive in a step, a cubic
         ("begins", np.float64, 1 + MOST_SWITCHES),  # the same where a step begins
         ("ends", np.float64, 1 + MOST_SWITCHES),  # and where it ends
@@ -271,9 +274,15 @@ def _step(w: Work, t: float, h: float) -> float:
     y, z, k = w.y, w.stage, w.k
     d = w.states
     known = w.known
+    if w.m[HELD] > 0.0 and not w.rated:  # nothing moves
+        _copy(y, z, d)
+        _clear(k[_STAGES - 1], d)
+        return 0.0
     worst = _follow_drive(w, t, h) if w.relaxing else 0.0
     for s in range(1, _STAGES):
         for j in range(d):
+            if w.allowed[j] == 0.0:
+                continue  # known in closed form
             total = 0.0
             for i in range(s):
                 total += _A[s, i] * k[i, j]
@@ -422,13 +431,20 @@ def _happen(w: Work, which: int, t: float) -> None:
 
 
 @compiled
-def _stays(w: Work, t: float, until: float) -> bool:
-    """Whether a held cart stays where it is because nothing changes."""
+def _unwatched(w: Work, t: float, until: float, longest: float) -> float:
+    """Time for which a held cart need not be looked at, s; infinite where nothing changes.
+
+    What friction holds is resolved by the fastest change of the force that was met so far.
+    """
     if w.rated:
-        return False
-    before = w.net
+        return longest
+    before, near = w.net, longest / _LOOKS
     w.net = _evaluate(w, until, w.y, w.k[_STAGES])
-    return w.net == before and _evaluate(w, 0.5 * (t + until), w.y, w.k[_STAGES]) == before
+    soon = _evaluate(w, t + near, w.y, w.k[_STAGES])
+    if w.net == before and soon == before:
+        return np.inf
+    w.rate = max(w.rate, abs(soon - _evaluate(w, t, w.y, w.k[_STAGES])) / near)
+    return max(near / _LOOKS, min(longest, _hold(w, w.y) / (_RESOLVED * w.rate)))
 
 
 @compiled
@@ -521,7 +537,7 @@ def _leaps(w: Work, t: float, until: float) -> bool:
 @compiled
 def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[float, bool]:
     """Follow the plant to `until`, its input one polynomial; return the next step's length, if `w.k[0]` is known."""
-    shortest = _SHORTEST * (until - t)
+    shortest, longest = _SHORTEST * (until - t), (until - t) / _LOOKS
     events = 0
     w.credit += w.patience * (1.0 + (until - t) * np.sqrt(abs(w.q[Q_STIFFNESS]) / w.q[Q_MASS]))
     while t < until:
@@ -531,9 +547,10 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
             return h, fresh
         left = until - t
         held = w.m[HELD] > 0.0
-        if held and _stays(w, t, until):
+        unwatched = _unwatched(w, t, until, longest) + shortest if held else h
+        if unwatched == np.inf:
             return h, False
-        length = min(h, 0.25 * (left + shortest)) if held else h
+        length = min(h, unwatched)
         last = length >= left
         if last:
             length = left
@@ -751,7 +768,7 @@ def simulate(
         first, at, n = bounds[r], offset[lane], bounds[r + 1] - bounds[r]
         _clear(w.u, 5)
         w.u[1], w.far, w.leaps, w.stale, w.patience = before[r], _FAR * scale, leaps, 2, patience
-        w.credit = _CREDIT
+        w.credit, w.rate = _CREDIT, 0.0
         _begin(w, time[first], start[lane], moving[r], scale)
         _follow_record(
             w, time[first : first + n], coefficients[first : first + n], _delay(w), reading[at : at + n],

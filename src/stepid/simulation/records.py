@@ -18,6 +18,7 @@ from stepid.simulation.clock import clock
 from stepid.simulation.starts import starts_in_motion
 
 Index = npt.NDArray[np.intp]
+_NONE = 1e-4  # square-root weight of a reading that is left out
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,12 @@ class Records:
     def first(self) -> Index:
         """Index of each run's first sample."""
         return self.bounds[:-1]
+
+    @property
+    def trusted(self) -> npt.NDArray[np.bool_]:
+        """Samples that count, shape (S,): wrong readings have hardly any weight."""
+        out: npt.NDArray[np.bool_] = self.weight > _NONE
+        return out
 
     def pieces(self) -> list[slice]:
         """Return each run's samples as a slice."""

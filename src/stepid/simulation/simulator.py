@@ -24,6 +24,7 @@ Index = npt.NDArray[np.intp]
 FINE = 1e-8  # of the typical displacement, error of one step: RMS errors below a thousandth of a count on a 2 cm swing
 COARSE = 1e-6  # the same while searching
 SEEN = 150  # steps a sample: a mode that needs more is too fast to show in the samples
+HASTY = 15  # the same while searching: what ends a fit needs a tenth of it, 4 where friction falls within 10 µm/s
 PATIENT = 20_000  # the same where one plant is to be simulated, whatever it takes
 _STILL = 1e-9  # m, a record that moves less does not move
 _TRAVEL = 1e-3  # m, where nothing says how far a plant goes: no input, no displacement
@@ -66,8 +67,8 @@ class Simulator:
         Error of one step, as a share of the typical displacement.
     workers : int
         Threads.
-    patience : int
-        See `stepid.simulation.kernel.simulate`.
+    patience : int, optional
+        See `stepid.simulation.kernel.simulate`; by default as the tolerance asks for.
     """
 
     def __init__(
@@ -77,11 +78,12 @@ class Simulator:
         tolerance: float = FINE,
         *,
         workers: int = 1,
-        patience: int = SEEN,
+        patience: int | None = None,
     ) -> None:
         check_size(effects)
         self.records, self.effects, self.tolerance = records, effects, tolerance
-        self.workers, self.patience = workers, patience
+        self.workers = workers
+        self.patience = patience or (SEEN if tolerance < COARSE else HASTY)
         self.layout = ParameterLayout(records, effects)
         self.linear = all(e.linear for e in effects)
         affine = all((e.linear or e.affine) and not e.n_extra for e in effects)
@@ -242,7 +244,8 @@ class Simulator:
         )  # fmt: skip
         if late is not None:
             self._shift(late[copies, run], run, offset, out.ravel(), apart)
-        slopes(out.ravel(), reading, steps[copies], run, offset, r.bounds)
+        with np.errstate(all="ignore"):  # plain Python would warn of a runaway
+            slopes(out.ravel(), reading, steps[copies], run, offset, r.bounds)
         started = active[of.deviation("start_time")] & ~r.moving
         if started.any():
             if states is None:

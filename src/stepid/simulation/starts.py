@@ -80,6 +80,8 @@ def _moves_by_itself(experiment: Experiment, window: int, soon: int, changes: in
         columns.append(_integrals(time, volts, course(time, volts, experiment.input_between))[1])
     a = np.column_stack(columns)
     size = np.linalg.norm(a, axis=0)
+    if not size.all():  # nothing moves yet
+        return False
     values, _, rank, _ = np.linalg.lstsq(a / size, y, rcond=1e-10)
     free = n - a.shape[1]
     if rank < a.shape[1] or free < 4:

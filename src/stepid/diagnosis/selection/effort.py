@@ -31,7 +31,7 @@ class Effort(Model):
     beam : int
         Candidates that are expanded in one round.
     rounds : int
-        Most rounds.
+        Most rounds of proposals and fits, in exploring and in confirming.
     worth : float
         Share of the best gain that a proposal must promise (a linearized step tells it within a factor of some four).
     rival : float
@@ -59,9 +59,16 @@ class Effort(Model):
     spread : float
         Relative difference of cost within which candidates are as good, and fitted to all samples.
     attenuated : float
-        Share of an effect at which hardly any of it is there: a start from which there is a way downhill.
+        Share of an effect, or of the largest velocity, at which hardly any is there: a start from which there is a way
+        downhill.
     stuck : float
-        χ² by which a more general law may seem worse than one inside it before it is taken as stuck.
+        Times a tie, or the price of initial states, by which a fit may seem worse before it is taken as stuck.
+    alike : float
+        Share of a general law's force that two simple ones may leave to be tried in its place.
+    enough : float
+        Share of what a fit leaves that a further step need not promise.
+    converged : float
+        χ² that a further step need not promise.
     """
 
     effects: Annotated[int, Field(ge=1, le=4)] = 3
@@ -86,6 +93,9 @@ class Effort(Model):
     spread: Share = 0.02
     attenuated: Share = 0.03
     stuck: Positive = 6.0
+    alike: Share = 0.1
+    enough: Share = 0.002
+    converged: Positive = 0.2
 
     @classmethod
     def quick(cls) -> Effort:

@@ -13,37 +13,34 @@ from stepid.diagnosis.selection.effort import Effort
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import CandidateFit, FitContext
 
-_ENOUGH = 0.05  # χ² that a step promises where a fit has converged
-_ROOM = 6.0  # times the price of the initial offsets that holding them at zero may seem to cost
-
 
 def polished(context: FitContext, fitted: CandidateFit, effort: Effort) -> Optimum | None:
     """Converge a candidate on all samples, with its initial states free and at rest; the better of the two."""
-    tolerance = _ENOUGH * context.floor**2
+    tolerance = context.tolerance
     if fitted.excess > 0.5 * fitted.cost:
-        tolerance = max(tolerance, 0.002 * fitted.excess)
+        tolerance = max(tolerance, effort.enough * fitted.excess)
     for _ in range(2):
         fitted.polish(laps=effort.polishing, tolerance=tolerance)
         if fitted.polished is None or fitted.polished.converged:
             break
     best = fitted.polished
-    return None if best is None else _at_rest(context, fitted, best)
+    return None if best is None else _at_rest(context, best, effort)
 
 
-def _at_rest(context: FitContext, fitted: CandidateFit, best: Optimum) -> Optimum:
+def _at_rest(context: FitContext, best: Optimum, effort: Effort) -> Optimum:
     """The fit with the runs at rest where they may be, if that costs less than what the initial states are worth."""
     problem = best.problem
     active = problem.active.copy()
     active[:2] &= context.records.moving
     active[problem.layout.own_states] &= context.records.moving
-    if np.array_equal(active, problem.active) or not _worth_holding(context, best, active):
+    if np.array_equal(active, problem.active) or not _worth_holding(context, best, active, effort):
         return best
     held = minimize(
         replace(problem, active=active),
         best.shared,
         np.where(active, best.local, 0.0),
-        tolerance=_ENOUGH * context.floor**2,
-        iterations=12,
+        tolerance=context.tolerance,
+        iterations=effort.polishing,
     )
     if held is None:
         return best
@@ -52,7 +49,7 @@ def _at_rest(context: FitContext, fitted: CandidateFit, best: Optimum) -> Optimu
     return held if (held.cost - best.cost) / context.floor**2 < cheaper else best
 
 
-def _worth_holding(context: FitContext, best: Optimum, active: npt.NDArray[np.bool_]) -> bool:
+def _worth_holding(context: FitContext, best: Optimum, active: npt.NDArray[np.bool_], effort: Effort) -> bool:
     """Tell whether initial states may be those at rest: by one linearized step, with room for its error."""
     problem = best.problem
     jacobian, residual = problem.jacobian(best.solved), problem.residual(best.solved)
@@ -67,4 +64,4 @@ def _worth_holding(context: FitContext, best: Optimum, active: npt.NDArray[np.bo
     q = np.linalg.qr((jacobian / size)[:, kept])[0]
     left = residual - q @ (q.T @ residual)
     worth = own.size * math.log(context.records.size)
-    return bool(float(left @ left) - best.cost < _ROOM * worth * context.floor**2)
+    return bool(float(left @ left) - best.cost < effort.stuck * worth * context.floor**2)

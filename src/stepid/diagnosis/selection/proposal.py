@@ -46,8 +46,8 @@ class Node:
 
     @property
     def size(self) -> int:
-        """Number of effects and of conditions that differ."""
-        return len(self.effects) + len(self.deviations)
+        """Number of effects, and one where conditions differ from run to run."""
+        return len(self.effects) + bool(self.deviations)
 
     @property
     def cost(self) -> float:
@@ -94,13 +94,18 @@ class Proposal:
 
     @property
     def size(self) -> int:
-        """Number of effects and of conditions that differ."""
-        return len(self.effects) + len(self.deviations)
+        """Number of effects, and one where conditions differ from run to run."""
+        return len(self.effects) + bool(self.deviations)
 
     @property
     def gain(self) -> float:
         """Decrease of the cost that it promises, m², less where it is costly."""
         return (self.like.cost - self.left) / self.costly
+
+    @property
+    def rank(self) -> float:
+        """What it promises to leave, m², more where it is costly: the least goes first."""
+        return self.like.cost - self.gain
 
     @property
     def key(self) -> Key:

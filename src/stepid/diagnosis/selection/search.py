@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Collection, Sequence
 
+import numpy as np
+
+from stepid.core.base import Array
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, is_white, price
 from stepid.diagnosis.selection.candidate import Candidate, Key
@@ -58,6 +60,7 @@ class Search:
         self.candidates: dict[Key, Candidate] = {}
         self.fits = 0
         self._tried: set[tuple[Key, Key]] = set()  # base and set
+        self._counted: tuple[Candidate, Array] | None = None
         self._polish(self.root)
 
     # ---- the loop -------------------------------------------------------------------------------------------------
@@ -83,15 +86,20 @@ class Search:
     def _confirm(self) -> None:
         """Look for rivals of the best: simpler and more general laws, other effects in the place of one."""
         for _ in range(self.effort.rounds):
-            best = self.best
-            node = self.nodes[best.key]
-            if not self._expand(node, CONFIRMING):
+            bases = [self.nodes[c.key] for c in self._leading()]
+            if not any([self._expand(node, CONFIRMING) for node in bases]):
                 break
-            batch = [p for p in self._promising() if p.base == node.key]
-            for proposal in batch:
+            keys = {node.key for node in bases}
+            for proposal in self._promising(keys):
                 self._fit(proposal)
             self._promote()
             self._polish_best()
+
+    def _leading(self) -> list[Candidate]:
+        """The best, and others that leave only noise because runs may differ: they may need less for it."""
+        best = self.best
+        others = [c for c in self.candidates.values() if c.deviations and c is not best and self._complete(c)]
+        return [best, *sorted(others, key=self._score)[: self.effort.beam - 1]]
 
     @property
     def best(self) -> Candidate:
@@ -114,20 +122,20 @@ class Search:
         """QBIC by the samples that are effective in this candidate's own residual, up to what all have in common."""
         least = min(self.candidates.values(), key=lambda c: c.optimum.cost)
         counts = self._counts(least)
-        ratio = found.optimum.cost / max(least.optimum.cost, 1e-300)
+        ratio = found.optimum.cost / max(least.optimum.cost, np.finfo(float).tiny)
         return float(counts.sum()) * math.log(max(ratio, 1.0)) + price(found.optimum, counts)
 
-    def _counts(self, found: Candidate):  # type: ignore[no-untyped-def]
-        known = getattr(self, "_counted", None)
-        if known is None or known[0] is not found:
+    def _counts(self, found: Candidate) -> Array:
+        """Effective samples of each run in a candidate's residual, of the last one asked for kept."""
+        if self._counted is None or self._counted[0] is not found:
             optimum = found.optimum
             counts = effective_samples(self.fit.records, optimum.problem.residual(optimum.solved))
-            known = self._counted = (found, counts)
-        return known[1]
+            self._counted = found, counts
+        return self._counted[1]
 
     def _complete(self, best: Candidate) -> bool:
         """Tell whether the best leaves nothing that a further effect could explain."""
-        return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, 3.0)
+        return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, self.criteria.white / 2)
 
     # ---- proposals ------------------------------------------------------------------------------------------------
 
@@ -141,25 +149,29 @@ class Search:
 
     def _expand_best(self, moves: Sequence[Move]) -> bool:
         """Expand the best nodes of those not expanded yet."""
-        order = sorted(self.nodes.values(), key=self._rank)[: self.effort.beam]
-        return any([self._expand(node, moves) for node in order])
+        order = sorted(self.nodes.values(), key=lambda n: n.cost)[: self.effort.beam]
+        made = [self._expand(node, moves) for node in order]
+        return any(made)
 
-    def _rank(self, node: Node) -> float:
-        costly = self.effort.costly if any(e.contains for e in node.effects) else 1.0
-        return node.cost * costly ** (0.0 if len(node.effects) < 2 else 0.0)
+    def _promising(self, bases: Collection[Key] | None = None) -> list[Proposal]:
+        """The proposals to fit next: the smallest sets first, of these the most promising.
 
-    def _promising(self) -> list[Proposal]:
-        """The proposals to fit next: the smallest sets first, of these the most promising."""
+        With `bases`, only rivals that are proposed on these.
+        """
         best: dict[Key, Proposal] = {}
         for p in self.proposals:
-            if (p.base, p.key) not in self._tried and (p.key not in best or p.like.cost - p.gain < best[p.key].like.cost - best[p.key].gain):
+            if bases is not None and (p.base not in bases or p.move not in _RIVALS):
+                continue
+            if (p.base, p.key) not in self._tried and (p.key not in best or p.rank < best[p.key].rank):
                 best[p.key] = p
-        order = sorted(best.values(), key=lambda p: p.like.cost - p.gain)
+        order = sorted(best.values(), key=lambda p: p.rank)
         least = min(node.cost for node in self.nodes.values())
         out = [p for p in self._worthy(order) if self._new(p) and self._gains(least, p)]
+        if bases is not None:
+            return out[: self.effort.width]
         smallest = min((p.size for p in out), default=0)
         out = [p for p in out if p.size == smallest]
-        return out[: min(self.effort.width, self.effort.fits - self.fits)]
+        return out[: max(min(self.effort.width, self.effort.fits - self.fits), 0)]
 
     def _worthy(self, order: list[Proposal]) -> list[Proposal]:
         """Of each node's proposals those that promise a share of what its best promises; most on the best nodes."""
@@ -172,15 +184,15 @@ class Search:
         for p in order:
             most[p.base] = max(most.get(p.base, 0.0), p.gain)
         taken: Counter[Key] = Counter()
-        first, then = [], []
+        first, then, effort = [], [], self.effort
         for p in order:
             if p.move in _RIVALS:
                 first.append(p)
                 continue
             taken[p.base] += 1
-            if taken[p.base] <= self.effort.share:
+            if taken[p.base] <= effort.share:
                 first.append(p)
-            elif p.base in leading and (taken[p.base] <= self.effort.first or p.gain > self.effort.worth * most[p.base]):
+            elif p.base in leading and (taken[p.base] <= effort.first or p.gain > effort.worth * most[p.base]):
                 then.append(p)
         return first + then
 
@@ -233,10 +245,12 @@ class Search:
         while count:
             order = sorted(self.nodes.values(), key=lambda n: n.cost)
             best = order[0].cost
+            near = best + (1 + self.effort.promoted - count) * self.fit.unit * self.criteria.tie
             for place, node in enumerate(order):
-                if place < count or node.cost < best + (1 + self.effort.promoted - count) * self.fit.unit * self.criteria.tie:
+                if place < count or node.cost < near:
                     fitted = node.fitted
-                    enough = max(0.003 * (node.cost - best), 0.002 * fitted.excess, 0.2 * self.fit.unit)
+                    share = self.effort.enough * max(node.cost - best, fitted.excess)
+                    enough = max(share, self.effort.converged * self.fit.unit)
                     fitted.run(laps=laps, tolerance=enough)
             laps, count = 2 * laps, count // 2
 
@@ -256,12 +270,8 @@ class Search:
         return self.best
 
     def _polish(self, node: Node) -> None:
-        found = polished(self.fit, node.fitted, self.effort)
-        if found is not None:
-            optimum = found
+        optimum = polished(self.fit, node.fitted, self.effort)
+        if optimum is not None:
             self.candidates[node.key] = Candidate(
                 node.effects, node.deviations, optimum, block_means(self.fit, optimum)
             )
-
-
-__all__ = ["Search", "replace"]

@@ -47,7 +47,8 @@ class Add:
         left_over = full_residual(node.best, fit.linear, fit.outline)
         heard = fit.scales._replace(resonances=resonances(fit.records, left_over))
         ringing = tuple(e for e in new if e.starts(heard) != e.starts(fit.scales))
-        table = columns(fit, tuple(e for e in new if e not in ringing)) + columns(fit, ringing, heard)
+        quiet = tuple(e for e in new if e not in ringing)
+        table = columns(fit, quiet, base=node.best) + columns(fit, ringing, heard, node.best)
         own: dict[str, list[Scored]] = {}
         for scored in score(fit, node.best, table):
             own.setdefault(scored.effect.name, []).append(scored)

@@ -1,16 +1,16 @@
-"""Take one effect away."""
+"""Take one effect, or one condition that differs from run to run, away."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext
+from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, standing
 from stepid.fitting.multistart import Start
 from stepid.fitting.score_test import without
 
 
 class Drop:
-    """Take each effect of a set away: a smaller set can have been stuck where the larger one was not."""
+    """Take each effect or condition of a set away: a smaller set can have been stuck where the larger one was not."""
 
     name = "drop"
 
@@ -29,4 +29,8 @@ class Drop:
             )
             effects = tuple(node.effects[i] for i in rest)
             out.append(Proposal(effects, node.deviations, starts, node.key, node.best, left, 1.0, self.name))
+        for kind in node.deviations:
+            left = node.cost  # what it gains is judged by the fit without it
+            fewer = node.deviations - {kind}
+            out.append(Proposal(node.effects, fewer, (standing(node),), node.key, node.best, left, 1.0, self.name))
         return out

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, related
-
+from stepid.fitting.deviations import SCATTER
 from stepid.fitting.multistart import Start
 from stepid.fitting.score_test import columns, score, without
+
 
 class Exchange:
     """Replace each effect of a set by any other simple one, by its score on what the set leaves without that effect."""
@@ -19,7 +20,19 @@ class Exchange:
         out = []
         for place in range(len(node.effects)):
             out += self._instead(node, place, context)
+            if node.effects[place].run_parameters:
+                out.append(self._deviating(node, place))
         return out
+
+    def _deviating(self, node: Node, place: int) -> Proposal:
+        """All conditions free in place of an effect that has a freedom of its own in every run: they may imitate it."""
+        of = node.best.problem.layout
+        rest = [i for i in range(len(node.effects)) if i != place]
+        start = Start(
+            node.best.shared[of.linear], tuple(tuple(map(float, node.best.shared[of.values[i]])) for i in rest)
+        )
+        effects = tuple(node.effects[i] for i in rest)
+        return Proposal(effects, frozenset(SCATTER), (start,), node.key, node.best, node.cost, 1.0, self.name)
 
     def _instead(self, node: Node, place: int, context: SearchContext) -> list[Proposal]:
         fit, effort, effect = context.fit, context.effort, node.effects[place]
@@ -39,7 +52,8 @@ class Exchange:
             name = scored.effect.name
             shared = [np.array(moved), scored.shared]
             starts = [
-                Start(s[of.linear], (*(tuple(map(float, s[of.values[i]])) for i in rest), scored.values)) for s in shared
+                Start(s[of.linear], (*(tuple(map(float, s[of.values[i]])) for i in rest), scored.values))
+                for s in shared
             ]
             if name in out:
                 old = out[name]
@@ -49,8 +63,10 @@ class Exchange:
             left = scored.left
             effects = (*(node.effects[i] for i in rest), scored.effect)
             costly = 1.0 + effort.price * (n_parameters((scored.effect,)) - 1)
-            out[name] = Proposal(effects, node.deviations, tuple(starts[::-1]), node.key, node.best, left, costly, self.name)
+            from_here = tuple(starts[::-1])
+            out[name] = Proposal(effects, node.deviations, from_here, node.key, node.best, left, costly, self.name)
         return list(out.values())
+
 
 def _with_starts(old: Proposal, starts: tuple[Start, ...]) -> Proposal:
     return Proposal(old.effects, old.deviations, starts, old.base, old.like, old.left, old.costly, old.move)

@@ -12,8 +12,6 @@ from stepid.effects.base import Regressor
 from stepid.fitting.multistart import Start
 from stepid.fitting.weak_form import force_along, motion_along
 
-_LEFT = 0.1  # share of the force that two simple effects may leave, beyond the plant's own
-_SLOW = 0.02  # of the largest velocity, below which friction holds as much as it moves
 
 class Split:
     """Replace a general law by two simple ones, one of them inside it, whose force along its path is nearly its own."""
@@ -29,8 +27,9 @@ class Split:
         if not inside or effect.affine or effect.n_extra or effect.n_memory:
             return []  # a curved law of velocity or position may be two; others are seldom mistaken
         here = standing(node)
-        motion = motion_along(node.best.problem.records, node.best.shared[: here.linear.size], *node.best.solved.states[:2])
-        seen = np.abs(motion.v) > _SLOW * np.abs(motion.v).max()
+        records, linear = node.best.problem.records, node.best.shared[: here.linear.size]
+        motion = motion_along(records, linear, *node.best.solved.states[:2])
+        seen = np.abs(motion.v) > context.effort.attenuated * np.abs(motion.v).max()
         force = force_along(effect, here.values[0], motion)
         table = np.column_stack([motion.x, motion.v])[seen]
         found: dict[str, tuple[float, Proposal]] = {}
@@ -39,11 +38,15 @@ class Split:
             for pair in product(one.regressors(fit.scales, motion), other.regressors(fit.scales, motion)):
                 left, start = _fitted(force[seen], table, pair, seen, here.linear, node)
                 known = found.get(other.name)
-                if start is not None and left < _LEFT and (known is None or left < known[0]):
-                    done = Proposal((one, other), node.deviations, (start,), node.key, node.best, 0.5 * node.cost, 1.0, self.name)
-                    found[other.name] = left, done
+                if start is not None and left < context.effort.alike and (known is None or left < known[0]):
+                    promise = 0.5 * node.cost
+                    found[other.name] = (
+                        left,
+                        Proposal((one, other), node.deviations, (start,), node.key, node.best, promise, move=self.name),
+                    )
         best = sorted(found.values(), key=lambda item: item[0])[:2]
         return [proposal for _, proposal in best]
+
 
 def _fitted(
     force: Array, table: Array, pair: tuple[Regressor, Regressor], seen: Array, linear: Array, node: Node
@@ -54,7 +57,7 @@ def _fitted(
     beyond = force - q @ (q.T @ force)
     size = np.linalg.norm(forces, axis=0)
     size[size == 0] = np.inf
-    found = np.linalg.lstsq(forces / size, force, rcond=1e-9)[0] / size
+    found = np.linalg.lstsq(forces / size, force, rcond=np.sqrt(np.finfo(float).eps))[0] / size
     left = force - forces @ found
     width = 2 + len(pair[0].forces)
     values = pair[0].values(found[2:width]), pair[1].values(found[width:])

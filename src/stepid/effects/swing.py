@@ -1,0 +1,40 @@
+"""How the plants of a campaign swing: by this effects say what they cannot be told from."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Swing(NamedTuple):
+    """How a campaign's plants swing, for `Effect.imitates`.
+
+    Parameters
+    ----------
+    rates : tuple of float
+        rad/s, natural frequency of each run.
+    displacement : float
+        m, largest excursion from rest.
+    duration : float
+        s, longest record.
+    resolution : float
+        Relative difference of two rates that the records tell apart.
+    pitch : float
+        Largest pitch of a force periodic in position, over `displacement`, that does not just bend the spring.
+    fast, slow : float
+        Relaxation times over 1/rate that are neither damping nor a shift of rest.
+    swings : float
+        Least number of periods in the longest record.
+    """
+
+    rates: tuple[float, ...]
+    displacement: float
+    duration: float
+    resolution: float
+    pitch: float
+    fast: float
+    slow: float
+    swings: float
+
+    def near(self, rate: float) -> bool:
+        """Tell whether a rate [rad/s] cannot be told from that of a run."""
+        return any(abs(rate - own) < self.resolution * own for own in self.rates)

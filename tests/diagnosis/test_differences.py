@@ -1,0 +1,97 @@
+"""What runs differ by: told with its size and what it explains; nothing is told of runs that are alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import stepid
+from broken_campaigns import SAMPLE_TIME, changed
+from scattered_campaigns import scattered
+from stepid.diagnosis.differences import Scatter, scatter_of, scatter_words
+from stepid.diagnosis.explore import linear_candidate
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.fitting.deviations import with_deviations
+from stepid.fitting.fit import prepare
+from stepid.fitting.levenberg_marquardt import minimize
+from stepid.fitting.multistart import FitContext
+
+LATE = (0.6, -0.5, 0.3, -0.7, 0.4, -0.1)  # samples
+RELATIVE = (0.03, -0.03, 0.02, -0.02, 0.01, -0.01)
+CASES: dict[str, tuple[Callable[[], stepid.Campaign], float, str]] = {
+    "start_time": (lambda: scattered(1, late=LATE), SAMPLE_TIME * float(np.std(LATE, ddof=1)), "s"),
+    "gain": (lambda: scattered(1, gain=RELATIVE), float(np.std(RELATIVE, ddof=1)), ""),
+    "damping": (
+        lambda: scattered(1, damping=tuple(5 * r for r in RELATIVE)),
+        5 * float(np.std(RELATIVE, ddof=1)),
+        "",
+    ),
+}
+
+
+def freed(context: FitContext, *kinds: str) -> Candidate:
+    """The linear plant with conditions that differ from run to run."""
+    linear = context.linear
+    optimum = minimize(with_deviations(linear.problem, kinds), linear.shared, linear.local)
+    assert optimum is not None
+    return Candidate((), frozenset(kinds), optimum, 0.0)
+
+
+@pytest.mark.parametrize("kind", CASES)
+def test_a_condition_is_told_with_its_size(kind: str) -> None:
+    make, size, unit = CASES[kind]
+    context = prepare(make())
+    found = scatter_of(context, freed(context, kind), [linear_candidate(context)])
+    assert set(found) - {"rest"} == {kind}  # these campaigns' rest positions differ, too
+    assert found[kind].deviation == pytest.approx(size, rel=0.2)  # relative to the first run
+    assert found[kind].unit == unit
+    assert found[kind].explained > 0.5
+
+
+def test_what_one_of_two_explains_is_found_without_the_other_candidate() -> None:
+    context = prepare(scattered(1, late=LATE, gain=RELATIVE))
+    both = freed(context, "start_time", "gain")
+    found = scatter_of(context, both, [])
+    assert set(found) - {"rest"} == {"gain", "start_time"}
+    assert all(0.3 < s.explained <= 1 for s in found.values())
+    given = scatter_of(context, both, [freed(context, "gain"), freed(context, "start_time")])
+    for kind, s in given.items():
+        assert s.explained == pytest.approx(found[kind].explained, abs=0.02)
+
+
+def test_rest_positions_that_move_are_told() -> None:
+    still = scattered(1)
+    for run in range(6):  # those of the campaign are drawn within a millimeter
+        y = still.experiments[run].position
+        still = changed(still, run, position=y - y[:5].mean() + 2e-4 * run, counts_per_meter=None)
+    context = prepare(still)
+    found = scatter_of(context, linear_candidate(context), [])
+    assert list(found) == ["rest"]
+    assert found["rest"].deviation == pytest.approx(2e-4 * np.std(range(6), ddof=1), rel=0.1)
+    assert found["rest"].unit == "m"
+
+
+def test_alike_runs_differ_in_nothing() -> None:
+    alike = scattered(1)
+    for run in range(6):
+        y = alike.experiments[run].position
+        alike = changed(alike, run, position=y - y[:10].mean(), counts_per_meter=None)
+    context = prepare(alike)
+    assert scatter_of(context, linear_candidate(context), []) == {}
+
+
+def test_words_have_units() -> None:
+    told = scatter_words(
+        {
+            "start_time": Scatter(deviation=1.5e-3, unit="s", explained=0.9),
+            "gain": Scatter(deviation=0.02, unit="", explained=0.5),
+            "rest": Scatter(deviation=2e-4, unit="m", explained=0.25),
+        }
+    )
+    assert told == (
+        "The runs start within ±1.5 ms of one another (standard deviation): 90 % of the misfit's power.",
+        "The gain differs from run to run by 2 % (standard deviation): 50 % of the misfit's power.",
+        "The rest position differs from run to run by 200 µm (standard deviation): 25 % of the misfit's power.",
+    )

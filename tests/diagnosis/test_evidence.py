@@ -1,0 +1,86 @@
+"""What a candidate earns: effective samples, the price of parameters, QBIC and its weights, and when all is told."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, context, evidence, losing, white
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.evidence import at_floor, effective_samples, is_white, price, weigh
+
+
+def test_white_noise_has_as_many_effective_samples_as_samples() -> None:
+    counts = np.mean([effective_samples(context().records, white(seed)) for seed in range(20)], axis=0)
+    assert counts.shape == (RUNS,)
+    assert counts == pytest.approx(SAMPLES, rel=0.12)
+
+
+@pytest.mark.parametrize("memory", [0.5, 0.8])
+def test_correlated_noise_has_fewer(memory: float) -> None:
+    """For AR(1) ρ_k = a^k, so that n/(1 + 2 Σρ²) = n (1 − a²)/(1 + a²)."""
+    found = []
+    for seed in range(40):
+        residual = lfilter([1.0], [1.0, -memory], white(seed))
+        found.append(effective_samples(context().records, residual).mean())
+    assert np.mean(found) == pytest.approx(SAMPLES * (1 - memory**2) / (1 + memory**2), rel=0.25)
+
+
+def test_a_sine_has_hardly_any_and_nothing_has_all() -> None:
+    records = context().records
+    assert effective_samples(records, np.sin(0.2 * np.arange(RUNS * SAMPLES))).max() < 0.1 * SAMPLES
+    assert (effective_samples(records, np.zeros(RUNS * SAMPLES)) == SAMPLES).all()
+
+
+def test_a_parameter_costs_the_logarithm_of_the_samples_it_is_fitted_to() -> None:
+    counts = np.full(RUNS, 50.0)
+    plain, one = candidate(), candidate(["coulomb_friction"])
+    late = candidate(deviations=["start_time"])
+    assert price(one.optimum, counts) - price(plain.optimum, counts) == pytest.approx(math.log(RUNS * 50.0))
+    assert price(late.optimum, counts) - price(plain.optimum, counts) == pytest.approx((RUNS - 1) * math.log(50.0))
+
+
+def test_weights_sum_to_one_and_fall_by_the_loss() -> None:
+    best = candidate(["coulomb_friction"])
+    second, far = losing(best, 3.0, ["cubic_stiffness"]), candidate(times=30.0)
+    found = weigh(context(), [far, second, best])
+    assert [w.candidate for w in found] == [best, second, far]
+    assert [w.loss for w in found[:2]] == pytest.approx([0.0, 3.0], abs=1e-6)
+    assert sum(w.weight for w in found) == pytest.approx(1.0)
+    assert found[1].weight / found[0].weight == pytest.approx(math.exp(-1.5))
+    assert found[2].weight < 1e-100
+
+
+def test_a_perfect_fit_is_weighed_too() -> None:
+    zero = candidate(["coulomb_friction"], times=0.0)
+    assert weigh(context(), [zero, candidate()])[0].candidate is zero
+
+
+def test_a_further_effect_that_takes_nothing_loses_its_price() -> None:
+    best = candidate(["coulomb_friction"])
+    more = candidate(["coulomb_friction", "cubic_stiffness"])
+    one, two = weigh(context(), [more, best])
+    assert one.candidate is best
+    assert two.loss == pytest.approx(math.log(effective_samples(context().records, white()).sum()))
+
+
+def test_at_the_floor_is_white_noise_of_the_floors_size() -> None:
+    criteria = Criteria()
+    slow = np.sin(0.2 * np.arange(RUNS * SAMPLES))
+    assert at_floor(context(), criteria, candidate())
+    assert not at_floor(context(), criteria, candidate(structure=criteria.white))
+    assert not at_floor(context(), criteria, candidate(times=1.5))
+    assert not at_floor(context(), criteria, candidate(times=1.5 * criteria.near))
+    assert is_white(context(), candidate(), 2.0)
+    assert not is_white(context(), candidate(residual=slow), 5.0)
+
+
+def test_the_linear_plant_is_found_among_the_candidates() -> None:
+    e = evidence(candidate(["coulomb_friction"]))
+    assert e.linear.names == ()
+    assert e.times(e.linear) == pytest.approx(10.0)
+    assert e.best.names == ("coulomb_friction",)
+    assert e.context.floor == FLOOR

@@ -1,0 +1,257 @@
+"""Each rule of the verdict on made-up evidence: when it answers, what it names, what it says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from made_up_evidence import FLOOR, RUNS, candidate, context, evidence
+from stepid.core.estimate import Estimate
+from stepid.diagnosis import gather, verdict, vetoes
+from stepid.diagnosis.calibration import PROBABILITY
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.gather import EvidenceRecord, includes
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.diagnosis.verdict import RULES, Answer, judge
+from stepid.effects import resolve
+from stepid.fitting.input_fault import InputFault
+
+LINEAR = candidate(times=10.0)
+FRICTION = candidate(["coulomb_friction"])
+PLAY = candidate(["free_play"])
+
+
+@dataclass
+class Told:
+    """Evidence whose every answer is given."""
+
+    best: Candidate = FRICTION
+    linear: Candidate = LINEAR
+    lead: Candidate = FRICTION
+    white: bool = False
+    rivals: tuple[Candidate, ...] = ()
+    undetermined: tuple[str, ...] = ()
+    imitated: dict[str, str] = field(default_factory=dict)
+    share_taken: tuple[float, float] = (0.95, 0.9)
+    held: float = 1.0
+    floored: tuple[str, ...] = ("coulomb_friction", "free_play")
+    input_fault: InputFault | None = None
+    criteria: Criteria = field(default_factory=Criteria)
+    context: object = field(default_factory=context)
+
+    def at_floor(self, found: Candidate) -> bool:
+        return set(found.names) <= set(self.floored) and bool(found.names or found.deviations)
+
+    def times(self, found: Candidate) -> float:
+        return found.optimum.rms / FLOOR
+
+    def weight(self, found: Candidate) -> float:
+        return self.held
+
+    def share(self, found: Candidate) -> tuple[float, float]:
+        return self.share_taken
+
+    def imitators(self, found: Candidate) -> dict[str, str]:
+        return self.imitated
+
+
+def ask(rule: str, **told: object) -> Answer | None:
+    return getattr(verdict, rule)(Told(**told))
+
+
+@pytest.fixture(autouse=True)
+def _all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
+
+
+def test_the_rules_stand_in_this_order() -> None:
+    names = [rule.__name__ for rule in RULES]
+    assert names == [
+        "input_is_wrong",
+        "linear_is_enough",
+        "runs_differ",
+        "complete_but_open",
+        "complete",
+        "leads",
+        "unexplained",
+    ]
+
+
+def test_a_wrong_input_explains_nothing() -> None:
+    assert ask("input_is_wrong") is None
+    fault: Any = SimpleNamespace(words="The input is in another unit.")
+    found = ask("input_is_wrong", input_fault=fault)
+    assert found is not None
+    assert (found.verdict, found.shown, found.reasons) == ("unexplained", LINEAR, ("The input is in another unit.",))
+
+
+def test_a_linear_plant_that_leaves_white_noise_is_enough() -> None:
+    assert ask("linear_is_enough") is None
+    assert ask("linear_is_enough", white=True) is None  # ten floors are left, an effect is better
+    found = ask("linear_is_enough", white=True, linear=candidate(times=1.01))
+    assert found is not None
+    assert found.verdict == "adequate"
+    assert ask("linear_is_enough", white=True, best=LINEAR) is not None
+
+
+def test_runs_that_differ_leave_a_linear_plant() -> None:
+    late = candidate(deviations=["start_time", "gain"])
+    assert ask("runs_differ") is None
+    assert ask("runs_differ", best=LINEAR) is None
+    found = ask("runs_differ", best=late)
+    assert found is not None
+    assert (found.verdict, found.shown) == ("adequate", late)
+    assert "gain and start time" in found.reasons[0]
+
+
+def test_an_open_parameter_is_not_named() -> None:
+    open_ = ("coulomb_friction.level",)
+    assert ask("complete_but_open") is None
+    assert ask("complete_but_open", undetermined=open_, floored=()) is None
+    found = ask("complete_but_open", undetermined=open_)
+    assert found is not None
+    assert found.verdict == "unexplained"
+    assert "coulomb_friction.level" in found.reasons[0]
+    rivaled = ask("complete_but_open", undetermined=open_, rivals=(PLAY,))
+    assert rivaled is not None
+    assert (rivaled.verdict, rivaled.shown, rivaled.alternatives) == ("ambiguous", PLAY, (FRICTION,))
+
+
+def test_the_only_one_at_the_floor_is_named() -> None:
+    assert ask("complete", floored=()) is None
+    found = ask("complete")
+    assert found is not None
+    assert (found.verdict, found.shown, found.alternatives) == ("named", FRICTION, ())
+    assert "Coulomb friction" in found.reasons[0]
+
+
+def test_a_rival_at_the_floor_is_told() -> None:
+    found = ask("complete", rivals=(PLAY, candidate(["cogging"])))
+    assert found is not None
+    assert (found.verdict, found.alternatives) == ("ambiguous", (PLAY,))  # cogging is not at the floor
+    assert "free play" in found.reasons[1]
+
+
+def test_a_lead_takes_most_on_runs_left_out() -> None:
+    found = ask("leads", lead=candidate(["quadratic_damping"], times=3.0))
+    assert found is not None
+    assert (found.verdict, found.shown.names) == ("named", ("quadratic_damping",))
+    assert "95 % of the misfit's power" in found.reasons[0]
+    assert "3 times the noise floor" in found.reasons[1]
+
+
+@pytest.mark.parametrize(
+    "told",
+    [
+        pytest.param({"lead": LINEAR}, id="nothing leads"),
+        pytest.param({"held": 0.9}, id="others weigh as much"),
+        pytest.param({"share_taken": (0.8, 0.9)}, id="too little"),
+        pytest.param({"share_taken": (0.95, 0.2)}, id="not in every run"),
+    ],
+)
+def test_no_lead(told: dict[str, object]) -> None:
+    assert ask("leads", **told) is None
+
+
+def test_a_lead_with_an_open_parameter_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = {"coulomb_friction.level": Estimate(value=0.3, uncertainty=0.3, unit="N")}
+    monkeypatch.setattr(vetoes, "estimates", lambda *_: (known, None))
+    assert ask("leads") is None
+
+
+def test_unexplained_always_answers() -> None:
+    found = ask("unexplained", best=candidate(["cogging"], times=4.0), imitated={"cogging": "the spring"})
+    assert found is not None
+    assert found.verdict == "unexplained"
+    assert "4 times the noise floor" in found.reasons[0]
+    assert found.reasons[1] == "Cogging cannot be told from the spring here."
+    empty = ask("unexplained", best=LINEAR, lead=LINEAR)
+    assert empty is not None
+    assert empty.reasons == ("No candidate explains the misfit.",)
+
+
+def test_the_first_rule_that_answers_decides() -> None:
+    told = Told()
+    found = judge(told)  # type: ignore[arg-type]
+    assert (found.verdict, found.rule) == ("named", "complete")
+    assert "10 times the noise floor" in found.reasons[0]
+    assert judge(Told(floored=(), share_taken=(0.0, 0.0))).rule == "unexplained"  # type: ignore[arg-type]
+
+
+def test_a_rule_of_ones_own_comes_in_its_place() -> None:
+    def never(e: EvidenceRecord) -> Answer:
+        return Answer("unexplained", e.linear, (), ("I do not believe it.",))
+
+    found = judge(Told(), (never, *RULES))  # type: ignore[arg-type]
+    assert (found.verdict, found.rule, found.reasons[1]) == ("unexplained", "never", "I do not believe it.")
+
+
+def test_every_rule_that_names_has_its_probability() -> None:
+    e = evidence(FRICTION)
+    for rule in ("complete", "complete_but_open", "leads"):
+        assert 0.5 < PROBABILITY[rule] <= 1
+        assert e.probability(Answer("named", FRICTION, (), (), rule)) == PROBABILITY[rule]
+    assert e.probability(Answer("adequate", LINEAR, (), (), "linear_is_enough")) is None
+
+
+# ---- evidence that is gathered ------------------------------------------------------------------------------------
+
+
+def test_rivals_are_no_larger_than_the_best_and_told_once() -> None:
+    two = candidate(["cogging", "sensor_drift"])
+    again = replace(candidate(["free_play"]), deviations=frozenset({"gain"}))
+    e = evidence(FRICTION, PLAY, again, two)
+    assert [c.names for c in e.rivals] == [("free_play",)]
+
+
+def test_the_order_of_effects_is_no_difference() -> None:
+    e = evidence(candidate(["cogging", "sensor_drift"]), candidate(["sensor_drift", "cogging"]))
+    assert e.rivals == ()
+
+
+def test_an_imitator_does_not_lead(monkeypatch: pytest.MonkeyPatch) -> None:
+    imitated = {"cogging": "the spring"}
+    monkeypatch.setattr(gather, "imitators", lambda *a: imitated if "cogging" in a[2].names else {})
+    e = evidence(candidate(["cogging"], times=2.0), candidate(["quadratic_damping"], times=2.5))
+    assert e.best.names == ("cogging",)
+    assert e.lead.names == ("quadratic_damping",)
+    assert e.weight(e.lead) > 0.99
+
+
+def test_a_lead_has_two_effects_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(gather, "imitators", lambda *_: {})
+    three = candidate(["cogging", "free_play", "sensor_drift"], times=1.5)
+    assert evidence(three, candidate(["cogging", "free_play"], times=2.0)).lead.names == ("cogging", "free_play")
+
+
+def test_the_weight_of_a_law_holds_that_of_the_laws_that_contain_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(gather, "imitators", lambda *_: {})
+    simple, general, other = (candidate([n]) for n in ("coulomb_friction", "stribeck_friction", "free_play"))
+    e = evidence(simple, general, other)
+    assert e.weight(simple) == pytest.approx(1 - e.weight(other))
+    assert e.weight(general) < e.weight(simple)
+
+
+def test_a_share_is_of_what_repeats(monkeypatch: pytest.MonkeyPatch) -> None:
+    e = evidence(FRICTION)
+    before = {i: np.full(100, 10 * FLOOR) for i in range(RUNS)}
+    after = {i: np.full(100, (4 if i else 2) * FLOOR) for i in range(RUNS)}
+    monkeypatch.setattr(
+        gather, "held_out_residuals", lambda optimum, **_: after if optimum is FRICTION.optimum else before
+    )
+    monkeypatch.setattr(gather, "repeatability", lambda _: None)
+    share, steady = e.share(FRICTION)
+    assert share == pytest.approx(1 - (3 * 15 + 3) / (4 * 99))
+    assert steady == pytest.approx((1 - 15 / 99) / (1 - 3 / 99))
+
+
+def test_includes() -> None:
+    coulomb, stribeck, play = resolve(["coulomb_friction", "stribeck_friction", "free_play"])
+    assert includes((stribeck,), (coulomb,))
+    assert includes((coulomb, play), (coulomb,))
+    assert not includes((coulomb,), (stribeck,))
+    assert includes((coulomb,), ())

@@ -1,0 +1,86 @@
+"""What must not be named: what a linear parameter can imitate, and what the data do not determine."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from broken_campaigns import FRICTION, campaign
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.explore import linear_candidate
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.diagnosis.vetoes import imitators, swing, undetermined
+from stepid.effects import CATALOGUE, resolve
+from stepid.effects.base import Effect
+from stepid.effects.swing import Swing
+from stepid.fitting.fit import fit_effects, prepare
+
+SWING = Swing(
+    rates=(10.0, 14.0),
+    displacement=0.02,
+    duration=4.0,
+    resolution=0.1,
+    pitch=1.0,
+    fast=0.05,
+    slow=20.0,
+    swings=1.0,
+)
+OWN = "the plant's own oscillation"
+CASES: dict[str, list[tuple[tuple[float, ...], str]]] = {
+    "periodic_disturbance": [
+        ((0.1, 0.2, 0.0), "a slow shift of the rest position"),
+        ((0.1, 10.5 / (2 * math.pi), 0.0), OWN),
+        ((0.1, 12.0 / (2 * math.pi), 0.0), ""),
+    ],
+    "cogging": [((0.1, 0.03, 0.0), "the spring"), ((0.1, 0.01, 0.0), "")],
+    "viscoelastic_spring": [
+        ((10.0, 30.0), "the stiffness of the spring"),
+        ((1000.0, 2.0), "the damper"),
+        ((100.0, 10.0), ""),
+    ],
+    "flexible_coupling": [((0.5, 0.5 * 14.5**2, 0.1), OWN), ((0.5, 0.5 * 30.0**2, 0.1), "")],
+}
+
+
+def test_every_effect_that_imitates_has_its_cases() -> None:
+    assert {e.name for e in CATALOGUE if type(e).imitates is not Effect.imitates} == set(CASES)
+    assert resolve(["coulomb_friction"])[0].imitates((0.1,), SWING) == ""
+
+
+@pytest.mark.parametrize(("name", "values", "what"), [(n, v, w) for n, cases in CASES.items() for v, w in cases])
+def test_what_an_effect_imitates(name: str, values: tuple[float, ...], what: str) -> None:
+    assert resolve([name])[0].imitates(values, SWING) == what
+
+
+def test_a_campaigns_swing() -> None:
+    context = prepare(campaign(1, masses=(0.0, 0.5, 1.5)))
+    how = swing(context, Criteria(), linear_candidate(context))
+    assert how.rates == pytest.approx([math.sqrt(216 / (0.95 + m)) for m in (0.0, 0.5, 1.5)], rel=0.01)
+    assert how.displacement == pytest.approx(0.03, rel=0.3)
+    assert how.resolution == pytest.approx(4 * math.pi / (how.duration * min(how.rates)), rel=0.01)
+    assert how.near(how.rates[0])
+    assert not how.near(10 * how.rates[0])
+
+
+def test_a_fitted_friction_imitates_nothing_and_is_determined() -> None:
+    context = prepare(campaign(1, FRICTION, masses=(0.0, 0.5, 1.5)))
+    effects = resolve(["coulomb_friction"])
+    optimum = fit_effects(context, effects)
+    assert optimum is not None
+    found = Candidate(effects, frozenset(), optimum, 0.0)
+    assert imitators(context, Criteria(), found) == {}
+    assert undetermined(context, Criteria(), found) == ()
+    assert undetermined(context, Criteria(open=1e-6), found) == ("coulomb_friction.level",)
+
+
+def test_an_effect_that_is_not_there_is_open_and_its_angles_do_not_count() -> None:
+    context = prepare(campaign(1, masses=(0.0, 0.5, 1.5)))
+    effects = resolve(["cogging"])
+    optimum = fit_effects(context, effects)
+    assert optimum is not None
+    open_ = undetermined(context, Criteria(open=0.01), Candidate(effects, frozenset(), optimum, 0.0))
+    assert "cogging.amplitude" in open_
+    assert "cogging.phase" not in open_
+    assert np.isfinite(optimum.cost)

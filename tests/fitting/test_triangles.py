@@ -1,0 +1,103 @@
+"""Runs reduced to triangles give the steps and the uncertainties of the whole Jacobian."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hidden.campaigns import make_campaign
+from stepid.effects import resolve
+from stepid.fitting.covariance import covariance
+from stepid.fitting.fit import prepare
+from stepid.fitting.levenberg_marquardt import Optimum, Problem, _Columns, _Linearized, minimize
+from stepid.fitting.problem import build, start_local
+from stepid.simulation.simulator import Solved
+
+CASES = [
+    pytest.param((), "nine", id="no parameter of a run"),
+    pytest.param(("coulomb_friction",), "four", id="where each run begins"),
+    pytest.param(("flexible_coupling",), "nine", id="many columns"),
+    pytest.param(("periodic_disturbance",), "four", id="a phase a run"),
+]
+
+
+def started(names: tuple[str, ...], kind: str) -> tuple[Problem, Solved, np.ndarray, np.ndarray]:
+    campaign, _ = make_campaign(5, names, kind=kind, r0=10.0)
+    context, effects = prepare(campaign), resolve(names)
+    weight = np.random.default_rng(1).uniform(0.3, 1.0, context.records.size)
+    problem = build(context.records.reweighted(weight), effects)
+    shared = np.concatenate([context.linear.shared, *(next(iter(e.starts(context.scales))) for e in effects)])
+    local = start_local(problem, context.linear)
+    solved = problem.solve(shared, local)
+    assert solved is not None
+    return problem, solved, shared, local
+
+
+@pytest.mark.parametrize(("names", "kind"), CASES)
+def test_a_damped_step_is_that_of_the_whole_jacobian(names: tuple[str, ...], kind: str) -> None:
+    problem, solved, *_ = started(names, kind)
+    r = problem.records
+    residual, cost = problem.weigh(solved)
+    np.testing.assert_allclose(residual, r.weighted(r.position - solved.reading), atol=1e-15)
+    assert cost == pytest.approx(residual @ residual)
+    jacobian = problem.jacobian(solved)
+    size = np.linalg.norm(jacobian, axis=0)
+    size[size == 0] = np.inf
+    scaled, damping, n = jacobian / size, 1e-3, int(problem.free.sum())
+    whole = np.concatenate([scaled, np.sqrt(damping) * np.eye(size.size)])
+    step = np.linalg.lstsq(whole, np.append(residual, np.zeros(size.size)), rcond=None)[0]
+    decrease = cost - np.sum((residual - scaled @ step) ** 2)
+
+    linearized = _Linearized(problem, _Columns(problem), solved, residual)
+    shared, local, gain = linearized.step(damping, np.zeros(n, dtype=bool))
+    assert gain == pytest.approx(decrease, rel=1e-8)
+    np.testing.assert_allclose(linearized.pull, (jacobian.T @ residual)[:n], rtol=1e-8)
+    np.testing.assert_allclose(shared * size[:n], step[:n], rtol=1e-9, atol=1e-12 * np.abs(step).max())
+    own = local[problem.active] * np.where(np.isfinite(size[n:]), size[n:], 0.0)
+    np.testing.assert_allclose(own, step[n:], rtol=1e-9, atol=1e-12 * np.abs(step).max())
+
+
+def dense_covariance(jacobian: np.ndarray, residual: np.ndarray, pieces: list[slice], floor: float) -> np.ndarray:
+    """The same by a singular value decomposition of all samples."""
+    scale = np.linalg.norm(jacobian, axis=0)
+    scale[scale == 0] = 1.0
+    u, s, vt = np.linalg.svd(jacobian / scale, full_matrices=False)
+    inverse = vt.T * np.where(s > 1e-6 * s[0], 1 / np.maximum(s, 1e-300), 0.0) / scale[:, None]
+    level = max(floor**2, float(residual @ residual) / (residual.size - s.size))
+    total, square = np.ones(s.size), float(residual @ residual)
+    for lag in range(1, 25):
+        share = sum(float(residual[p][lag:] @ residual[p][:-lag]) for p in pieces) / square
+        if abs(share) >= 2.5 / np.sqrt(residual.size):
+            total += 2 * (1 - lag / 25) * share * sum(np.sum(u[p][lag:] * u[p][:-lag], axis=0) for p in pieces)
+    found: np.ndarray = (inverse * (level * np.maximum(total, 1.0))) @ inverse.T
+    return found
+
+
+@pytest.mark.parametrize(("names", "kind"), CASES)
+def test_uncertainties_are_those_of_the_whole_jacobian(names: tuple[str, ...], kind: str) -> None:
+    problem, solved, shared, local = started(names, kind)
+    found, _ = covariance(Optimum(problem, shared, local, solved, 1.0, True, 0), 1e-6)
+    jacobian, residual = problem.jacobian(solved), problem.residual(solved)
+    whole = dense_covariance(jacobian, residual, problem.records.pieces(), 1e-6)
+    sigma = np.sqrt(np.maximum(np.diag(whole), 1e-300))
+    np.testing.assert_allclose(found / np.outer(sigma, sigma), whole / np.outer(sigma, sigma), atol=1e-6)
+
+
+def test_derivatives_that_nobody_reads_are_not_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem, _, shared, local = started(("coulomb_friction",), "four")
+    derive, calls = problem.simulator.derivatives, []
+
+    def counted(*args: Any) -> tuple[np.ndarray, np.ndarray]:
+        calls.append(1)
+        return derive(*args)
+
+    monkeypatch.setattr(problem.simulator, "derivatives", counted)
+    found = minimize(problem, shared, local, iterations=1)
+    assert found is not None
+    assert found.iterations == len(calls) == 1
+    first = problem.jacobian(found.solved)
+    assert len(calls) == 2
+    np.testing.assert_array_equal(problem.jacobian(found.solved), first)
+    assert len(calls) == 2

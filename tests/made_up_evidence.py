@@ -1,0 +1,82 @@
+"""Candidates and evidence made up of plain numbers: for rules that only read them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.gather import EvidenceRecord
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.effects import resolve
+
+FLOOR = 1e-5  # m
+RUNS, SAMPLES = 4, 100  # a run
+
+
+def white(seed: int = 0) -> np.ndarray:
+    """A residual of white noise of the floor's size."""
+    return FLOOR * np.random.default_rng(seed).standard_normal(RUNS * SAMPLES)
+
+
+class MadeUpRecords:
+    """As much of `Records` as evidence reads."""
+
+    def __init__(self, position: np.ndarray) -> None:
+        self.position = position
+        self.weight = np.ones(position.size)
+        self.size = position.size
+        self.sample_time = np.full(RUNS, 0.01)
+        self.first = SAMPLES * np.arange(RUNS)
+        self.runs = tuple(SimpleNamespace(name=f"case {i}", resolution=None) for i in range(RUNS))
+
+    def pieces(self) -> list[slice]:
+        return [slice(SAMPLES * i, SAMPLES * (i + 1)) for i in range(RUNS)]
+
+
+def context() -> Any:
+    position = 1e-2 * np.sin(0.3 * np.arange(RUNS * SAMPLES))
+    return SimpleNamespace(records=MadeUpRecords(position), floor=FLOOR, period=0.5, tolerance=0.0, faults=())
+
+
+def candidate(
+    names: Sequence[str] = (),
+    *,
+    times: float = 1.0,
+    deviations: Sequence[str] = (),
+    residual: np.ndarray | None = None,
+    structure: float = 0.0,
+) -> Candidate:
+    """A candidate that leaves so many times the floor; every effect and every condition has its price."""
+    residual = white() if residual is None else residual
+    residual = residual * times * FLOOR / np.sqrt(np.mean(residual**2))
+    effects = resolve(names)
+    free = np.ones(4 + sum(len(e.parameters) for e in effects), dtype=bool)
+    active = np.zeros((6, RUNS), dtype=bool)
+    active[: len(deviations), 1:] = True
+    problem = SimpleNamespace(free=free, active=active, residual=lambda _: residual)
+    optimum: Any = SimpleNamespace(
+        problem=problem, solved=None, residual=residual, cost=float(residual @ residual), rms=times * FLOOR
+    )
+    return Candidate(effects, frozenset(deviations), optimum, structure)
+
+
+def evidence(*candidates: Candidate, criteria: Criteria | None = None) -> EvidenceRecord:
+    """Evidence of these and of a linear plant that leaves ten floors, unless it is among them."""
+    plain = any(not c.effects and not c.deviations for c in candidates)
+    every = candidates if plain else (*candidates, candidate(times=10.0))
+    return EvidenceRecord(context(), criteria or Criteria(), every)
+
+
+def losing(found: Candidate, qbic: float, names: Sequence[str], *, deviations: Sequence[str] = ()) -> Candidate:
+    """A candidate whose QBIC is larger than another's by so much: what its parameters cost is in it."""
+    from stepid.diagnosis.evidence import effective_samples, price
+
+    counts = effective_samples(context().records, found.optimum.residual)
+    other = candidate(names, deviations=deviations)
+    missing = qbic + price(found.optimum, counts) - price(other.optimum, counts)
+    times = found.optimum.rms / FLOOR * float(np.exp(0.5 * missing / counts.sum()))
+    return candidate(names, times=times, deviations=deviations)

@@ -1,0 +1,98 @@
+"""The search and the verdict hold no number of their own and know no effect by its name; what they may use is told."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from stepid.core.base import Model
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.selection.effort import Effort
+from stepid.effects import CATALOGUE
+
+DIAGNOSIS = Path(__file__).resolve().parents[2] / "src" / "stepid" / "diagnosis"
+NUMBERS_LIVE_IN = DIAGNOSIS / "selection" / "effort.py"
+SEARCH = sorted(p for p in (DIAGNOSIS / "selection").rglob("*.py") if p != NUMBERS_LIVE_IN)
+DECIDING = [*SEARCH, DIAGNOSIS / "verdict.py", DIAGNOSIS / "gather.py"]
+PLAIN = {0, 1, 2, 0.5}
+WORDS = {e.name for e in CATALOGUE} | {q.unit for e in CATALOGUE for q in (*e.parameters, *e.run_parameters)} - {""}
+LINES, BRANCHES = 60, 12
+MODELS = [(Criteria, 20), (Effort, 25)]
+
+
+def constants(tree: ast.AST) -> Iterator[ast.Constant]:
+    return (node for node in ast.walk(tree) if isinstance(node, ast.Constant))
+
+
+def numbers(source: str) -> list[str]:
+    """Numeric literals other than the plain ones, with their lines."""
+    kinds = (int, float, complex)
+    found = [c for c in constants(ast.parse(source)) if type(c.value) in kinds and c.value not in PLAIN]
+    return [f"line {c.lineno}: {c.value}" for c in found]
+
+
+def known_words(source: str) -> list[str]:
+    """Strings that are an effect's name or a parameter's unit, with their lines."""
+    found = [c for c in constants(ast.parse(source)) if isinstance(c.value, str) and c.value in WORDS]
+    return [f"line {c.lineno}: {c.value!r}" for c in found]
+
+
+def functions(path: Path) -> Iterator[ast.FunctionDef]:
+    return (n for n in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(n, ast.FunctionDef))
+
+
+def names(path: Path) -> str:
+    return str(path.relative_to(DIAGNOSIS))
+
+
+@pytest.mark.parametrize("path", DECIDING, ids=names)
+def test_numbers_are_in_criteria_and_effort(path: Path) -> None:
+    assert numbers(path.read_text("utf-8")) == []
+
+
+@pytest.mark.parametrize("path", DECIDING, ids=names)
+def test_no_effect_is_known_by_its_name_or_unit(path: Path) -> None:
+    assert known_words(path.read_text("utf-8")) == []
+
+
+def test_a_number_and_a_name_would_be_seen() -> None:
+    source = "LIMIT = 3\ndef f(x=1e-9, *, name='cogging'):\n    return -2 * x ** 0.5 if name == 'N/m' else x[:1]\n"
+    assert numbers(source) == ["line 1: 3", "line 2: 1e-09"]
+    assert known_words(source) == ["line 2: 'cogging'", "line 3: 'N/m'"]
+
+
+@pytest.mark.parametrize("path", sorted(DIAGNOSIS.rglob("*.py")), ids=names)
+def test_functions_fit_on_a_screen(path: Path) -> None:
+    for node in functions(path):
+        words = (ast.get_docstring(node, clean=False) or "").count("\n")
+        assert node.end_lineno is not None
+        assert node.end_lineno - node.lineno - words < LINES, f"{path.name}: {node.name}"
+
+
+@pytest.mark.parametrize("path", DECIDING, ids=names)
+def test_functions_have_few_branches(path: Path) -> None:
+    kinds = (ast.If, ast.IfExp, ast.For, ast.While, ast.Try, ast.comprehension, ast.BoolOp)
+    for node in functions(path):
+        statements = sum(isinstance(n, (ast.If, ast.For, ast.While, ast.Try)) for n in ast.walk(node))
+        assert statements <= BRANCHES, f"{path.name}: {node.name}"
+        assert sum(isinstance(n, kinds) for n in ast.walk(node)) <= 2 * BRANCHES, f"{path.name}: {node.name}"
+
+
+@pytest.mark.parametrize(("model", "most"), MODELS, ids=["Criteria", "Effort"])
+def test_few_numbers_each_with_its_reason(model: type[Model], most: int) -> None:
+    assert len(model.model_fields) <= most
+    told = dict(re.findall(r"^    (\w+) : \w+\n((?:        .+\n)+)", model.__doc__ or "", flags=re.MULTILINE))
+    assert list(told) == list(model.model_fields)
+    assert all(len(words.split()) >= 4 for words in told.values())
+
+
+@pytest.mark.parametrize("model", [model for model, _ in MODELS])
+def test_every_number_is_used(model: type[Model]) -> None:
+    sources = "\n".join(p.read_text("utf-8") for p in DIAGNOSIS.rglob("*.py"))
+    owner = model.__name__.lower()
+    unused = [name for name in model.model_fields if not re.search(rf"\b{owner}\.{name}\b", sources)]
+    assert unused == []
