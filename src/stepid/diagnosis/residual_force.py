@@ -64,7 +64,8 @@ def residual_force(records: Records, linear: Optimum, motion: Motion, phase: Ind
         return ResidualForce(empty, empty, empty, empty, np.zeros((len(SHAPES), 0)), empty, empty)
     joined = [np.concatenate(column) for column in zip(*parts, strict=True)]
     last = 4 + len(SHAPES)
-    return ResidualForce(*joined[:4], np.array(joined[4:last]), joined[last], np.rint(joined[last + 1]))
+    force, x, v, volts = joined[:4]
+    return ResidualForce(force, x, v, volts, np.array(joined[4:last]), joined[last], np.rint(joined[last + 1]))
 
 
 def _narrowest(
