@@ -12,7 +12,7 @@ from stepid.core.experiment import Campaign
 from stepid.diagnosis.answer import report
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
-from stepid.diagnosis.explore import Found, explored, linear_candidate, outweighs
+from stepid.diagnosis.explore import Found, explored, fault_beside, linear_candidate, outweighs
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.progress import Progress
 from stepid.diagnosis.result import Diagnosis
@@ -115,10 +115,10 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
     else:
         suspected = accuse(context.linear, context.floor, sure=how.criteria.size)
         found = explored(context, how.catalogue, how.criteria, how.effort, how.tell)
-        fault_of_run = None
-        if suspected is not None and outweighs(suspected.cost, found, how.criteria):
+        fault_of_run = fault_beside(found, how.criteria)
+        if suspected is not None and outweighs(suspected.cost, context.linear, found, how.criteria):
             fault_of_run = suspected.fault
-        elif found.best.effects and not at_floor(found.context, how.criteria, found.best):
+        elif fault_of_run is None and found.best.effects and not at_floor(found.context, how.criteria, found.best):
             fault_of_run = find_fault(found.best.optimum, found.context.floor, sure=how.criteria.size)
         if fault_of_run is not None and len(context.records.runs) > 2:
             rest = tuple(e for e in campaign.experiments if e.name != fault_of_run.run)

@@ -15,7 +15,10 @@ from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.proposal import Proposal
 from stepid.diagnosis.selection.search import Search
 from stepid.effects.base import Effect
+from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
+from stepid.fitting.record_fault import RecordFault
+from stepid.fitting.run_fault import accuse
 
 _LOOKS = 3  # at the readings
 
@@ -31,18 +34,35 @@ class Found(NamedTuple):
         """The candidate that leaves least."""
         return min(self.candidates, key=lambda c: c.optimum.cost)
 
+    @property
+    def likeliest(self) -> Candidate:
+        """The candidate of most evidence."""
+        return weigh(self.context, self.candidates)[0].candidate
 
-def outweighs(cost: float, found: Found, criteria: Criteria) -> bool:
-    """Tell whether one fault of one run in a linear plant, which leaves `cost` [m²], is better than what was found.
 
-    One effect in the whole plant is the likelier of two as good answers; several that are needed for one fault are not.
+def outweighs(cost: float, plain: Optimum, found: Found, criteria: Criteria) -> bool:
+    """Tell whether one fault of one run beside a plain fit, which leaves `cost` [m²], is better than what was found.
+
+    One effect in the whole plant is the likelier of two as good answers; several that are needed for one fault are not,
+    nor are conditions that differ in all runs.
     """
-    records, best = found.context.records, weigh(found.context, found.candidates)[0].candidate
+    records, best = found.context.records, found.likeliest
     counts = effective_samples(records, best.optimum.problem.residual(best.optimum.solved))
     samples = float(counts.sum())
-    more = price(best.optimum, counts) - price(found.context.linear, counts) - math.log(samples)
+    more = price(best.optimum, counts) - price(plain, counts) - math.log(samples)
     lost = samples * math.log(cost / best.optimum.cost)
-    return lost < more - (criteria.tie if len(best.effects) < 2 else 0.0)
+    one = len(best.effects) == 1 and not best.deviations
+    return lost < more - (criteria.tie if one else 0.0)
+
+
+def fault_beside(found: Found, criteria: Criteria) -> RecordFault | None:
+    """One fault of one run where the likeliest answer lets conditions differ in all: beside its effects alone."""
+    best = found.likeliest
+    plain = next((c for c in found.candidates if not c.deviations and set(c.names) == set(best.names)), None)
+    if plain is None or not best.deviations or not best.effects:
+        return None
+    one = accuse(plain.optimum, found.context.floor, sure=criteria.size)
+    return one.fault if one is not None and outweighs(one.cost, plain.optimum, found, criteria) else None
 
 
 def linear_candidate(context: FitContext) -> Candidate:
