@@ -123,7 +123,8 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
         if fault_of_run is not None and len(context.records.runs) > 2:
             rest = tuple(e for e in campaign.experiments if e.name != fault_of_run.run)
             others = campaign.model_copy(update={"experiments": rest})
-            done = _diagnosed(others, prepare(others, workers=how.workers), how, (*accused, fault_of_run))
+            told = fault_of_run.model_copy(update={"words": f"{fault_of_run.words} It is left out of this diagnosis."})
+            done = _diagnosed(others, prepare(others, workers=how.workers), how, (*accused, told))
             return done.model_copy(update={"data": campaign})
     how.tell(Progress("runs held out", best=found.best.names))
     evidence = EvidenceRecord(found.context, how.criteria, found.candidates, fault, (*accused, *found.context.faults))

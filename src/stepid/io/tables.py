@@ -85,7 +85,7 @@ def read_tables(
     titles = [run_name(columns.run) for columns in found]
     if name is not None and len(found) > 1:
         raise InputError(f"{where}: one name is given for {len(found)} runs", "Leave name out.")
-    by_run = {"added_mass": added_mass, "spring": spring, "damper": damper, "base": base}
+    by_run: dict[str, Any] = {"added_mass": added_mass, "spring": spring, "damper": damper, "base": base}
     return tuple(
         read_table(
             files,
