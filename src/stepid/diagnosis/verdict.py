@@ -51,7 +51,7 @@ def runs_differ(e: EvidenceRecord) -> Answer | None:
 
 
 def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
-    """The best has a freedom in every run, and with it estimated on the first part of a run does not predict the rest."""
+    """The best has a freedom in every run and, with it estimated on a first part, does not predict the rest."""
     if not is_free(e.best) or not e.at_floor(e.best):
         return None
     share, _ = e.share(e.best)
