@@ -16,9 +16,9 @@ from pathlib import Path
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from pydantic import BaseModel
-from real_sets import SETS, RealSet
 
 import stepid
+from real_sets import SETS, RealSet
 from stepid import Diagnosis
 from stepid.simulation.warm_up import warm_up
 

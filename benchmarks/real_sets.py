@@ -5,6 +5,7 @@ The environment variable `STEPID_REAL_DATA` names the folder. Every cut is the o
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 from collections.abc import Callable, Mapping
@@ -148,7 +149,7 @@ def trento() -> Campaign:
     time, first, _, _, volts = np.loadtxt(folder() / "ecp210-trento" / "data_steps.txt", unpack=True)
     whole = _run("steps", time, first / 226600.0, volts=volts, counts=226600.0)
     edges = [*range(0, time.size - 1000, 2000), time.size]
-    parts = zip(edges[:-1], edges[1:], strict=True)
+    parts = itertools.pairwise(edges)
     runs = tuple(whole.slice(a, b, name=f"step {i}") for i, (a, b) in enumerate(parts, 1))
     return Campaign(name="Trento", experiments=runs)
 

@@ -28,6 +28,7 @@ class MadeUpRecords:
     def __init__(self, position: np.ndarray) -> None:
         self.position = position
         self.weight = np.ones(position.size)
+        self.trusted = np.ones(position.size, dtype=bool)
         self.size = position.size
         self.sample_time = np.full(RUNS, 0.01)
         self.first = SAMPLES * np.arange(RUNS)

@@ -7,6 +7,7 @@ from .core.estimate import Estimate as Estimate
 from .core.experiment import Campaign as Campaign
 from .core.experiment import Experiment as Experiment
 from .core.experiment import MassOffset as MassOffset
+from .core.releases import split_releases as split_releases
 from .datasets.replication import rebuild_paper as rebuild_paper
 from .diagnosis.criteria import Criteria as Criteria
 from .diagnosis.diagnose import diagnose as diagnose
@@ -39,6 +40,7 @@ from .io.campaign_files import write_campaign as write_campaign
 from .io.ecp import read_ecp as read_ecp
 from .io.step_input import StepInput as StepInput
 from .io.table import read_table as read_table
+from .io.tables import read_tables as read_tables
 from .simulation.model import EffectModel as EffectModel
 from .simulation.model import PlantModel as PlantModel
 from .simulation.model import RunState as RunState

@@ -190,7 +190,9 @@ def diagnose(
     if not (quiet or as_json):
         _console(stderr=True).print(_runs(read), markup=False)
     with _progress(lines=not (quiet or as_json), status=not quiet) as tell:
-        found = stepid.diagnose(read, effort=_effort(effort), progress=lambda stage: tell(f"diagnosing: {stage_line(stage)}"))
+        found = stepid.diagnose(
+            read, effort=_effort(effort), progress=lambda stage: tell(f"diagnosing: {stage_line(stage)}")
+        )
         by_hand: IdentifiedParameters | StepidError
         try:
             by_hand = stepid.identify(read)

@@ -83,9 +83,10 @@ def lead(*, share: float = 0.9, steady: float = 0.6, weight: float = 0.97) -> Ca
         found = candidate(["quadratic_damping"], times=3.0)
         e: Any = SimpleNamespace(
             lead=found,
+            beside_lead=(),
             criteria=criteria,
             context=SimpleNamespace(floor=FLOOR),
-            weight=lambda _: weight,
+            weight=lambda *_: weight,
             share=lambda _: (share, steady),
             times=lambda _: 3.0,
         )

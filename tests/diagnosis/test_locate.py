@@ -213,7 +213,7 @@ def test_sentences_say_what_was_found() -> None:
         "grows with mass (correlation +0.91)",
         "larger in runs that go down (correlation 0.80)",
         "the residual force jumps by 0.6 N where the velocity changes sign, like friction of 0.3 N either way "
-        "(80 % of what a linear plant cannot take up)",
+        "(80 % of the force that no spring or damper gives)",
     )
     along = sentences(6e-4, 2e-5, phases, {"a": 1e-4}, {}, Shape("sign of velocity", 0.3, 0.8, np.zeros(1)))
     assert "jumps by 0.6 N where the velocity changes sign (80 %" in along[-1]  # no friction pushes

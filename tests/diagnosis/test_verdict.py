@@ -36,6 +36,7 @@ class Told:
     rivals: tuple[Candidate, ...] = ()
     undetermined: tuple[str, ...] = ()
     imitated: dict[str, str] = field(default_factory=dict)
+    beside_lead: tuple[Candidate, ...] = ()
     share_taken: tuple[float, float] = (0.95, 0.9)
     held: float = 1.0
     floored: tuple[str, ...] = ("coulomb_friction", "free_play")
@@ -49,7 +50,7 @@ class Told:
     def times(self, found: Candidate) -> float:
         return found.optimum.rms / FLOOR
 
-    def weight(self, found: Candidate) -> float:
+    def weight(self, *found: Candidate) -> float:
         return self.held
 
     def share(self, found: Candidate) -> tuple[float, float]:
@@ -144,6 +145,13 @@ def test_a_lead_takes_most_on_runs_left_out() -> None:
     assert "3 times the noise floor" in found.reasons[1]
 
 
+def test_what_the_data_do_not_tell_from_a_lead_is_told() -> None:
+    found = ask("leads", beside_lead=(PLAY,))
+    assert found is not None
+    assert (found.verdict, found.shown, found.alternatives) == ("ambiguous", FRICTION, (PLAY,))
+    assert "free play" in found.reasons[-1]
+
+
 @pytest.mark.parametrize(
     "told",
     [
@@ -226,6 +234,26 @@ def test_a_lead_has_two_effects_at_most(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(gather, "imitators", lambda *_: {})
     three = candidate(["cogging", "free_play", "sensor_drift"], times=1.5)
     assert evidence(three, candidate(["cogging", "free_play"], times=2.0)).lead.names == ("cogging", "free_play")
+
+
+def test_a_lead_has_no_more_in_it_than_takes_a_notable_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(gather, "imitators", lambda *_: {})
+    alone, pair = (candidate(n, times=t) for n, t in ((["free_play"], 3.0), (["free_play", "cogging"], 2.5)))
+    assert evidence(alone, pair).best is pair
+    assert evidence(alone, pair).lead is alone
+    much = candidate(["free_play", "cogging"], times=1.2)
+    assert evidence(alone, much).lead is much
+
+
+def test_of_laws_as_good_the_simplest_leads_and_its_twins_stand_beside_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(gather, "imitators", lambda *_: {})
+    simple, general, twin = (
+        candidate([n], times=3.0) for n in ("quadratic_damping", "power_damping", "position_dependent_damping")
+    )
+    e = evidence(general, simple, twin, candidate(["cogging"], times=4.0))
+    assert e.lead is simple
+    assert e.beside_lead == (twin,)
+    assert e.weight(e.lead, *e.beside_lead) > 0.99
 
 
 def test_the_weight_of_a_law_holds_that_of_the_laws_that_contain_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,6 +18,7 @@ from stepid.diagnosis.progress import Progress
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.verdict import judge
+from stepid.diagnosis.wording import length
 from stepid.effects import CATALOGUE, Effect, among_themselves
 from stepid.errors import UndeterminedError
 from stepid.fitting.fit import prepare
@@ -25,7 +26,7 @@ from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.run_fault import accuse, find_fault
-from stepid.fitting.screening import screen
+from stepid.fitting.screening import screen, split_campaign
 from stepid.simulation.threads import single_threaded
 from stepid.simulation.warm_up import warm_up
 
@@ -77,7 +78,7 @@ def diagnose(
     stepid.errors.ConvergenceError
         If not even a linear plant can be fitted.
     """
-    campaign = as_campaign(campaign)
+    campaign, splits = split_campaign(as_campaign(campaign))
     tell = progress or _silent
     if len(campaign.experiments) < 2:
         raise UndeterminedError(
@@ -93,7 +94,9 @@ def diagnose(
             f"campaign {campaign.name!r} has one usable run. {' '.join(screen(campaign).notes)}",
             "Record the others again: a model that fits one run cannot be checked on another.",
         )
-    return _diagnosed(campaign, context, how)
+    tell(Progress(f"linear model leaves {length(context.linear.rms)}, noise {length(context.floor)}"))
+    done = _diagnosed(campaign, context, how)
+    return done.model_copy(update={"notes": (*splits, *done.notes)}) if splits else done
 
 
 class _How(NamedTuple):
@@ -120,7 +123,8 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
         if fault_of_run is not None and len(context.records.runs) > 2:
             rest = tuple(e for e in campaign.experiments if e.name != fault_of_run.run)
             others = campaign.model_copy(update={"experiments": rest})
-            done = _diagnosed(others, prepare(others, workers=how.workers), how, (*accused, fault_of_run))
+            told = fault_of_run.model_copy(update={"words": f"{fault_of_run.words} It is left out of this diagnosis."})
+            done = _diagnosed(others, prepare(others, workers=how.workers), how, (*accused, told))
             return done.model_copy(update={"data": campaign})
     how.tell(Progress("runs held out", best=found.best.names))
     evidence = EvidenceRecord(found.context, how.criteria, found.candidates, fault, (*accused, *found.context.faults))

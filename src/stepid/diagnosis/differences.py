@@ -9,7 +9,7 @@ import numpy as np
 
 from stepid.core.base import Finite, Model, NonNegative
 from stepid.diagnosis.selection.candidate import Candidate
-from stepid.diagnosis.wording import percent
+from stepid.diagnosis.wording import length, percent
 from stepid.fitting.deviations import deviation_std, scatter_values
 from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.multistart import FitContext
@@ -20,7 +20,6 @@ _NOTABLE = 3.0  # times the standard error of a rest position, that its scatter 
 _WORDS = {
     "start_time": "The runs start within ±{0:.3g} ms of one another (standard deviation)",
     "gain": "The gain differs from run to run by {1:.2g} % (standard deviation)",
-    "rest": "The rest position differs from run to run by {2:.3g} µm (standard deviation)",
     "damping": "The damping differs from run to run by {1:.2g} % (standard deviation)",
     "friction": "The friction differs from run to run by {1:.2g} % (standard deviation)",
 }
@@ -90,6 +89,9 @@ def scatter_words(scatter: dict[str, Scatter]) -> tuple[str, ...]:
     """The same in sentences."""
     out = []
     for kind, s in scatter.items():
-        said = _WORDS[kind].format(1e3 * s.deviation, 1e2 * s.deviation, 1e6 * s.deviation)
+        if kind == "rest":  # every model has one for each run: it is no misfit
+            out.append(f"The rest position differs from run to run by {length(s.deviation)} (standard deviation).")
+            continue
+        said = _WORDS[kind].format(1e3 * s.deviation, 1e2 * s.deviation)
         out.append(f"{said}: {percent(s.explained)} of the misfit's power.")
     return tuple(out)

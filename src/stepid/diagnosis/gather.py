@@ -71,8 +71,12 @@ class EvidenceRecord:
         return min(weighed, key=loss).candidate
 
     def at_floor(self, found: Candidate) -> bool:
-        """Tell whether a candidate leaves nothing but noise."""
-        return at_floor(self.context, self.criteria, found)
+        """Tell whether a candidate leaves nothing but noise: one that is free in every run has to reach the floor."""
+        if not at_floor(self.context, self.criteria, found):
+            return False
+        samples = float((self.context.records.weight**2).sum())
+        strict = self.criteria.floor + 2.0 / math.sqrt(samples)
+        return not is_free(found) or self.times(found) <= strict
 
     @cached_property
     def white(self) -> bool:
@@ -169,7 +173,8 @@ class EvidenceRecord:
         alone = [
             w.candidate
             for w in self._able
-            if len(w.candidate.effects) == 1 and includes(pair.effects, w.candidate.effects)
+            if len(w.candidate.effects) == 1
+            and includes(pair.effects, w.candidate.effects)
             and self._taken(self.linear, w.candidate) >= self.criteria.lead
             and self._taken(w.candidate, pair) < self.criteria.lead
         ]
@@ -188,7 +193,11 @@ class EvidenceRecord:
         out: dict[frozenset[str], Candidate] = {}
         for w in self._able:
             other, names = w.candidate, frozenset(w.candidate.names)
-            if len(names) != len(lead.effects) or names == frozenset(lead.names) or abs(w.loss - own) >= self.criteria.tie:
+            if (
+                len(names) != len(lead.effects)
+                or names == frozenset(lead.names)
+                or abs(w.loss - own) >= self.criteria.tie
+            ):
                 continue
             twin = abs(other.optimum.cost - lead.optimum.cost) < self.criteria.tie * self.context.floor**2
             general = includes(other.effects, lead.effects) and w.loss < own
@@ -228,6 +237,11 @@ class EvidenceRecord:
         single = [taken([i]) for i in before]
         steady = min(single) / max(single) if max(single) > 0 else 0.0
         return taken(list(before)), max(steady, 0.0)
+
+
+def is_free(found: Candidate) -> bool:
+    """Tell whether a candidate has an effect with a freedom of its own in every run."""
+    return any(e.run_parameters for e in found.effects)
 
 
 def includes(bigger: tuple[Effect, ...], smaller: tuple[Effect, ...]) -> bool:

@@ -26,12 +26,7 @@ def notes_on(campaign: Campaign, context: FitContext, final: Optimum, effects: t
     slowest = float(records.sample_time.max())
     if slowest >= _SLOW:
         out.append(f"The readings come every {slowest:.3g} s: if the times are milliseconds, give time_scale = 0.001.")
-    for i, run in enumerate(records.runs):
-        if records.begin[i]:
-            out.append(
-                f"Run {run.name!r}: the first {records.begin[i]} samples, held by hand before the release, "
-                "are left out."
-            )
+    for run in records.runs:
         if _is_clipped(run.position):
             out.append(
                 f"Run {run.name!r} stays at its extreme reading for {_CLIPPED} samples or more: did it hit a stop?"

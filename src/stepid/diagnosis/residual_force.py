@@ -46,11 +46,12 @@ def residual_force(records: Records, linear: Optimum, motion: Motion, phase: Ind
     residual, period = linear.residual, strongest_period(records)
     parts: list[list[Array]] = []
     for r, piece in enumerate(records.pieces()):
-        h = float(records.sample_time[r])
+        h, values = records.evenly(r, residual)
         mass, stiffness, damping = (float(q[piece][0]) for q in (motion.mass, motion.stiffness, motion.damping))
-        values, here = residual[piece], phase[piece]
-        x, v, volts, sign = (q[piece] for q in (motion.x, motion.v, motion.volts, motion.sign))
-        signals = (x, v, volts, sign, v * np.abs(v), x**2, x**3, motion.time[piece], np.full(x.size, float(r)))
+        here = np.rint(records.evenly(r, phase.astype(np.float64))[1])
+        x, v, volts, sign = (records.evenly(r, q)[1] for q in (motion.x, motion.v, motion.volts, motion.sign))
+        time = records.evenly(r, motion.time)[1]
+        signals = (x, v, volts, sign, v * np.abs(v), x**2, x**3, time, np.full(x.size, float(r)))
         found = _narrowest(values, (mass, damping, stiffness), h, floor, period)
         if found is None:
             continue
@@ -63,7 +64,8 @@ def residual_force(records: Records, linear: Optimum, motion: Motion, phase: Ind
         return ResidualForce(empty, empty, empty, empty, np.zeros((len(SHAPES), 0)), empty, empty)
     joined = [np.concatenate(column) for column in zip(*parts, strict=True)]
     last = 4 + len(SHAPES)
-    return ResidualForce(*joined[:4], np.array(joined[4:last]), joined[last], np.rint(joined[last + 1]))
+    force, x, v, volts = joined[:4]
+    return ResidualForce(force, x, v, volts, np.array(joined[4:last]), joined[last], np.rint(joined[last + 1]))
 
 
 def _narrowest(

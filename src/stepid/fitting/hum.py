@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
@@ -109,6 +108,8 @@ def _hum(records: Records, linear: Optimum, residual: Array, start: float, own: 
         return -float(np.sum(np.abs(lines) ** 2 * np.diff(records.bounds)))
 
     bounds = (start - reach, start + reach)
+    from scipy.optimize import minimize_scalar  # slow to import, seldom needed
+
     best = minimize_scalar(power, bounds=bounds, method="bounded", options={"xatol": 1e-3 * reach})
     frequency = float(best.x)
     highest = 0.5 / float(records.sample_time.max()) - 3.0 / longest

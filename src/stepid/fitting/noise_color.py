@@ -116,7 +116,7 @@ def colored_floor(records: Records, residual: Array | None = None) -> tuple[floa
     half = _windows(records, values, floor, _HALF * period)
     if half is None or _best(half, 1.0).gain < _AGREES:
         return floor, None
-    slowest = math.exp(-_SLOW * float(np.median(records.sample_time)) / period)
+    slowest = max(math.exp(-_SLOW * float(np.median(records.sample_time)) / period), _CORRELATIONS[0])
     long = _windows(records, values, floor, _LONG * period)
     found = _best(long if long is not None and long.number >= _ENOUGH else half, slowest)
     again = _best(half, slowest, found.shape)

@@ -10,6 +10,7 @@ import numpy as np
 
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.noise import noise_level
+from stepid.core.releases import release_index, split_releases
 from stepid.core.units import UNIT, check_speed, check_travel
 from stepid.errors import InputError
 from stepid.fitting.reading_faults import Mask, mend
@@ -62,6 +63,7 @@ def screen(campaign: Campaign) -> Screened:
     stepid.errors.InputError
         If no run is left, or the positions cannot be meters.
     """
+    campaign, splits = split_campaign(campaign)
     mended = {run.name: mend(run) for run in campaign.experiments}
     faults = tuple(fault for found in mended.values() for fault in found.faults)
     if faults:
@@ -70,7 +72,7 @@ def screen(campaign: Campaign) -> Screened:
         who = f"run {run.name!r}: its positions"
         check_travel(run.position, who, UNIT)
         check_speed(run.position, run.sample_time, who)
-    notes = [fault.words for fault in faults]
+    notes = [*splits, *(fault.words for fault in faults)]
     kept = [run for run in campaign.experiments if not _still(run)]
     left_out = {run.name for run in campaign.experiments} - {run.name for run in kept}
     for run in campaign.experiments:
@@ -88,11 +90,44 @@ def screen(campaign: Campaign) -> Screened:
         for run in kept
         if run.starts == "auto" and not run.is_release and starts_in_motion(run)
     ]
+    notes += [
+        f"Run {run.name!r}: the first {begin} samples are left out: a hand held or moved the cart."
+        for run in kept
+        if (begin := release_index(run))
+    ]
     notes += [note for run in kept if (note := clock_note(run)) is not None]
     if not notes:
         return Screened(campaign, ())
     wrong = {run.name: mended[run.name].wrong[-run.position.size :] for run in kept if mended[run.name].faults}
     return Screened(campaign.model_copy(update={"experiments": tuple(kept)}), tuple(notes), faults, wrong)
+
+
+def split_campaign(campaign: Campaign) -> tuple[Campaign, tuple[str, ...]]:
+    """Take each release of a record that holds several as a run of its own, and say so.
+
+    Parameters
+    ----------
+    campaign : Campaign
+
+    Returns
+    -------
+    tuple of Campaign and tuple of str
+        The campaign itself where no record holds several.
+    """
+    runs: list[Experiment] = []
+    notes = []
+    for run in campaign.experiments:
+        parts = split_releases(run)
+        taken = {other.name for other in campaign.experiments} & {part.name for part in parts} - {run.name}
+        if taken:  # what it would be called, others are
+            parts = (run,)
+        runs += parts
+        if len(parts) > 1:
+            names = ", ".join(repr(part.name) for part in parts)
+            notes.append(f"Run {run.name!r} holds {len(parts)} releases. They are taken as runs {names}.")
+    if not notes:
+        return campaign, ()
+    return campaign.model_copy(update={"experiments": tuple(runs)}), tuple(notes)
 
 
 def _quiet(run: Experiment) -> float:

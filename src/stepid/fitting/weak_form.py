@@ -89,8 +89,8 @@ class WeakForm:
     def test(self, values: Array) -> Array:
         """∫φ g for samples of g, shape (S,) to (rows,)."""
         parts = []
-        for piece, (n, stride, phi) in zip(self._records.pieces(), self._bumps, strict=True):
-            parts.append(self._windows(values[piece], n, stride) @ phi)
+        for r, (n, stride, phi) in enumerate(self._bumps):
+            parts.append(self._windows(self._records.evenly(r, values)[1], n, stride) @ phi)
         return np.concatenate(parts)
 
     def solve(self, forces: tuple[Array, ...] = ()) -> WeakSolution | None:
@@ -162,8 +162,7 @@ def measured_motion(records: Records, linear: Array, floor: float, period: float
     """
     x, v = np.empty(records.size), np.empty(records.size)
     for r, piece in enumerate(records.pieces()):
-        y = records.position[piece]
-        h = float(records.sample_time[r])
+        h, y = records.evenly(r, records.position)
         speed = np.ptp(y) / max(period, 4 * h)
         half = 2
         while half * h < period / 10 and floor / (h * half**1.5) > 0.01 * speed:
@@ -172,7 +171,8 @@ def measured_motion(records: Records, linear: Array, floor: float, period: float
         degree = min(3, window - 2)
         rest = np.median(y[-max(8, y.size // 6) :]) if records.moving[r] else y[0]
         smooth, slope = _smoothed(y, window, degree)
-        x[piece], v[piece] = smooth - rest, slope / h
+        x[piece] = records.at_samples(r, smooth - rest)
+        v[piece] = records.at_samples(r, slope / h)
     return motion_along(records, linear, x, v)
 
 

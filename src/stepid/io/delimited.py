@@ -124,7 +124,9 @@ def parse_table(file: Path, layout: Layout) -> Table:
     if len(set(names)) < len(names):
         raise InputError(f"{where}: its header names a column twice ({', '.join(names)})", "Rename one of them.")
     numbers = [i for i, _ in body]
-    used = {i for i, name in enumerate(labels) if any(isinstance(c, str | int) and c in (i, name) for c in layout.used)}
+    used = {i for i, name in enumerate(labels) if _any_is(layout.used, i, name)}
+    kept_rows = _own_rows(rows, [i for i, name in enumerate(labels) if _any_is(layout.used[1:], i, name)])
+    rows, numbers = rows[:kept_rows], numbers[:kept_rows]
     rows = [
         [cell if i in used or _is_reading(cell, layout.decimal) else "0" for i, cell in enumerate(row)] for row in rows
     ]  # beside the readings there may be anything, and nothing
@@ -140,6 +142,16 @@ def parse_table(file: Path, layout: Layout) -> Table:
     return Table(names, values, [f"{where}, line {i}" for i in numbers])
 
 
+def header(file: Path, layout: Layout) -> tuple[str, ...]:
+    """Names of a file's columns, () where it has no header; InputError where it has no line."""
+    lines = [line for line in read_lines(file)[layout.skiprows :] if line.strip()]
+    body = [line.strip(" ") for line in lines if not line.lstrip().startswith(("#", "%"))]
+    if not body:
+        raise InputError(f"{file}: holds no rows of numbers", "Export the record again.")
+    cells = _cells(body[0], layout.separator(body[-1]))
+    return tuple(cells) if _is_header(cells) else ()
+
+
 def join_tables(tables: Sequence[Table]) -> Table:
     """Join tables of one layout; InputError where they differ."""
     first = tables[0]
@@ -149,6 +161,21 @@ def join_tables(tables: Sequence[Table]) -> Table:
                 f"{table.places[0]}: has other columns than {first.places[0]}", "Join files of one layout only."
             )
     return Table(first.names, np.concatenate([t.values for t in tables]), [place for t in tables for place in t.places])
+
+
+def _any_is(used: Sequence[object], index: int, name: str) -> bool:
+    return any(isinstance(column, str | int) and column in (index, name) for column in used)
+
+
+def _own_rows(rows: Sequence[Sequence[str]], own: Sequence[int]) -> int:
+    """Rows until a record has ended: beside a longer one its cells are empty from there on."""
+    last = len(rows)
+    while last and own and all(i < len(rows[last - 1]) and not rows[last - 1][i] for i in own):
+        others = [cell for i, cell in enumerate(rows[last - 1]) if i not in own]
+        if sum(map(bool, others)) < 2:  # beside its time there is no other record
+            return last
+        last -= 1
+    return last or len(rows)
 
 
 def _cells(text: str, separator: str | None) -> list[str]:

@@ -21,6 +21,7 @@ from stepid.io.manifest_values import (
     check_whole,
 )
 from stepid.io.table import read_table
+from stepid.io.tables import read_tables
 
 
 class Reader(Protocol):
@@ -103,10 +104,12 @@ class TableReader:
             "skiprows": check_whole,
             "start": check_whole,
             "stop": check_whole,
+            "run": check_text,
         }
     )
     required = ("position",)
 
     def read(self, paths: Sequence[Path], **keys: Any) -> Experiment:
-        """Read one table or several that are joined; see `stepid.read_table`."""
-        return read_table(paths, **keys)
+        """Read one table or several that are joined; see `stepid.read_table`, with ``run`` `stepid.read_tables`."""
+        run = keys.pop("run", None)
+        return read_table(paths, **keys) if run is None else read_tables(paths, runs=(run,), **keys)[0]

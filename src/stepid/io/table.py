@@ -56,6 +56,7 @@ def read_table(
         One file, or several that continue each other, joined in order.
     position : str or int
         Column of the position, by name or by index from 0. Must be given; the error without it lists the columns.
+        Where several runs stand side by side, a run ends where its cells are empty from there on.
     time : str or int, optional
         Column of the time, s, uneven or not. Without it, `sample_time` says how far rows are apart.
     input : str, int, StepInput or array, shape (n,), optional
@@ -107,7 +108,7 @@ def read_table(
         in length, a column is missing, time does not increase, or `position_scale` gives a travel of less than 10 nm or
         more than 100 m.
     """
-    files = _files(paths)
+    files = as_files(paths)
     where = str(files[0]) if len(files) == 1 else f"{files[0]} … {files[-1].name}"
     for label, number in (
         ("sample_time", sample_time),
@@ -148,7 +149,8 @@ def read_table(
         raise InputError(f"{where}: {error.cause}", error.remedy) from None
 
 
-def _files(paths: object) -> list[Path]:
+def as_files(paths: object) -> list[Path]:
+    """Return one path or several as a list; InputError where they are none."""
     if isinstance(paths, str | os.PathLike):
         return [as_path(paths)]
     if not isinstance(paths, Sequence) or isinstance(paths, bytes) or not paths:

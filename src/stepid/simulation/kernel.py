@@ -269,6 +269,24 @@ def _own_states(w: Work, t: float, span: float, y: Array, after: Array, again: b
 
 
 @compiled
+def _excess(w: Work, h: float, worst: float) -> float:
+    """Error of a step over what is allowed: the largest of all states', and of `worst`."""
+    y, z, k = w.y, w.stage, w.k
+    for j in range(w.states):
+        total = 0.0
+        for i in range(_STAGES):
+            total += _E[i] * k[i, j]
+        allowed = w.allowed[j]
+        if allowed < 0.0:  # what has only just left zero is judged by where it goes
+            allowed *= -max(abs(y[j]), abs(z[j]), abs(k[_STAGES - 1, j]) * w.allowed[0] / w.allowed[1])
+        if allowed > 0.0:
+            worst = max(worst, abs(h * total) / allowed)
+        if z[j] != z[j]:
+            worst = np.inf
+    return worst
+
+
+@compiled
 def _step(w: Work, t: float, h: float) -> float:
     """Step from `w.y` to `w.stage`, the rates at its start being `w.k[0]`; return its error over what is allowed."""
     y, z, k = w.y, w.stage, w.k
@@ -292,18 +310,7 @@ def _step(w: Work, t: float, h: float) -> float:
             if s == _STAGES - 2:
                 _copy(z, k[_STAGES], d)
         _evaluate(w, t + _C[s] * h, z, k[s])
-    for j in range(d):
-        total = 0.0
-        for i in range(_STAGES):
-            total += _E[i] * k[i, j]
-        allowed = w.allowed[j]
-        if allowed < 0.0:  # what has only just left zero is judged by where it goes
-            allowed *= -max(abs(y[j]), abs(z[j]), abs(k[_STAGES - 1, j]) * w.allowed[0] / w.allowed[1])
-        if allowed > 0.0:
-            worst = max(worst, abs(h * total) / allowed)
-        if z[j] != z[j]:
-            worst = np.inf
-    return worst
+    return _excess(w, h, worst)
 
 
 @compiled

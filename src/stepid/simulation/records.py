@@ -12,13 +12,13 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
+from stepid.core.releases import release_index
 from stepid.core.samples import InputBetween, course, is_even
 from stepid.simulation.clock import clock
 from stepid.simulation.starts import starts_in_motion
 
 Index = npt.NDArray[np.intp]
 _NONE = 1e-4  # square-root weight of a reading that is left out
-_HELD = 8  # samples near the farthest point that a free swing hardly stays
 
 
 @dataclass(frozen=True)
@@ -75,12 +75,22 @@ class Records:
 
     def evenly(self, run: int, values: Array) -> tuple[float, Array]:
         """Values at a run's samples at as many even times, by straight lines, and those times' distance, s."""
-        piece = self.pieces()[run]
-        own, time = values[piece], self.time[piece]
-        if self.at is not None or is_even(time):
+        own, even = values[self.pieces()[run]], self._even[run]
+        if even is None:
             return float(self.sample_time[run]), own
-        even = np.linspace(time[0], time[-1], time.size)
-        return float(even[1] - even[0]), np.interp(even, time, own)
+        return float(even[1] - even[0]), np.interp(even, self.time[self.pieces()[run]], own)
+
+    def at_samples(self, run: int, values: Array) -> Array:
+        """Values at even times, as `evenly` gives them, at the run's samples."""
+        even = self._even[run]
+        return values if even is None else np.interp(self.time[self.pieces()[run]], even, values)
+
+    @cached_property
+    def _even(self) -> tuple[Array | None, ...]:
+        """As many even times as each run has samples, s; None where its samples are even, or were thinned out."""
+        times = [self.time[piece] for piece in self.pieces()]
+        thin = self.at is not None
+        return tuple(None if thin or is_even(t) else np.linspace(t[0], t[-1], t.size) for t in times)
 
     def centered(self, values: Array) -> Array:
         """Subtract each run's weighted mean over the last axis: what a free rest position leaves."""
@@ -142,25 +152,6 @@ class Records:
     def reweighted(self, weight: Array) -> Records:
         """Return the same records with other square-root weights, shape (S,)."""
         return replace(self, weight=weight)
-
-
-def release_index(experiment: Experiment) -> int:
-    """Index of the first sample at which a cart that a hand pulled or held is surely free; 0 where none held it.
-
-    Only a record without input, of which nobody said how it starts, may begin with a hand.
-
-    The hand is off once the cart has left its farthest point by 3 % of the swing; what came before is the hand's.
-    """
-    if not experiment.is_release or experiment.starts != "auto":
-        return 0
-    y = experiment.position
-    away = np.abs(y - np.median(y[-max(8, y.size // 10) :]))
-    top = int(np.argmax(away))
-    left = np.flatnonzero(away[top:] < 0.97 * away[top])
-    if not left.size:
-        return 0
-    first = top + int(left[0])
-    return first if first > _HELD else 0
 
 
 def lay_out(campaign: Campaign) -> Records:

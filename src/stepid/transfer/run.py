@@ -11,9 +11,9 @@ import numpy.typing as npt
 from stepid.core.arguments import as_experiment
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.releases import release_index
 from stepid.core.samples import CLOSE, course, off_even_clock
 from stepid.errors import ConvergenceError, InputError
-from stepid.simulation.records import release_index
 from stepid.transfer.linear import sampled
 
 if TYPE_CHECKING:

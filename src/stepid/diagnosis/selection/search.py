@@ -88,13 +88,30 @@ class Search:
         """Look for rivals of the best: simpler and more general laws, other effects in the place of one."""
         for _ in range(self.effort.rounds):
             bases = [self.nodes[c.key] for c in self._leading()]
-            if not any([self._expand(node, CONFIRMING) for node in bases]):
+            made = [self._expand(node, CONFIRMING) for node in bases]
+            fewer = self._with_fewer_conditions(bases)
+            made += [self._expand(node, EXPLORING) for node in fewer]
+            if not any(made):
                 break
             keys = {node.key for node in bases}
-            for proposal in self._promising(keys):
+            for proposal in [*self._promising(keys), *self._instead_of_conditions(fewer)]:
                 self._fit(proposal)
             self._promote()
             self._polish_best()
+
+    def _with_fewer_conditions(self, bases: Sequence[Node]) -> list[Node]:
+        """The nodes with one condition less that differs from run to run."""
+        keys = [(node.key[0], node.deviations - {kind}) for node in bases for kind in sorted(node.deviations)]
+        return [self.nodes[key] for key in dict.fromkeys(keys) if key in self.nodes]
+
+    def _instead_of_conditions(self, fewer: Sequence[Node]) -> list[Proposal]:
+        """Effects in the place of a condition that differs: the most promising additions to each node."""
+        out: list[Proposal] = []
+        for node in fewer:
+            own = {p.key: p for p in self.proposals if p.base == node.key and len(p.effects) > len(node.effects)}
+            new = [p for p in own.values() if self._new(p)]
+            out += sorted(new, key=lambda p: p.rank)[: self.effort.share]
+        return out
 
     def _leading(self) -> list[Candidate]:
         """The best, and others that leave only noise because runs may differ: they may need less for it."""
@@ -272,13 +289,13 @@ class Search:
 
     def _polish_best(self) -> Candidate:
         """Fit the best nodes to all samples."""
-        order = sorted(self.nodes.values(), key=lambda n: n.cost)
-        best = order[0].cost
+        order = sorted(self.nodes.values(), key=self._value)
+        best = self._value(order[0])
         near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
         first = order[: self.effort.polish] + self._nameable(order)[: self.effort.polish]
         for node in order:
             # one that is not near is fitted once: it may go on for long, and cannot win
-            if node.cost < near or (any(node is f for f in first) and node.fitted.polished is None):
+            if self._value(node) < near or (any(node is f for f in first) and node.fitted.polished is None):
                 self._polish(node)
         found = self.best
         if not self._complete(found):
@@ -286,6 +303,12 @@ class Search:
             if any(e.dry for e in node.effects) and node.fitted.resettle():
                 self._polish(node)
         return self.best
+
+    def _value(self, node: Node) -> float:
+        """Cost of a node and of its parameters, m², as if the best left only noise."""
+        problem = node.best.problem
+        count = int(problem.free.sum() + problem.active.sum())
+        return node.cost + count * math.log(self.fit.records.size) * self.fit.unit
 
     def _polish(self, node: Node) -> None:
         optimum = polished(self.fit, node.fitted, self.effort)

@@ -25,7 +25,7 @@ class Deviate:
         if len(every) > 1:  # each alone may show little; which of them are needed is seen from there
             left = max(node.cost - sum(found.gain for found in every.values()), 0.0)
             costly = 1.0 + context.effort.price * sum(int((found.values != 0).sum()) for found in every.values())
-            deviations = node.deviations | frozenset(every)
+            deviations = node.deviations.union(every)
             out.append(
                 Proposal(node.effects, deviations, (standing(node),), node.key, node.best, left, costly, self.name)
             )

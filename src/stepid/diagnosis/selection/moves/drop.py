@@ -29,7 +29,7 @@ class Drop:
             )
             effects = tuple(node.effects[i] for i in rest)
             out.append(Proposal(effects, node.deviations, starts, node.key, node.best, left, 1.0, self.name))
-        for kind in node.deviations:
+        for kind in sorted(node.deviations):
             left = node.cost  # what it gains is judged by the fit without it
             fewer = node.deviations - {kind}
             out.append(Proposal(node.effects, fewer, (standing(node),), node.key, node.best, left, 1.0, self.name))

@@ -1,0 +1,220 @@
+"""Where a hand lets the cart go: the part of a record before it, and records that hold several releases."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.core.noise import noise_level
+
+if TYPE_CHECKING:
+    from stepid.core.experiment import Experiment
+
+_FEW = 8  # samples, the last of a record
+_TAIL = 1.5  # periods near rest, after which a cart has come to it; or
+_MUCH = 0.25  # of the record
+_TIMES = 4  # that a middle of swings is found anew
+_BIG = 0.3  # of the farthest point, which a cart that comes to rest stays below
+_FAR = 0.85  # of the farthest point: the first as far is where the hand held the cart, or pushed it to
+_HIGH = 0.6  # of the swing that follows: above it the cart is near its farthest point
+_DAMPED = 0.3  # of the farthest point, what at least is taken for the swing that follows
+_WIDTH = 0.4  # of the time from there to rest, a tenth of a period, over which speed is measured
+_SURE = 0.25  # of the fastest fall: a free cart is as fast once it has left its farthest point by 3 % of the swing
+_TERMS = 5  # of a damped swing over a part of its period
+_HALF = 0.42  # of a period, before the cart turns again
+_CHANCE = 4.0  # standard deviations of χ²
+_NEAR = 1e-3  # of the travel, that the terms of a swing are off by themselves
+_AGAIN = 1.5  # times the turn before, or what is rest: no free swing grows so
+_FAINT = 0.05  # of the largest swing: less is rest
+_STILL = 0.2  # of what is rest: less is no motion of the hand
+_NOTABLE = 0.2  # of the largest swing, below which a growing one is noise or a touch
+_QUIET = 8.0  # standard deviations of the noise that no swing stands out from
+_SEEN = 3.0  # counts, likewise
+_FEWEST = 24  # samples of a release
+
+
+def release_index(experiment: Experiment) -> int:
+    """Index of the first sample at which a cart that a hand pulled, held or pushed is surely free; 0 where none did.
+
+    Only a record without input, of which nobody said how it starts, may begin with a hand. A free cart swings
+    from its farthest point across its rest: the hand is off where that motion, followed back, has a quarter of its
+    speed. Where the free swing, carried back, goes through what came before, no hand held the cart.
+
+    Parameters
+    ----------
+    experiment : Experiment
+
+    Returns
+    -------
+    int
+    """
+    if not experiment.is_release or experiment.starts != "auto" or float(np.ptp(experiment.position)) <= 0:
+        return 0
+    time, away = experiment.time, experiment.position - _rest(experiment.position)
+    steepest = _fall(away)
+    if steepest is None:
+        return 0
+    begin, end, side = steepest
+    width = max(1, round(_WIDTH * (end - begin)))
+    speed = -side * (away[width:] - away[:-width]) / (time[width:] - time[:-width])
+    near = slice(max(0, begin - width), end)
+    fast = near.start + int(np.argmax(speed[near]))
+    slow = np.flatnonzero(speed[:fast] < _SURE * speed[fast])
+    if not slow.size:
+        return 0
+    first = int(slow[-1]) + 1 + (width + 1) // 2
+    return 0 if first <= 3 * width and _swings_through(experiment, first) else first
+
+
+def _fall(away: Array) -> tuple[int, int, float] | None:
+    """Last sample near the farthest point, first on the other side of rest, and which side the cart comes from."""
+    top = int(np.argmax(np.abs(away) >= _FAR * np.abs(away).max()))
+    side = float(np.sign(away[top]))
+    across = np.flatnonzero(side * away[top:] < 0)
+    if not across.size:
+        return None
+    end = top + int(across[0])
+    back = np.flatnonzero(side * away[end:] > 0)
+    swing = -side * away[end : end + int(back[0]) if back.size else None]
+    high = _HIGH * max(float(swing.max()), _DAMPED * abs(float(away[top])))
+    return top + int(np.flatnonzero(side * away[top:end] > high)[-1]), end, side
+
+
+def _swings_through(experiment: Experiment, first: int) -> bool:
+    """Tell whether the free swing from a sample on, carried back, goes through the samples before it.
+
+    A damped swing of about the record's period is 1, cos, sin, t·cos and t·sin over so short a time.
+    """
+    y = experiment.position
+    period = _period(y[first:])
+    last = first + round(_HALF * period)
+    if not _TERMS < last - first <= y.size - first:
+        return False
+    turn = 2 * np.pi / period * (np.arange(last) - first)
+    terms = np.column_stack([np.ones(last), np.cos(turn), np.sin(turn), turn * np.cos(turn), turn * np.sin(turn)])
+    inverse = np.linalg.pinv(terms[first:])
+    off = y[:first] - terms[:first] @ inverse @ y[first:last]
+    noise = noise_level(y, resolution=experiment.resolution)
+    back = terms[:first] @ inverse
+    covariance = noise**2 * (np.eye(first) + back @ back.T) + (_NEAR * float(np.ptp(y))) ** 2 * np.eye(first)
+    chance = first + _CHANCE * np.sqrt(2.0 * first)
+    return bool(off @ np.linalg.solve(covariance, off) <= chance)
+
+
+def split_releases(experiment: Experiment) -> tuple[Experiment, ...]:
+    """Split a record that holds several releases, or pushes, by hand into one record each.
+
+    A free swing only dies away. Where it grows again, a hand has moved the cart: the record ends there, and the next
+    begins. What the hand did first in each of them is left out by `fit` and `diagnose`.
+
+    Parameters
+    ----------
+    experiment : Experiment
+        A record with an input is returned whole: a fit follows all of its steps.
+
+    Returns
+    -------
+    tuple of Experiment
+        In order of time on the record's clock, called "name (1)", "name (2)", …; the record itself where it holds one
+        release.
+    """
+    if not experiment.is_release or experiment.starts == "rest":
+        return (experiment,)
+    hands = _hands(experiment)
+    begins, ends = [0, *(after for _, after in hands)], [*(before for before, _ in hands), experiment.time.size]
+    parts = [(a, b) for a, b in zip(begins, ends, strict=True) if b - a >= _FEWEST]
+    if len(parts) < 2:
+        return (experiment,)
+    return tuple(experiment.slice(a, b, name=f"{experiment.name} ({i})") for i, (a, b) in enumerate(parts, 1))
+
+
+class _Lobe(NamedTuple):
+    """A stay on one side of rest: first sample, last (not included), farthest point [m], which side."""
+
+    first: int
+    last: int
+    size: float
+    side: float
+
+
+def _hands(experiment: Experiment) -> list[tuple[int, int]]:
+    """Last free sample before each time that a hand takes a cart that was let go, and first of what follows."""
+    y = experiment.position
+    away = y - _rest_between(y)
+    noise = noise_level(y, resolution=experiment.resolution)
+    largest = float(np.abs(away).max())
+    quiet = max(_QUIET * noise, _SEEN * (experiment.resolution or 0.0), _FAINT * largest)
+    lobes, half = _lobes(away, quiet)
+    out: list[tuple[int, int]] = []
+    swings = 0  # lobes since the last hand
+    range_before = np.inf  # of the turn before, from one farthest point to the next: whatever the rest, it only shrinks
+    for before, lobe in pairwise(lobes):
+        rested = lobe.first - before.last > half
+        turn = before.size + lobe.size if lobe.side != before.side else lobe.size
+        grown = lobe.size > _AGAIN * quiet if rested else turn > _AGAIN * range_before
+        if lobe.size > _NOTABLE * largest and swings + rested > 1 and grown:
+            still = max(before.last, _moved(away, before, lobe, quiet) - round(half)) if rested else lobe.first
+            out.append((still if rested else before.first, still))  # a hand that catches the cart shapes a swing
+            swings, range_before = 0, np.inf
+        else:
+            swings += lobe.side != before.side or rested
+            range_before = turn
+    return out
+
+
+def _moved(away: Array, before: _Lobe, lobe: _Lobe, quiet: float) -> int:
+    """Last sample of a cart at rest before a hand moves it."""
+    between = away[before.last : lobe.first]
+    still = np.flatnonzero(np.abs(between - np.median(between)) < _STILL * quiet)
+    return before.last + int(still[-1])
+
+
+def _lobes(away: Array, quiet: float) -> tuple[list[_Lobe], float]:
+    """Stays on one side of rest, farther than `quiet`, one after another; and the samples of half a swing."""
+    at = np.flatnonzero(np.abs(away) > quiet)
+    sides = np.sign(away[at])
+    turns = at[1:][np.diff(sides) != 0]
+    if turns.size < 2:
+        return [], 0.0
+    half = float(np.quantile(np.diff(turns), 0.25))
+    ends = np.flatnonzero((np.diff(sides) != 0) | (np.diff(at) > half)) + 1
+    parts = [(int(part[0]), int(part[-1]) + 1) for part in np.split(at, ends)]
+    return [_Lobe(a, b, float(np.abs(away[a:b]).max()), float(np.sign(away[a]))) for a, b in parts], half
+
+
+def _rest(y: Array) -> float:
+    """Where the cart rests: the middle of what comes after it has left its farthest point, m."""
+    away = np.abs(y - np.median(y[-_FEW:]))
+    top = int(np.argmax(away))
+    left = top + int(np.argmax(away[top:] < 0.5 * away[top]))
+    return float(np.median(y[left + (y.size - left) // 2 :]))
+
+
+def _rest_between(y: Array) -> float:
+    """Where the cart rests, m, whatever a hand does between: where it ends, or the middle of its swings."""
+    away = np.abs(y - np.median(y[-_FEW:]))
+    tail = y[int(np.flatnonzero(away >= _BIG * away.max())[-1]) + 1 :]
+    period = _period(y)
+    if tail.size > max(_FEW, min(_TAIL * period, _MUCH * y.size)):
+        return float(np.median(tail[tail.size // 2 :]))
+    width = max(1, round(period / 24))
+    order = np.argsort(middle := 0.5 * (y[width:] + y[:-width]))
+    passed = np.cumsum(((y[width:] - y[:-width]) ** 2)[order])  # little of it where a hand holds
+    rest = float(middle[order][int(np.searchsorted(passed, 0.5 * passed[-1]))])
+    for _ in range(_TIMES):
+        lobes, _half = _lobes(y - rest, _FAINT * float(np.ptp(y)))
+        top = np.array([lobe.side * lobe.size for lobe in lobes])
+        if top.size < 4:
+            break
+        rest += float(np.median(0.25 * top[:-2] + 0.5 * top[1:-1] + 0.25 * top[2:]))
+    return rest
+
+
+def _period(y: Array) -> float:
+    """Samples of a period of the strongest oscillation."""
+    power = np.abs(np.fft.rfft((y - y.mean()) * np.hanning(y.size)))[1:] ** 2
+    order = np.arange(1, power.size + 1)
+    return float(y.size / order[np.argmax(power * order)])

@@ -1,0 +1,117 @@
+"""Where a hand lets a cart go, and records of several releases."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stepid
+from stepid.core.base import Array
+from stepid.core.releases import release_index
+
+STEP = 0.01  # s
+
+
+def swing(size: float, *, samples: float, ratio: float, periods: float = 8.0) -> Array:
+    """A damped swing let go at rest, in closed form."""
+    number = np.arange(round(samples * periods))
+    turn = 2 * np.pi * number / samples
+    decay = ratio / np.sqrt(1 - ratio**2)
+    out: Array = size * np.exp(-decay * turn) * (np.cos(turn) + decay * np.sin(turn))
+    return out
+
+
+def record(position: Array, *, noise: float = 1e-5, starts: str = "auto") -> stepid.Experiment:
+    rng = np.random.default_rng(position.size)
+    return stepid.Experiment(
+        name="a",
+        time=STEP * np.arange(position.size),
+        position=position + noise * rng.standard_normal(position.size),
+        input=np.zeros(position.size),
+        added_mass=0.0,
+        spring="s",
+        damper="d",
+        starts=starts,  # type: ignore[arg-type]
+    )
+
+
+@pytest.mark.parametrize("samples", [8, 20, 60, 300])
+@pytest.mark.parametrize("ratio", [0.01, 0.1, 0.4])
+@pytest.mark.parametrize("drift", [0.0, 0.1, -0.1])
+def test_a_long_hold_is_cut_whether_the_hand_is_still_or_creeps(samples: int, ratio: float, drift: float) -> None:
+    for hold in (samples, 3 * samples, 4000):
+        held = 0.01 * (1 + drift * np.linspace(1, 0, hold))
+        first = release_index(record(np.concatenate([held, swing(0.01, samples=samples, ratio=ratio)])))
+        assert hold <= first <= hold + max(samples / 7, 3)
+
+
+@pytest.mark.parametrize("hold", [3, 4, 5, 6, 7, 8])
+@pytest.mark.parametrize("samples", [10, 20, 40])
+def test_a_short_hold_is_cut(hold: int, samples: int) -> None:
+    y = np.concatenate([np.full(hold, 0.01), swing(0.01, samples=samples, ratio=0.05)])
+    assert hold <= release_index(record(y)) <= hold + max(samples / 7, 3)
+
+
+@pytest.mark.parametrize("samples", [8, 20, 40, 300])
+def test_nothing_is_cut_of_a_record_that_begins_with_the_release(samples: int) -> None:
+    assert release_index(record(swing(0.01, samples=samples, ratio=0.05))) == 0
+
+
+def test_what_is_said_about_the_start_wins() -> None:
+    y = np.concatenate([np.full(100, 0.01), swing(0.01, samples=40, ratio=0.05)])
+    assert release_index(record(y, starts="motion")) == 0
+
+
+def several(sizes: tuple[float, ...], *, ratio: float = 0.05) -> tuple[Array, list[tuple[int, int]]]:
+    """Pulled out, held and let go again and again; from where to where the cart is free."""
+    parts, free = [np.zeros(60)], []
+    for size in sizes:
+        parts += [0.5 * size * (1 - np.cos(np.linspace(0, np.pi, 90))), np.full(50, size)]
+        begin = sum(part.size for part in parts)
+        parts.append(swing(size, samples=40, ratio=ratio, periods=10))
+        free.append((begin, begin + parts[-1].size))
+    return np.concatenate(parts), free
+
+
+@pytest.mark.parametrize("ratio", [0.05, 0.2])
+@pytest.mark.parametrize("sizes", [(0.01, 0.008), (0.01, -0.006, 0.012), (0.005, 0.01, 0.01, -0.01)])
+def test_each_release_becomes_a_record(sizes: tuple[float, ...], ratio: float) -> None:
+    y, free = several(sizes, ratio=ratio)
+    parts = stepid.split_releases(record(y))
+    assert [part.name for part in parts] == [f"a ({i})" for i in range(1, len(sizes) + 1)]
+    for part, (begin, end) in zip(parts, free, strict=True):
+        at = round(float(part.time[0]) / STEP)
+        assert begin <= at + release_index(part) <= begin + 8
+        assert end - 40 <= at + part.time.size <= end + 20  # none of the next hand
+
+
+def test_one_release_and_a_driven_record_stay_whole() -> None:
+    y, _ = several((0.01,))
+    run = record(y)
+    assert stepid.split_releases(run) == (run,)
+    driven = run.model_copy(update={"input": np.where(run.time > 2.0, 0.5, 0.0)})
+    assert stepid.split_releases(driven) == (driven,)
+
+
+def test_a_fit_and_a_diagnosis_take_several_releases_and_say_so() -> None:
+    y, _ = several((0.01, -0.008, 0.012))
+    campaign = stepid.Campaign(name="c", experiments=(record(y),))
+    said = "Run 'a' holds 3 releases. They are taken as runs 'a (1)', 'a (2)', 'a (3)'."
+    fitted = stepid.fit(campaign)
+    assert said in fitted.notes
+    assert any("a hand held or moved the cart" in note for note in fitted.notes)
+    assert set(fitted.run_rms) == {"a (1)", "a (2)", "a (3)"}
+    assert fitted.rms < 1.2e-5
+    found = stepid.diagnose(campaign)
+    assert found.verdict == "adequate"
+    assert said in found.notes
+    assert found.data is not None
+    assert [run.name for run in found.data.experiments] == ["a (1)", "a (2)", "a (3)"]
+
+
+def test_a_name_that_is_taken_leaves_a_record_whole() -> None:
+    y, _ = several((0.01, -0.008))
+    run = record(y)
+    other = record(swing(0.01, samples=40, ratio=0.05)).model_copy(update={"name": "a (2)"})
+    fitted = stepid.fit(stepid.Campaign(name="c", experiments=(run, other)))
+    assert set(fitted.run_rms) == {"a", "a (2)"}

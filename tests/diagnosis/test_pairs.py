@@ -1,0 +1,29 @@
+"""Two effects at once: campaigns on which the search was stuck, stopped too early or never ended."""
+
+from __future__ import annotations
+
+import pytest
+
+import stepid
+from hidden.sets import one
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(41, id="a pair is at the floor, a better one not yet raced"),
+        pytest.param(61, id="a pair is at the floor of a sketch, not of all samples"),
+        pytest.param(63, id="a heavy second mass"),
+        pytest.param(205, id="a disturbance above the plant, found by its line, its phases by trying"),
+        pytest.param(361, id="a general friction law leads, two simple ones are it"),
+        pytest.param(396, id="a lag far shorter than a sample beside a curved spring"),
+        pytest.param(450, id="a sine in position in the place of a simple spring law"),
+        pytest.param(90, id="Newton does not settle on the way to the other pattern of sticking"),
+    ],
+)
+def test_both_effects_are_named(number: int) -> None:
+    campaign, truth = one("pairs", number)
+    found = stepid.diagnose(campaign)
+    assert found.verdict in ("named", "ambiguous")
+    assert set(truth["effects"]) in [set(found.effects), *map(set, found.alternatives)]
