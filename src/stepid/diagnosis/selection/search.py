@@ -166,10 +166,14 @@ class Search:
         return bool(new)
 
     def _expand_best(self, moves: Sequence[Move]) -> bool:
-        """Expand the best nodes of those not expanded yet."""
-        order = sorted(self.nodes.values(), key=lambda n: n.cost)
-        order = order[: self.effort.beam] + [n for n in self._nameable(order)[:1] if n not in order[: self.effort.beam]]
-        made = [self._expand(node, moves) for node in order]
+        """Expand the best nodes of those not expanded yet, one for each set of effects, and the best nameable one."""
+        order: list[Node] = []
+        for node in sorted(self.nodes.values(), key=lambda n: n.cost):
+            if not any(node.key[0] == other.key[0] for other in order):  # other conditions of it stand for it
+                order.append(node)
+        beam = order[: self.effort.beam]
+        beam += [n for n in self._nameable(order)[:1] if not any(n is other for other in beam)]
+        made = [self._expand(node, moves) for node in beam]
         return any(made)
 
     def _nameable(self, order: Sequence[Node]) -> list[Node]:
