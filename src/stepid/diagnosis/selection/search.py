@@ -195,8 +195,9 @@ class Search:
             if (p.base, p.key) not in self._tried and (p.key not in best or p.rank < best[p.key].rank):
                 best[p.key] = p
         order = sorted(best.values(), key=lambda p: p.rank)
-        least = min(node.cost for node in self.nodes.values())
-        out = [p for p in self._worthy(order) if self._new(p) and self._gains(least, p)]
+        nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
+        least, named = nodes[0].cost, (self._nameable(nodes) or nodes)[0].cost
+        out = [p for p in self._worthy(order) if self._new(p) and self._gains(least, named, p)]
         if bases is not None:
             return out[: self.effort.width]
         smallest = min((p.size for p in out), default=0)
@@ -245,14 +246,14 @@ class Search:
             return False
         return self.effort.optimism * self.nodes[proposal.key].cost > proposal.left
 
-    def _gains(self, least: float, proposal: Proposal) -> bool:
-        """Tell whether a proposal may better the best so far, or be its rival."""
+    def _gains(self, least: float, named: float, proposal: Proposal) -> bool:
+        """Tell whether a proposal may better the best so far or the best that may be named, or be its rival."""
         slack = self.criteria.tie * self.fit.unit
         if proposal.move == Drop.name:
             return self.effort.optimism * proposal.left < proposal.like.cost or len(proposal.effects) > 1
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
-        if proposal.base != self.root.key and self._hope(proposal) > least:
+        if proposal.base != self.root.key and self._hope(proposal) > named:
             return False
         return proposal.left < proposal.like.cost - slack
 
