@@ -40,6 +40,7 @@ CASES: dict[str, list[tuple[tuple[float, ...], str]]] = {
         ((1000.0, 2.0), "the damper"),
         ((100.0, 10.0), ""),
     ],
+    "power_damping": [((4.0, 1.1), "the damper"), ((4.0, 0.5), ""), ((4.0, 1.5), "")],
     "flexible_coupling": [((0.5, 0.5 * 14.5**2, 0.1), OWN), ((0.5, 0.5 * 30.0**2, 0.1), "")],
 }
 

@@ -85,3 +85,12 @@ def test_noise_does_not_make_a_start_in_motion() -> None:
         if starts_in_motion(record(tones(), position=noisy)):
             wrong.append((seed, noise))
     assert not wrong
+
+
+def test_a_record_in_which_nothing_moves_at_first_starts_at_rest() -> None:
+    time = 0.005 * np.arange(2000)
+    swing = np.where(time > 5.0, 0.01 * np.sin(10 * (time - 5.0)), 0.0)
+    run = stepid.Experiment(
+        name="late", time=time, position=swing, input=np.full(2000, 3.0), added_mass=0.0, spring="s", damper="d"
+    )
+    assert not starts_in_motion(run)
