@@ -182,9 +182,15 @@ def _difference(context: FitContext, effect: Effect, values: tuple[float, ...]) 
     return np.concatenate(parts, axis=1)
 
 
-def score(
-    context: FitContext, base: Optimum, table: list[_Column], *, instead: tuple[slice, Array] | None = None
-) -> list[Scored]:
+class Absent(NamedTuple):
+    """What is taken away from a fit: an effect, whose global parameters `own` get `values`, or a per-run row."""
+
+    own: slice = slice(0, 0)
+    values: Array = np.zeros(0)
+    row: int | None = None
+
+
+def score(context: FitContext, base: Optimum, table: list[_Column], *, instead: Absent | None = None) -> list[Scored]:
     """Score every start against the residual of a fit to the decimated records: the best few of each effect first.
 
     Parameters
@@ -193,8 +199,8 @@ def score(
     base : Optimum
     table : list
         From `columns`.
-    instead : (slice, array), optional
-        Place and values of parameters that are held there, for example of an effect that is taken away.
+    instead : Absent, optional
+        What is taken away for it.
     """
     residual, jacobian, kept = _linearized(base, instead)
     if not np.isfinite(jacobian).all():  # a fit at a runaway's edge gives no direction
@@ -203,7 +209,7 @@ def score(
     size = np.linalg.norm(jacobian, axis=0)
     size[size == 0] = np.inf
     q, upper = np.linalg.qr(jacobian / size)
-    residual = residual - q @ (q.T @ residual) if instead else residual
+    residual = residual - q @ (q.T @ residual) if instead is not None else residual
     total = float(residual @ residual)
     found = []
     for column in table:
@@ -226,8 +232,8 @@ def score(
         starts[column.effect] += 1
         change = np.linalg.lstsq(upper, q.T @ (residual - seen @ coefficients), rcond=_OPEN)[0] / size
         shared = base.shared.copy()
-        if instead:
-            shared[instead[0]] = instead[1]
+        if instead is not None and instead.row is None:
+            shared[instead.own] = instead.values
         shared[kept] += change[: kept.size]
         shared = np.clip(shared, problem.lower, problem.upper)
         out.append(Scored(column.effect, values, gain, shared, total - gain))
@@ -252,7 +258,7 @@ def without(base: Optimum, own: slice, values: Array) -> tuple[Array, float]:
     float
         Cost that would be left, m²; infinite where that plant cannot be simulated.
     """
-    residual, jacobian, kept = _linearized(base, (own, values))
+    residual, jacobian, kept = _linearized(base, Absent(own, values))
     shared = base.shared.copy()
     shared[own] = values
     if not np.isfinite(jacobian).all():
@@ -265,21 +271,24 @@ def without(base: Optimum, own: slice, values: Array) -> tuple[Array, float]:
     return np.clip(shared, base.problem.lower, base.problem.upper), float(left @ left)
 
 
-def _linearized(base: Optimum, instead: tuple[slice, Array] | None) -> tuple[Array, Array, Index]:
+def _linearized(base: Optimum, absent: Absent | None) -> tuple[Array, Array, Index]:
     """Residual, derivatives by what may move, and which global parameters those are."""
     problem = base.problem
     residual, jacobian = problem.residual(base.solved), problem.jacobian(base.solved)
     place = np.flatnonzero(problem.free)
-    if instead is None:
+    if absent is None:
         return residual, jacobian, place
-    own, values = instead
-    shared = base.shared.copy()
-    shared[own] = values
-    reading = problem.simulator.readings(shared[None], base.local[None])[0]
+    shared, local = base.shared.copy(), base.local.copy()
+    held, rows = np.zeros(place.size, dtype=bool), np.argwhere(problem.active)[:, 0]
+    if absent.row is not None:
+        local[absent.row] = 0.0
+    else:
+        shared[absent.own] = absent.values
+        held = (place >= absent.own.start) & (place < absent.own.stop)
+    reading = problem.simulator.readings(shared[None], local[None])[0]
     if not np.isfinite(reading).all():
         return residual, np.full_like(jacobian, np.nan), place
-    held = (place >= own.start) & (place < own.stop)
-    kept = np.concatenate([~held, np.ones(jacobian.shape[1] - place.size, dtype=bool)])
+    kept = np.concatenate([~held, rows != absent.row])
     return problem.records.weighted(problem.records.position - reading), jacobian[:, kept], place[~held]
 
 
