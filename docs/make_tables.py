@@ -1,4 +1,4 @@
-"""Write the tables of the effects, of what decides and what hurries into the docs: ``python docs/make_tables.py``."""
+"""Write the tables of effects, criteria and effort into the docs. Run with ``python docs/make_tables.py``."""
 
 from __future__ import annotations
 

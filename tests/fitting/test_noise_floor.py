@@ -10,7 +10,8 @@ import pytest
 from scipy.signal import lsim
 
 import stepid
-from stepid.fitting.noise_floor import sensor_noise, succession
+from stepid.fitting.fit import prepare
+from stepid.fitting.noise_floor import bounded_floor, sensor_noise, succession
 from stepid.simulation.records import lay_out
 
 RECORDS = lay_out(stepid.datasets.lab_campaign())
@@ -70,3 +71,63 @@ def test_the_floor_of_the_silverbox_is_what_a_cubic_spring_leaves(kind: str, lef
         )
     found = sensor_noise(lay_out(stepid.Campaign(name="silverbox", experiments=tuple(runs))))
     assert 0.6 * left < found < 1.2 * left  # 0.63 and 0.82 mV by differences
+
+
+SPARSE = stepid.PlantModel(
+    base_mass={"cart": 0.8}, stiffness={"s": 200.0}, damping={"d": 1.5}, force_gain=8.0, effects=()
+)
+
+
+def sparsely_sampled(cubic: float, *, samples: int, count: int) -> tuple[stepid.Campaign, float]:
+    """Two masses under an input that changes at every sample, some samples a period; and the noise, m."""
+    rng = np.random.default_rng(5)
+    step = 2 * np.pi * np.sqrt(1.3 / 200.0) / samples
+    runs = tuple(
+        stepid.Experiment(
+            name=f"{added} kg",
+            time=step * np.arange(count),
+            position=np.zeros(count),
+            input=np.convolve(rng.standard_normal(count + 2), np.ones(3) / 3, "valid"),
+            added_mass=added,
+            spring="s",
+            damper="d",
+            starts="rest",
+        )
+        for added in (0.0, 0.5, 1.0)
+    )
+    plain = stepid.Campaign(name="sparse", experiments=runs)
+    size = max(float(np.abs(y).max()) for y in stepid.simulate(SPARSE, plain).values())
+    effect = stepid.EffectModel(name="cubic_stiffness", values={"coefficient": cubic * 200.0 / size**2})
+    moved = stepid.simulate(SPARSE.model_copy(update={"effects": (effect,)}) if cubic else SPARSE, plain)
+    noise = 1e-4 * size
+    noisy = tuple(
+        run.model_copy(update={"position": moved[run.name] + noise * rng.standard_normal(count)}) for run in runs
+    )
+    return plain.model_copy(update={"experiments": noisy}), noise
+
+
+@pytest.mark.parametrize("samples", [8, 15])
+def test_few_samples_a_period_hide_no_noise_floor_of_a_linear_plant(samples: int) -> None:
+    made, noise = sparsely_sampled(0.0, samples=samples, count=130)
+    assert prepare(made).floor == pytest.approx(noise, rel=0.1)
+
+
+@pytest.mark.parametrize("samples", [8, 15])
+@pytest.mark.parametrize("cubic", [0.003, 0.1])
+def test_a_cubic_spring_at_few_samples_a_period_is_named(samples: int, cubic: float) -> None:
+    made, noise = sparsely_sampled(cubic, samples=samples, count=130)
+    found = stepid.diagnose(made)
+    assert (found.verdict, found.effects) == ("named", ("cubic_stiffness",))
+    assert found.gap.noise == pytest.approx(noise, rel=0.15)
+
+
+def test_no_fit_leaves_less_than_the_noise() -> None:
+    floor, count = 1e-4, RECORDS.size
+    assert bounded_floor(RECORDS, floor, 2.0 * floor, 10) == floor
+    assert bounded_floor(RECORDS, floor, (1 - 2 / np.sqrt(2 * count)) * floor, 10) == floor  # by chance
+    left = bounded_floor(RECORDS, floor, 0.5 * floor, 10)
+    assert left == pytest.approx(0.5 * floor * np.sqrt(count / (count - 10)))
+    steps = [run.resolution for run in RECORDS.runs if run.resolution is not None]
+    assert bounded_floor(RECORDS, floor, 0.0, 10) == pytest.approx(
+        max(steps, default=1e-12 * np.sqrt(12)) / np.sqrt(12)
+    )

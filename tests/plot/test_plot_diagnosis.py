@@ -15,7 +15,9 @@ import diagnosis_example as example
 from diagnosis_example import changed
 from stepid import plot
 from stepid.diagnosis.result import Diagnosis, Gap
+from stepid.diagnosis.wording import per_cent
 from stepid.errors import InputError
+from stepid.plot.causes import leading
 
 
 @pytest.fixture(autouse=True)
@@ -133,11 +135,14 @@ def test_candidates_best_on_top_and_linear_last(axes: Axes) -> None:
     plot.candidates(d, axes=axes)
     assert [bar.get_width() for bar in axes.patches] == pytest.approx([1e6 * one.rms for one in d.ranking])
     names = [t.get_text() for t in axes.texts[1::2]]
-    assert names == ["Coulomb friction", "quadratic damping and input delay", "linear"]
+    assert names == ["Coulomb friction", "quadratic damping and input delay, start times differ", "linear"]
     assert axes.yaxis_inverted()
     hatches = [bar.get_hatch() for bar in axes.patches]
     assert hatches == ["", "//", "//"]
-    assert [t.get_text().split("(")[-1] for t in axes.texts[2::2]] == ["−870)", "−1e5)"]
+    said = [t.get_text() for t in axes.texts[::2]]
+    assert said[0].endswith(f"({per_cent(d.ranking[0].explained)}, >99 %)")
+    assert said[1].endswith("(84 %, <1 %)")
+    assert "(" not in said[2]
     _, nothing = plt.subplots()  # the linear model keeps its color where none is better
     plot.candidates(changed(d, verdict="adequate", effects=()), axes=nothing)
     assert [bar.get_hatch() for bar in nothing.patches] == ["//"] * 3
@@ -146,10 +151,20 @@ def test_candidates_best_on_top_and_linear_last(axes: Axes) -> None:
     assert [t.get_text() for t in empty.texts] == ["none was needed"]
 
 
+def test_a_set_of_effects_is_named_once_whatever_differs_between_runs() -> None:
+    d = example.named()
+    first = d.ranking[0]
+    other = first.model_copy(update={"deviations": ("gain",), "rms": 0.99 * first.rms})
+    plain, shifted = d.ranking[-1], d.ranking[-1].model_copy(update={"deviations": ("gain",)})
+    shown = leading(changed(d, ranking=(other, first, shifted, plain)), most=6)
+    assert [(one is first, one is plain) for one, named in shown if named] == [(True, False)]
+    assert [one for one, _ in shown] == [other, first, shifted, plain]
+
+
 def test_long_names_of_candidates_are_broken(axes: Axes) -> None:
     d = example.named()
     names = ("load_proportional_friction", "position_dependent_damping", "periodic_disturbance")
-    one = d.ranking[1].model_copy(update={"effects": names})
+    one = d.ranking[1].model_copy(update={"effects": names, "deviations": ()})
     plot.candidates(changed(d, ranking=(one,)), axes=axes)
     first, second = axes.texts[1].get_text().split("\n")
     assert first == "load proportional friction and position dependent damping"

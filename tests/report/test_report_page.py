@@ -170,6 +170,19 @@ def test_the_noise_is_named_where_it_lies() -> None:
     assert "annotations" not in silent["candidates"]["layout"]
 
 
+def test_candidates_tell_what_they_explain_and_how_probable_they_are(page: str) -> None:
+    drawn = json.loads(packed(page, "pictures"))["candidates"]["data"]
+    told = {name: words for bars in drawn for name, words in zip(bars["y"], bars["customdata"], strict=True)}
+    assert told["quadratic damping and<br>input delay, start times differ"] == (
+        "explains 84 % of the misfit<br>probability &lt;1 %"
+    )
+    assert all("customdata" in bars["hovertemplate"] for bars in drawn)
+    text = Tags(page).text
+    assert "The probability that this answer is right is 98 %." in text
+    assert "candidate explained RMS [µm] probability" in text
+    assert "evidence lost" not in text
+
+
 def test_every_picture_says_what_it_shows(page: str) -> None:
     tags = Tags(page).tags
     plots = [a for tag, a in tags if tag == "div" and a.get("class") == "plot"]

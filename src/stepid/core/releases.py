@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _FEW = 8  # samples, the last of a record
 _TAIL = 1.5  # periods near rest, after which a cart has come to it; or
-_MUCH = 0.1  # of the record
+_MUCH = 0.25  # of the record
 _TIMES = 4  # that a middle of swings is found anew
 _BIG = 0.3  # of the farthest point, which a cart that comes to rest stays below
 _FAR = 0.85  # of the farthest point: the first as far is where the hand held the cart, or pushed it to
@@ -26,11 +26,10 @@ _SURE = 0.25  # of the fastest fall: a free cart is as fast once it has left its
 _TERMS = 5  # of a damped swing over a part of its period
 _HALF = 0.42  # of a period, before the cart turns again
 _CHANCE = 4.0  # standard deviations of χ²
-_NEAR = 1e-3  # of the travel, that the terms of a swing are off by themselves
-_AGAIN = 1.5  # times the swing before: no free swing grows so
+_NEAR = 3e-3  # of the travel, that the terms of a swing are off by themselves
+_AGAIN = 1.5  # times the turn before, or what is rest: no free swing grows so
 _FAINT = 0.05  # of the largest swing: less is rest
 _STILL = 0.2  # of what is rest: less is no motion of the hand
-_LONG = 2.0  # half periods, that no free cart stays on one side
 _NOTABLE = 0.2  # of the largest swing, below which a growing one is noise or a touch
 _QUIET = 8.0  # standard deviations of the noise that no swing stands out from
 _SEEN = 3.0  # counts, likewise
@@ -151,16 +150,18 @@ def _hands(experiment: Experiment) -> list[tuple[int, int]]:
     lobes, half = _lobes(away, quiet)
     out: list[tuple[int, int]] = []
     swings = 0  # lobes since the last hand
+    range_before = np.inf  # of the turn before, from one farthest point to the next: whatever the rest, it only shrinks
     for before, lobe in pairwise(lobes):
         rested = lobe.first - before.last > half
-        grown = lobe.size > _AGAIN * (quiet if rested else before.size)
-        held = lobe.last - lobe.first > _LONG * half
-        if lobe.size > _NOTABLE * largest and swings + rested > 1 and (grown or held):
+        turn = before.size + lobe.size if lobe.side != before.side else lobe.size
+        grown = lobe.size > _AGAIN * quiet if rested else turn > _AGAIN * range_before
+        if lobe.size > _NOTABLE * largest and swings + rested > 1 and grown:
             still = max(before.last, _moved(away, before, lobe, quiet) - round(half)) if rested else lobe.first
             out.append((still if rested else before.first, still))  # a hand that catches the cart shapes a swing
-            swings = 0
+            swings, range_before = 0, np.inf
         else:
             swings += lobe.side != before.side or rested
+            range_before = turn
     return out
 
 

@@ -18,6 +18,7 @@ from stepid.diagnosis.progress import Progress
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.verdict import judge
+from stepid.diagnosis.wording import length
 from stepid.effects import CATALOGUE, Effect, among_themselves
 from stepid.errors import UndeterminedError
 from stepid.fitting.fit import prepare
@@ -93,6 +94,7 @@ def diagnose(
             f"campaign {campaign.name!r} has one usable run. {' '.join(screen(campaign).notes)}",
             "Record the others again: a model that fits one run cannot be checked on another.",
         )
+    tell(Progress(f"linear model leaves {length(context.linear.rms)}, noise {length(context.floor)}"))
     done = _diagnosed(campaign, context, how)
     return done.model_copy(update={"notes": (*splits, *done.notes)}) if splits else done
 

@@ -79,6 +79,8 @@ def at_floor(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
     records = context.records
     samples = float((records.weight**2).sum())
     times = found.optimum.rms / context.floor
+    if context.colored is not None:  # its size is known less well, and it is not white
+        return times <= criteria.near
     if found.structure >= criteria.white or times > criteria.near:
         return False
     return times <= criteria.floor + 2.0 / math.sqrt(samples) or is_white(context, found, 2.0)

@@ -71,8 +71,12 @@ class EvidenceRecord:
         return min(weighed, key=loss).candidate
 
     def at_floor(self, found: Candidate) -> bool:
-        """Tell whether a candidate leaves nothing but noise."""
-        return at_floor(self.context, self.criteria, found)
+        """Tell whether a candidate leaves nothing but noise: one that is free in every run has to reach the floor."""
+        if not at_floor(self.context, self.criteria, found):
+            return False
+        samples = float((self.context.records.weight**2).sum())
+        strict = self.criteria.floor + 2.0 / math.sqrt(samples)
+        return not is_free(found) or self.times(found) <= strict
 
     @cached_property
     def white(self) -> bool:
@@ -233,6 +237,11 @@ class EvidenceRecord:
         single = [taken([i]) for i in before]
         steady = min(single) / max(single) if max(single) > 0 else 0.0
         return taken(list(before)), max(steady, 0.0)
+
+
+def is_free(found: Candidate) -> bool:
+    """Tell whether a candidate has an effect with a freedom of its own in every run."""
+    return any(e.run_parameters for e in found.effects)
 
 
 def includes(bigger: tuple[Effect, ...], smaller: tuple[Effect, ...]) -> bool:

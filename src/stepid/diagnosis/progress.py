@@ -35,7 +35,7 @@ class Progress(str):
 
 def stage_line(stage: Progress) -> str:
     """Write a stage on one line: what is tried, the best answer so far, what is left to try and what that promises."""
-    parts = [stage.replace("_", " ")]
+    parts = [effect_names((stage,))]
     if stage.best or stage.left:
         parts.append(f"best so far: {effect_names(stage.best) or 'linear model'}")
     if stage.left:

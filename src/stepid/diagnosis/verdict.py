@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from stepid.diagnosis.gather import EvidenceRecord
+from stepid.diagnosis.gather import EvidenceRecord, is_free
 from stepid.diagnosis.result import Verdict
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.vetoes import undetermined
@@ -50,6 +50,20 @@ def runs_differ(e: EvidenceRecord) -> Answer | None:
     return Answer("adequate", e.best, (), (f"The runs differ in {what}. With that, a linear model leaves only noise.",))
 
 
+def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
+    """The best has a freedom in every run and, with it estimated on a first part, does not predict the rest."""
+    if not is_free(e.best) or not e.at_floor(e.best):
+        return None
+    share, _ = e.share(e.best)
+    if share >= e.criteria.lead:
+        return None
+    said = (
+        f"{_title(e.best)} leaves only noise, but does not predict: fitted to the first part of a run that was left "
+        f"out, it takes {percent(max(share, 0.0))} of the misfit's power in the rest."
+    )
+    return Answer("unexplained", e.best, (), (said, "No effect is named."))
+
+
 def complete_but_open(e: EvidenceRecord) -> Answer | None:
     """The best leaves only noise, but a parameter of its effects is not determined: other answers are as good."""
     if not e.at_floor(e.best) or not e.undetermined:
@@ -82,7 +96,7 @@ def leads(e: EvidenceRecord) -> Answer | None:
     if any(name.split(".")[0] in lead.names for name in _open(e, lead)):
         return None
     share, steady = e.share(lead)
-    if share < e.criteria.lead or steady < e.criteria.steady:
+    if share < (e.criteria.lead if len(lead.effects) == 1 else e.criteria.sure) or steady < e.criteria.steady:
         return None
     said = (
         f"{_title(lead)} takes {percent(share)} of the misfit's power on runs that the fit did not see.",
@@ -112,6 +126,7 @@ RULES: tuple[Rule, ...] = (
     input_is_wrong,
     linear_is_enough,
     runs_differ,
+    freedom_is_untested,
     complete_but_open,
     complete,
     leads,

@@ -9,6 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from stepid.effects.base import Effect, Moment, Motion, Parameter, Regressor, Scales, Values
+from stepid.effects.swing import Swing
+
+_VISCOUS = (0.85, 1.2)  # exponents that no recording tells from 1, beside viscous damping
 
 
 class QuadraticDamping(Effect):
@@ -59,6 +62,9 @@ class PowerDamping(Effect):
             return Regressor((force,), lambda a: (a[0], exponent) if a[0] > 0 else None)
 
         return [at(p) for p in (0.5, 1.4, 1.7, 2.4)]
+
+    def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
+        return "the damper" if _VISCOUS[0] <= values[1] <= _VISCOUS[1] else ""
 
     @staticmethod
     def force(p: Values, m: Moment) -> float:

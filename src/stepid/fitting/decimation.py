@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import pairwise
 
@@ -12,13 +13,15 @@ from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import build
 from stepid.simulation.records import Index, Records
 
+_FEWEST = 200  # samples
 _PER_PERIOD = 16.0  # samples to keep of the fastest run's period
 _BLUR = 0.1  # of the period: as wide an average loses a fifth of the floor where the gap is as small as the floor
+_PERIODS = 60.0  # to keep of a record of which every sample is needed
 _MOST_CHANGES = 0.1  # share of samples with a new input above which all are needed
 
 
 def sketch(records: Records, linear: Optimum, period: float, floor: float) -> Records:
-    """Keep every m-th sample, and those where the input changes.
+    """Keep every m-th sample, and those where the input changes; of a long record with a busy input its first part.
 
     What is averaged over each kept sample's neighborhood is the gap to the linear fit: it is small and slow, so that
     noise is averaged out and hardly any of the gap. Weights are such that a gap costs what it costs in all samples.
@@ -44,8 +47,11 @@ def sketch(records: Records, linear: Optimum, period: float, floor: float) -> Re
         volts = records.volts[piece]
         changes = np.flatnonzero(np.diff(np.concatenate([[records.before[r]], volts])))
         size = volts.size
-        whole = step == 1 or changes.size > _MOST_CHANGES * size or records.coefficients.shape[1] > 1
-        kept.append(piece.start + (np.arange(size) if whole else _grid(size, step, changes)))
+        busy = changes.size > _MOST_CHANGES * size
+        whole = step == 1 or busy or records.coefficients.shape[1] > 1
+        enough = max(_FEWEST, math.ceil(_PERIODS * period / float(records.sample_time[r])))
+        first = min(size, enough) if busy else size
+        kept.append(piece.start + (np.arange(first) if whole else _grid(size, step, changes)))
     at = np.concatenate(kept)
     if at.size == records.size:
         return records

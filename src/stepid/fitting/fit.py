@@ -23,7 +23,7 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import CandidateFit, FitContext, Start, race_starts
 from stepid.fitting.multistart_cogging import well_starts
 from stepid.fitting.noise_color import colored_floor
-from stepid.fitting.noise_floor import enough, noise_floor, repeat_notes, weights
+from stepid.fitting.noise_floor import bounded_floor, enough, noise_floor, repeat_notes, weights
 from stepid.fitting.problem import fit_linear
 from stepid.fitting.reading_faults import Mask, trust
 from stepid.fitting.record_fault import ALL_RUNS
@@ -101,6 +101,7 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
         records, linear, floor = _begun(without_hum(screened.campaign, hums), screened.wrong, workers)
     faults = (*screened.faults, *(hum.fault for hum in hums))
     floor, colored = colored_floor(records, records.position - linear.solved.reading)
+    floor = bounded_floor(records, floor, linear.rms, int(linear.problem.free.sum() + linear.problem.active.sum()))
     return FitContext(records, linear, floor, workers=workers, faults=faults, colored=colored)
 
 

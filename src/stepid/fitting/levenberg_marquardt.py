@@ -19,6 +19,7 @@ from stepid.simulation.layout import ParameterLayout
 from stepid.simulation.records import Index, Records
 from stepid.simulation.simulator import STEEPEST, Simulator, Solved
 
+_CRAWL = 5  # steps that together gain less than the tolerance: the rest is not worth its time
 _MOST_DAMPING = 1e12
 
 
@@ -187,6 +188,7 @@ def minimize(
     residual, cost = problem.weigh(solved)
     columns = _Columns(problem)
     damping, growth, converged, accepted = 1e-4, 4.0, False, 0
+    costs = [cost]
     linearized: _Linearized | None = None
     for _ in range(3 * iterations):
         if accepted >= iterations:
@@ -211,6 +213,9 @@ def minimize(
             damping, growth = max(damping, 1e-12), 4.0
             accepted += 1
             converged = cost - fresh_cost <= max(tolerance, 1e-9 * cost) and gain > 0.25
+            costs.append(fresh_cost)
+            slow = accepted > _CRAWL and costs[-1 - _CRAWL] - fresh_cost <= tolerance
+            converged = converged or slow  # along a curved valley every step promises more than it brings
             shared, local, solved, residual, cost, linearized = trial, trial_local, new, fresh, fresh_cost, None
         else:
             damping, growth = max(damping * growth, 1e-3), growth * 2

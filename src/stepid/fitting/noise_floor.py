@@ -18,6 +18,7 @@ _ORDER = 8  # of the differences: a swing sampled 12 times a period leaves 1e-5 
 _FAST = 14.0  # samples of a period, below which differences keep some of the swing
 _BUSY = 0.05  # share of samples with a new input, above which it is in the differences
 _BELOW = 0.75  # of the differences' spread: as much less is not chance
+_CHANCE = 3.0  # standard errors of an RMS
 _FEWEST = 20  # differences that make a spread
 _ALIKE = 0.1  # spread of repeated runs over their motion, beyond which they are no repeats
 _SCATTER = 1.5  # times the sensor's noise, by which repeated runs differ notably
@@ -83,8 +84,7 @@ def sensor_noise(records: Records) -> float:
     all the time or the swing is fast some motion is left in it; what nothing predicts counts there if clearly less.
     """
     values = [_moving_differences(run, int(b)) for run, b in zip(records.runs, records.begin, strict=True)]
-    steps = [run.resolution for run in records.runs if run.resolution is not None]
-    least = max(steps) / math.sqrt(12) if steps else 0.0
+    least = _rounding(records)
     d = np.concatenate(values)
     if d.size < _FEWEST:
         return max(least, 1e-12)
@@ -175,6 +175,32 @@ def repeat_notes(records: Records) -> tuple[str, ...]:
 def noise_floor(records: Records) -> float:
     """RMS that a perfect model would leave, m: the sensor's noise; what repeated runs differ by is modeled."""
     return sensor_noise(records)
+
+
+def bounded_floor(records: Records, floor: float, left: float, parameters: int) -> float:
+    """Noise floor, m, by what a fit leaves where that is plainly less: no fit leaves less than the noise.
+
+    Parameters
+    ----------
+    records : Records
+    floor : float
+        m, read off the records.
+    left : float
+        m, RMS of a fit's residual, whatever the fit: what it leaves is noise and misfit.
+    parameters : int
+        How many were fitted to the samples.
+    """
+    free = max(float((records.weight**2).sum()) - parameters, 1.0)
+    left *= math.sqrt(records.size / max(records.size - parameters, 1))
+    if left > (1.0 - _CHANCE / math.sqrt(2.0 * free)) * floor:
+        return floor
+    return max(left, _rounding(records), 1e-12)
+
+
+def _rounding(records: Records) -> float:
+    """Spread of rounding to the resolution, m; 0 where no run has one."""
+    steps = [run.resolution for run in records.runs if run.resolution is not None]
+    return max(steps) / math.sqrt(12) if steps else 0.0
 
 
 def weights(records: Records, floor: float) -> Array:

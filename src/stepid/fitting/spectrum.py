@@ -32,7 +32,7 @@ def strongest_period(records: Records) -> float:
         level = np.median(spectrum[upper:] / noise[upper:])
         usable = (frequency > 1.5 / (y.size * step)) & (spectrum > _HEARD * level * noise)
         k = int(np.argmax(np.where(usable, spectrum, 0.0)))
-        if spectrum[k] > power:
+        if usable[k] and spectrum[k] > power:
             best, power = 1.0 / float(frequency[k]), float(spectrum[k])
     return best
 

@@ -143,7 +143,7 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
         axes.set_yticks([])
         axes.set_ylim(max(len(shown), 1) - 0.7, -0.85)
         axes.grid(axis="y", visible=False)
-        axes.set_xlabel("RMS left [µm] (dashed: noise; in brackets: misfit explained, probability)")
+        axes.set_xlabel("RMS left [µm] (dashed: noise; %: explained, probable)")
         axes.set_title("candidates")
     return axes
 

@@ -38,6 +38,8 @@ class Effort(Model):
         The same where an effect is at the noise floor already.
     optimism : float
         Share of what a linearized step promises to leave that may really be left.
+    hope : float
+        Power of the share that a linearized step promises to leave, which may really be left.
     price : float
         Share of what is left that a further parameter counts as, in the order of the proposals.
     costly : float
@@ -81,6 +83,7 @@ class Effort(Model):
     worth: Share = 0.15
     rival: Share = 0.7
     optimism: Share = 0.5
+    hope: Positive = 8.0
     price: Positive = 0.25
     costly: Positive = 3.0
     starts: Count = 3

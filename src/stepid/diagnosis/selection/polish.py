@@ -17,8 +17,7 @@ from stepid.fitting.multistart import CandidateFit, FitContext
 def polished(context: FitContext, fitted: CandidateFit, effort: Effort) -> Optimum | None:
     """Converge a candidate on all samples, with its initial states free and at rest; the better of the two."""
     tolerance = context.tolerance
-    if fitted.excess > 0.5 * fitted.cost:
-        tolerance = max(tolerance, effort.enough * fitted.excess)
+    tolerance = max(tolerance, effort.enough * fitted.excess)
     for _ in range(2):
         fitted.polish(laps=effort.polishing, tolerance=tolerance)
         if fitted.polished is None or fitted.polished.converged:

@@ -17,6 +17,7 @@ from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
+from stepid.diagnosis.vetoes import imitators
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import CandidateFit, FitContext
 
@@ -88,13 +89,29 @@ class Search:
         for _ in range(self.effort.rounds):
             bases = [self.nodes[c.key] for c in self._leading()]
             made = [self._expand(node, CONFIRMING) for node in bases]
+            fewer = self._with_fewer_conditions(bases)
+            made += [self._expand(node, EXPLORING) for node in fewer]
             if not any(made):
                 break
             keys = {node.key for node in bases}
-            for proposal in self._promising(keys):
+            for proposal in [*self._promising(keys), *self._instead_of_conditions(fewer)]:
                 self._fit(proposal)
             self._promote()
             self._polish_best()
+
+    def _with_fewer_conditions(self, bases: Sequence[Node]) -> list[Node]:
+        """The nodes with one condition less that differs from run to run."""
+        keys = [(node.key[0], node.deviations - {kind}) for node in bases for kind in sorted(node.deviations)]
+        return [self.nodes[key] for key in dict.fromkeys(keys) if key in self.nodes]
+
+    def _instead_of_conditions(self, fewer: Sequence[Node]) -> list[Proposal]:
+        """Effects in the place of a condition that differs: the most promising additions to each node."""
+        out: list[Proposal] = []
+        for node in fewer:
+            own = {p.key: p for p in self.proposals if p.base == node.key and len(p.effects) > len(node.effects)}
+            new = [p for p in own.values() if self._new(p)]
+            out += sorted(new, key=lambda p: p.rank)[: self.effort.share]
+        return out
 
     def _leading(self) -> list[Candidate]:
         """The best, and others that leave only noise because runs may differ: they may need less for it."""
@@ -150,9 +167,17 @@ class Search:
 
     def _expand_best(self, moves: Sequence[Move]) -> bool:
         """Expand the best nodes of those not expanded yet."""
-        order = sorted(self.nodes.values(), key=lambda n: n.cost)[: self.effort.beam]
+        order = sorted(self.nodes.values(), key=lambda n: n.cost)
+        order = order[: self.effort.beam] + [n for n in self._nameable(order)[:1] if n not in order[: self.effort.beam]]
         made = [self._expand(node, moves) for node in order]
         return any(made)
+
+    def _nameable(self, order: Sequence[Node]) -> list[Node]:
+        """Of some nodes those that may be named where a rest remains; none where the first leaves only noise."""
+        if order[0].cost <= self.fit.floored:
+            return []
+        fits = [Candidate(n.effects, n.deviations, n.best, 0.0) for n in order]
+        return [n for n, fit in zip(order, fits, strict=True) if not imitators(self.fit, self.criteria, fit)]
 
     def _promising(self, bases: Collection[Key] | None = None) -> list[Proposal]:
         """The proposals to fit next: the smallest sets first, of these the most promising.
@@ -223,7 +248,14 @@ class Search:
             return self.effort.optimism * proposal.left < proposal.like.cost or len(proposal.effects) > 1
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
+        if proposal.base != self.root.key and self._hope(proposal) > least:
+            return False
         return proposal.left < proposal.like.cost - slack
+
+    def _hope(self, proposal: Proposal) -> float:
+        """Cost that may really be left where one linearized step promises to leave some share, m²."""
+        share = max(proposal.left, 0.0) / proposal.like.cost if proposal.like.cost > 0 else 1.0
+        return float(proposal.like.cost * min(share, 1.0) ** self.effort.hope)
 
     # ---- fits -----------------------------------------------------------------------------------------------------
 
@@ -257,11 +289,13 @@ class Search:
 
     def _polish_best(self) -> Candidate:
         """Fit the best nodes to all samples."""
-        order = sorted(self.nodes.values(), key=lambda n: n.cost)
-        best = order[0].cost
+        order = sorted(self.nodes.values(), key=self._value)
+        best = self._value(order[0])
         near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
-        for place, node in enumerate(order):
-            if place < self.effort.polish or node.cost < near:
+        first = order[: self.effort.polish] + self._nameable(order)[: self.effort.polish]
+        for node in order:
+            # one that is not near is fitted once: it may go on for long, and cannot win
+            if self._value(node) < near or (any(node is f for f in first) and node.fitted.polished is None):
                 self._polish(node)
         found = self.best
         if not self._complete(found):
@@ -269,6 +303,12 @@ class Search:
             if any(e.dry for e in node.effects) and node.fitted.resettle():
                 self._polish(node)
         return self.best
+
+    def _value(self, node: Node) -> float:
+        """Cost of a node and of its parameters, m², as if the best left only noise."""
+        problem = node.best.problem
+        count = int(problem.free.sum() + problem.active.sum())
+        return node.cost + count * math.log(self.fit.records.size) * self.fit.unit
 
     def _polish(self, node: Node) -> None:
         optimum = polished(self.fit, node.fitted, self.effort)

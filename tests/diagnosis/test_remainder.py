@@ -1,0 +1,83 @@
+"""What is said of a rest: its shape and the kinds of law that make it, on hidden effects and on short records."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import stepid
+from hidden.campaigns import Request, make_campaigns
+from stepid.diagnosis.explore import linear_candidate
+from stepid.diagnosis.remainder import Share, remainder, rest_shares
+from stepid.fitting.fit import prepare
+from stepid.fitting.multistart import FitContext
+
+SHAPES = (
+    ("coulomb_friction", "velocity", "friction or damping"),
+    ("quadratic_damping", "velocity", "friction or damping"),
+    ("cubic_stiffness", "position", "springs that bend"),
+    ("free_play", "position", "play, stops"),
+    ("periodic_disturbance", "line", "steady swing"),
+    ("sensor_drift", "slow", "drifting sensor"),
+)
+
+
+@pytest.fixture(scope="module")
+def contexts() -> dict[str, FitContext]:
+    names = [name for name, _, _ in SHAPES] + ["input_delay"]
+    made = make_campaigns([Request(3, (name,), None, 60.0, "four") for name in names])
+    return {name: prepare(campaign) for name, (campaign, _) in zip(names, made, strict=True)}
+
+
+@pytest.mark.parametrize(("effect", "shape", "words"), SHAPES)
+def test_the_largest_share_is_that_of_the_hidden_law(
+    effect: str, shape: str, words: str, contexts: dict[str, FitContext]
+) -> None:
+    context = contexts[effect]
+    shares = rest_shares(context, context.linear)
+    assert shares[0].shape == shape
+    assert shares[0].share > 0.8
+    assert [s.share for s in shares] == sorted((s.share for s in shares), reverse=True)
+    (said,) = remainder(context, linear_candidate(context))
+    assert words in said
+    assert said.startswith(f"{100 * shares[0].share:.0f} % of the rest")
+
+
+def test_a_rest_without_a_shape_is_said_to_have_none(contexts: dict[str, FitContext]) -> None:
+    (said,) = remainder(contexts["input_delay"], linear_candidate(contexts["input_delay"]))
+    assert "neither velocity, position nor time" in said
+
+
+def released(count: int, *, stiffness: tuple[float, ...] = (200.0, 200.0), jitter: float = 0.0) -> stepid.Campaign:
+    """Linear hand releases with two masses; `stiffness` N/m of each, `jitter` of the stamps in samples."""
+    rng = np.random.default_rng(1)
+    runs = []
+    for i, k in enumerate(stiffness):
+        time = 0.02 * np.arange(count) + 0.02 * jitter * rng.uniform(-1, 1, count)
+        swing = 0.02 * np.exp(-0.5 * time) * np.cos(np.sqrt(k / (1 + i)) * time)
+        position = swing + 2e-5 * rng.normal(size=count)
+        run = {"time": time, "position": position, "input": np.zeros(count), "spring": "s", "damper": "d"}
+        runs.append(stepid.Experiment(name=f"run {i}", added_mass=float(i), **run))  # type: ignore[arg-type]
+    return stepid.Campaign(name="released", experiments=tuple(runs))
+
+
+def test_runs_that_differ_are_told() -> None:
+    context = prepare(released(500, stiffness=(200.0, 200.0, 200.0, 240.0)))
+    shares = rest_shares(context, context.linear)
+    assert shares[0].shape == "run"
+    said = remainder(context, linear_candidate(context))[0]
+    assert re.search(r"of its own in every run.*do not repeat", said)
+
+
+@pytest.mark.parametrize("count", [30, 45, 60])
+@pytest.mark.parametrize("jitter", [0.0, 0.2])
+def test_short_and_uneven_releases_do_not_fail(count: int, jitter: float) -> None:
+    try:
+        context = prepare(released(count, jitter=jitter))
+    except stepid.errors.StepidError:
+        return  # refused before anything is said of a rest
+    said = remainder(context, linear_candidate(context))
+    assert all(s.endswith(".") for s in said)
+    assert all(isinstance(s, Share) and 0 <= s.share <= 1 for s in rest_shares(context, context.linear))
