@@ -152,10 +152,14 @@ class Search:
         return bool(new)
 
     def _expand_best(self, moves: Sequence[Move]) -> bool:
-        """Expand the best nodes of those not expanded yet."""
-        order = sorted(self.nodes.values(), key=lambda n: n.cost)
-        order = order[: self.effort.beam] + [n for n in self._nameable(order)[:1] if n not in order[: self.effort.beam]]
-        made = [self._expand(node, moves) for node in order]
+        """Expand the best nodes of those not expanded yet, one for each set of effects, and the best nameable one."""
+        order: list[Node] = []
+        for node in sorted(self.nodes.values(), key=lambda n: n.cost):
+            if not any(node.key[0] == other.key[0] for other in order):  # other conditions of it stand for it
+                order.append(node)
+        beam = order[: self.effort.beam]
+        beam += [n for n in self._nameable(order)[:1] if not any(n is other for other in beam)]
+        made = [self._expand(node, moves) for node in beam]
         return any(made)
 
     def _nameable(self, order: Sequence[Node]) -> list[Node]:
@@ -177,9 +181,10 @@ class Search:
             if (p.base, p.key) not in self._tried and (p.key not in best or p.rank < best[p.key].rank):
                 best[p.key] = p
         order = sorted(best.values(), key=lambda p: p.rank)
-        least = min(node.cost for node in self.nodes.values())
+        nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
+        least, named = nodes[0].cost, (self._nameable(nodes) or nodes)[0].cost
         new = [p for p in self._worthy(order) if self._new(p)]
-        out = [p for p in new if self._gains(least, p)]
+        out = [p for p in new if self._gains(least, named, p)]
         if bases is not None:
             nearest = [p for p in new if p.move == Exchange.name and p not in out][: self.effort.share]
             return [*out, *nearest][: self.effort.width]
@@ -232,14 +237,14 @@ class Search:
             return known > proposal.left + self.effort.stuck * self.fit.unit
         return self.effort.optimism * known > proposal.left
 
-    def _gains(self, least: float, proposal: Proposal) -> bool:
-        """Tell whether a proposal may better the best so far, or be its rival."""
+    def _gains(self, least: float, named: float, proposal: Proposal) -> bool:
+        """Tell whether a proposal may better the best so far or the best that may be named, or be its rival."""
         slack = self.criteria.tie * self.fit.unit
         if proposal.move == Drop.name:
             return self.effort.optimism * proposal.left < proposal.like.cost or len(proposal.effects) > 1
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
-        if proposal.base != self.root.key and self._hope(proposal) > least:
+        if proposal.base != self.root.key and self._hope(proposal) > named:
             return False
         return proposal.left < proposal.like.cost - slack
 
