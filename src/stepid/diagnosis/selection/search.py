@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
@@ -17,6 +16,7 @@ from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.specialize import Specialize
+from stepid.diagnosis.selection.order import hoped, worthy
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.diagnosis.vetoes import imitators
@@ -183,7 +183,7 @@ class Search:
         order = sorted(best.values(), key=lambda p: p.rank)
         nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
         least, named = nodes[0].cost, (self._nameable(nodes) or nodes)[0].cost
-        new = [p for p in self._worthy(order) if self._new(p)]
+        new = [p for p in worthy(order, self.nodes, self.effort, _RIVALS) if self._new(p)]
         out = [p for p in new if self._gains(least, named, p)]
         if bases is not None:
             nearest = [p for p in new if p.move == Exchange.name and p not in out][: self.effort.share]
@@ -191,29 +191,6 @@ class Search:
         smallest = min((p.size for p in out), default=0)
         out = [p for p in out if p.size == smallest]
         return out[: max(min(self.effort.width, self.effort.fits - self.fits), 0)]
-
-    def _worthy(self, order: list[Proposal]) -> list[Proposal]:
-        """Of each node's proposals those that promise a share of what its best promises; most on the best nodes."""
-        plain: dict[int, Node] = {}
-        for node in sorted(self.nodes.values(), key=lambda n: n.cost):
-            if not node.deviations and not any(e.contains for e in node.effects):
-                plain.setdefault(node.size, node)
-        leading = {node.key for node in plain.values()}
-        most: dict[Key, float] = {}
-        for p in order:
-            most[p.base] = max(most.get(p.base, 0.0), p.gain)
-        taken: Counter[Key] = Counter()
-        first, then, effort = [], [], self.effort
-        for p in order:
-            if p.move in _RIVALS:
-                first.append(p)
-                continue
-            taken[p.base] += 1
-            if taken[p.base] <= effort.share:
-                first.append(p)
-            elif p.base in leading and (taken[p.base] <= effort.first or p.gain > effort.worth * most[p.base]):
-                then.append(p)
-        return first + then
 
     def _idle(self, proposal: Proposal) -> bool:
         """Tell whether a set is at the noise floor already, and another promises far less than it did."""
@@ -244,14 +221,9 @@ class Search:
             return self.effort.optimism * proposal.left < proposal.like.cost or len(proposal.effects) > 1
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
-        if proposal.base != self.root.key and self._hope(proposal) > named:
+        if proposal.base != self.root.key and hoped(proposal, self.effort) > named:
             return False
         return proposal.left < proposal.like.cost - slack
-
-    def _hope(self, proposal: Proposal) -> float:
-        """Cost that may really be left where one linearized step promises to leave some share, m²."""
-        share = max(proposal.left, 0.0) / proposal.like.cost if proposal.like.cost > 0 else 1.0
-        return float(proposal.like.cost * min(share, 1.0) ** self.effort.hope)
 
     # ---- fits -----------------------------------------------------------------------------------------------------
 
