@@ -11,10 +11,11 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Motion, Scales
+from stepid.fitting.absent import OPEN, Absent, linearized
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext, Scored, Start
 from stepid.fitting.problem import build, start_local
-from stepid.simulation.records import Index, Records
+from stepid.simulation.records import Records
 from stepid.simulation.simulator import COARSE, Simulator
 
 _HARDLY = 0.02  # share of the change to a general law that a linearized step must ask for
@@ -22,7 +23,6 @@ _STARTS = 3  # of each effect: of what rings, the loudest may not be what is mis
 _AT_ONCE = 8  # forces whose responses are simulated together
 _ASTRAY = 0.2  # share of the motion that the linear plant leaves, beyond which it swings out of step
 _SLIGHT = 1e-4  # of the spring's largest force: a force that hardly changes the motion
-_OPEN = 1e-5  # singular value of a direction that the data leave open: no start moves along it
 
 
 class _Column(NamedTuple):
@@ -182,14 +182,6 @@ def _difference(context: FitContext, effect: Effect, values: tuple[float, ...]) 
     return np.concatenate(parts, axis=1)
 
 
-class Absent(NamedTuple):
-    """What is taken away from a fit: an effect, whose global parameters `own` get `values`, or a per-run row."""
-
-    own: slice = slice(0, 0)
-    values: Array = np.zeros(0)
-    row: int | None = None
-
-
 def score(context: FitContext, base: Optimum, table: list[_Column], *, instead: Absent | None = None) -> list[Scored]:
     """Score every start against the residual of a fit to the decimated records: the best few of each effect first.
 
@@ -202,7 +194,7 @@ def score(context: FitContext, base: Optimum, table: list[_Column], *, instead: 
     instead : Absent, optional
         What is taken away for it.
     """
-    residual, jacobian, kept = _linearized(base, instead)
+    residual, jacobian, kept = linearized(base, instead)
     if not np.isfinite(jacobian).all():  # a fit at a runaway's edge gives no direction
         return []
     problem = base.problem
@@ -230,7 +222,7 @@ def score(context: FitContext, base: Optimum, table: list[_Column], *, instead: 
         if values is None:
             continue
         starts[column.effect] += 1
-        change = np.linalg.lstsq(upper, q.T @ (residual - seen @ coefficients), rcond=_OPEN)[0] / size
+        change = np.linalg.lstsq(upper, q.T @ (residual - seen @ coefficients), rcond=OPEN)[0] / size
         shared = base.shared.copy()
         if instead is not None and instead.row is None:
             shared[instead.own] = instead.values
@@ -238,58 +230,6 @@ def score(context: FitContext, base: Optimum, table: list[_Column], *, instead: 
         shared = np.clip(shared, problem.lower, problem.upper)
         out.append(Scored(column.effect, values, gain, shared, total - gain))
     return out
-
-
-def without(base: Optimum, own: slice, values: Array) -> tuple[Array, float]:
-    """Take an effect away from a fit, the others moved to where that asks for them, to first order.
-
-    Parameters
-    ----------
-    base : Optimum
-    own : slice
-        Place of the effect's parameters among the global ones.
-    values : array
-        At which it is as good as absent.
-
-    Returns
-    -------
-    array, shape (P,)
-        Global parameters.
-    float
-        Cost that would be left, m²; infinite where that plant cannot be simulated.
-    """
-    residual, jacobian, kept = _linearized(base, Absent(own, values))
-    shared = base.shared.copy()
-    shared[own] = values
-    if not np.isfinite(jacobian).all():
-        return shared, np.inf
-    size = np.linalg.norm(jacobian, axis=0)
-    size[size == 0] = np.inf
-    change = np.linalg.lstsq(jacobian / size, residual, rcond=_OPEN)[0]
-    left = residual - (jacobian / size) @ change
-    shared[kept] += (change / size)[: kept.size]
-    return np.clip(shared, base.problem.lower, base.problem.upper), float(left @ left)
-
-
-def _linearized(base: Optimum, absent: Absent | None) -> tuple[Array, Array, Index]:
-    """Residual, derivatives by what may move, and which global parameters those are."""
-    problem = base.problem
-    residual, jacobian = problem.residual(base.solved), problem.jacobian(base.solved)
-    place = np.flatnonzero(problem.free)
-    if absent is None:
-        return residual, jacobian, place
-    shared, local = base.shared.copy(), base.local.copy()
-    held, rows = np.zeros(place.size, dtype=bool), np.argwhere(problem.active)[:, 0]
-    if absent.row is not None:
-        local[absent.row] = 0.0
-    else:
-        shared[absent.own] = absent.values
-        held = (place >= absent.own.start) & (place < absent.own.stop)
-    reading = problem.simulator.readings(shared[None], local[None])[0]
-    if not np.isfinite(reading).all():
-        return residual, np.full_like(jacobian, np.nan), place
-    kept = np.concatenate([~held, rows != absent.row])
-    return problem.records.weighted(problem.records.position - reading), jacobian[:, kept], place[~held]
 
 
 def promises(context: FitContext, inner: Optimum, effects: tuple[Effect, ...], starts: list[Start]) -> list[float]:

@@ -8,9 +8,10 @@ import numpy as np
 
 from stepid.diagnosis.selection.candidate import Deviations
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, related
+from stepid.fitting.absent import Absent
 from stepid.fitting.deviations import SCATTER
 from stepid.fitting.multistart import Start
-from stepid.fitting.score_test import Absent, columns, score
+from stepid.fitting.score_test import columns, score
 
 
 class Exchange:
