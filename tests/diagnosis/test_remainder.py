@@ -59,7 +59,7 @@ def released(count: int, *, stiffness: tuple[float, ...] = (200.0, 200.0), jitte
         swing = 0.02 * np.exp(-0.5 * time) * np.cos(np.sqrt(k / (1 + i)) * time)
         position = swing + 2e-5 * rng.normal(size=count)
         run = {"time": time, "position": position, "input": np.zeros(count), "spring": "s", "damper": "d"}
-        runs.append(stepid.Experiment(name=f"run {i}", added_mass=float(i), **run))  # type: ignore[arg-type]
+        runs.append(stepid.Experiment(name=f"run {i}", added_mass=float(i), **run))
     return stepid.Campaign(name="released", experiments=tuple(runs))
 
 

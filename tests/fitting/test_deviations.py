@@ -120,6 +120,6 @@ def test_a_fault_of_one_run_promises_most_in_that_run(kind: str) -> None:
 def test_deviations_are_handed_on() -> None:
     context = prepare(scattered(1, late=JITTER))
     found = refit(context.linear, "start_time")
-    local = start_local(build(context.records, resolve(["presliding_hysteresis"])), found)
-    there = build(context.records, resolve(["presliding_hysteresis"])).layout
+    problem = with_deviations(build(context.records, resolve(["presliding_hysteresis"])), ("start_time",))
+    local, there = start_local(problem, found), problem.layout
     np.testing.assert_array_equal(local[there.deviations], found.local[found.problem.layout.deviations])

@@ -15,6 +15,7 @@ from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.proposal import Proposal
 from stepid.diagnosis.selection.search import Search
 from stepid.effects.base import Effect
+from stepid.fitting.fit import fit_effects
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.record_fault import RecordFault
@@ -58,11 +59,11 @@ def outweighs(cost: float, plain: Optimum, found: Found, criteria: Criteria) -> 
 def fault_beside(found: Found, criteria: Criteria) -> RecordFault | None:
     """One fault of one run where the likeliest answer lets conditions differ in all: beside its effects alone."""
     best = found.likeliest
-    plain = next((c for c in found.candidates if not c.deviations and set(c.names) == set(best.names)), None)
-    if plain is None or not best.deviations or not best.effects:
+    if not best.deviations or not best.effects:
         return None
-    one = accuse(plain.optimum, found.context.floor, sure=criteria.size)
-    return one.fault if one is not None and outweighs(one.cost, plain.optimum, found, criteria) else None
+    plain = fit_effects(found.context, best.effects)
+    one = None if plain is None else accuse(plain, found.context.floor, sure=criteria.size)
+    return one.fault if plain and one and outweighs(one.cost, plain, found, criteria) else None
 
 
 def linear_candidate(context: FitContext) -> Candidate:

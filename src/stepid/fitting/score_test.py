@@ -11,22 +11,81 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Motion, Scales
-from stepid.fitting.force_response import astray, force_responses, responses_along
+from stepid.fitting.absent import OPEN, Absent, linearized
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext, Scored, Start
 from stepid.fitting.problem import build, start_local
-from stepid.simulation.records import Index
+from stepid.simulation.records import Records
 from stepid.simulation.simulator import COARSE, Simulator
 
 _HARDLY = 0.02  # share of the change to a general law that a linearized step must ask for
 _STARTS = 3  # of each effect: of what rings, the loudest may not be what is missing
-_OPEN = 1e-5  # singular value of a direction that the data leave open: no start moves along it
+_AT_ONCE = 8  # forces whose responses are simulated together
+_ASTRAY = 0.2  # share of the motion that the linear plant leaves, beyond which it swings out of step
+_SLIGHT = 1e-4  # of the spring's largest force: a force that hardly changes the motion
 
 
 class _Column(NamedTuple):
     effect: Effect
     responses: Array  # (S, k), weighted
     values: Callable[[Array], tuple[float, ...] | None]
+
+
+def force_responses(context: FitContext, forces: list[Array]) -> Array:
+    """Reading's response of the linear plant to added forces, shapes (S,) each to (S, n)."""
+    linear, records = context.outline, context.sketch
+    free = np.append(linear.shared[:-1], 1.0)
+    out = np.empty((len(forces), records.size))
+    for i in range(0, len(forces), _AT_ONCE):  # the plant driven by the forces, in N, beside each other
+        some = forces[i : i + _AT_ONCE]
+        pushed = records.repeated(len(some)).with_input(np.concatenate([_means(force, records) for force in some]))
+        pushed = replace(pushed, before=np.zeros(len(pushed.runs)))
+        still = np.zeros((1, linear.local.shape[0], len(pushed.runs)))
+        out[i : i + len(some)] = Simulator(pushed, ()).readings(free[None], still).reshape(len(some), -1)
+    return out.T
+
+
+def _means(force: Array, records: Records) -> Array:
+    """Mean of a force, given at all samples, from each sample of a sketch to the next, shape (S,)."""
+    between = 0.5 * (force[:-1] + force[1:])
+    if records.at is not None:
+        sums = np.concatenate([[0.0], np.cumsum(between)])
+        between = np.diff(sums[records.at]) / np.diff(records.at)
+    return np.append(between, 0.0)
+
+
+def responses_along(base: Optimum, context: FitContext, forces: list[Array]) -> Array:
+    """Reading's response of a fitted plant to slight added forces, per newton, shapes (S,) each to (S, n)."""
+    problem, records = base.problem, context.sketch
+    of, gain = problem.layout, float(base.shared[problem.layout.force_gain])
+    stiffness = float(base.shared[of.stiffness].mean())
+    shared = base.shared.copy()
+    if gain == 0:
+        shared[of.force_gain] = gain = 1.0
+    out = np.empty((len(forces), records.size))
+    for i in range(0, len(forces), _AT_ONCE):
+        some = [_means(force, records) for force in forces[i : i + _AT_ONCE]]
+        sizes = [_SLIGHT * stiffness * problem.simulator.scale / max(float(np.abs(f).max()), 1e-300) for f in some]
+        volts = np.concatenate([records.volts + size * f / gain for size, f in zip(sizes, some, strict=True)])
+        pushed = records.repeated(len(some)).with_input(volts)
+        readings = Simulator(pushed, problem.simulator.effects).readings(
+            shared[None], np.tile(base.local, len(some))[None]
+        )
+        changed = readings.reshape(len(some), -1) - Simulator(records, problem.simulator.effects).readings(
+            base.shared[None], base.local[None]
+        )
+        out[i : i + len(some)] = changed / np.array(sizes)[:, None]
+    return out.T
+
+
+def astray(context: FitContext, base: Optimum) -> bool:
+    """Tell whether the linear plant swings so unlike a fit that its response to a force is not the plant's."""
+    effects = base.problem.simulator.effects
+    if any(type(e).drive is not Effect.drive or type(e).delay is not Effect.delay for e in effects):
+        return False
+    records = context.records
+    motion = float(np.linalg.norm(records.weighted(records.position)))
+    return bool(effects) and float(np.sqrt(context.linear.cost)) > _ASTRAY * motion
 
 
 def columns(
@@ -123,9 +182,7 @@ def _difference(context: FitContext, effect: Effect, values: tuple[float, ...]) 
     return np.concatenate(parts, axis=1)
 
 
-def score(
-    context: FitContext, base: Optimum, table: list[_Column], *, instead: tuple[slice, Array] | None = None
-) -> list[Scored]:
+def score(context: FitContext, base: Optimum, table: list[_Column], *, instead: Absent | None = None) -> list[Scored]:
     """Score every start against the residual of a fit to the decimated records: the best few of each effect first.
 
     Parameters
@@ -134,17 +191,17 @@ def score(
     base : Optimum
     table : list
         From `columns`.
-    instead : (slice, array), optional
-        Place and values of parameters that are held there, for example of an effect that is taken away.
+    instead : Absent, optional
+        What is taken away for it.
     """
-    residual, jacobian, kept = _linearized(base, instead)
+    residual, jacobian, kept = linearized(base, instead)
     if not np.isfinite(jacobian).all():  # a fit at a runaway's edge gives no direction
         return []
     problem = base.problem
     size = np.linalg.norm(jacobian, axis=0)
     size[size == 0] = np.inf
     q, upper = np.linalg.qr(jacobian / size)
-    residual = residual - q @ (q.T @ residual) if instead else residual
+    residual = residual - q @ (q.T @ residual) if instead is not None else residual
     total = float(residual @ residual)
     found = []
     for column in table:
@@ -165,63 +222,14 @@ def score(
         if values is None:
             continue
         starts[column.effect] += 1
-        change = np.linalg.lstsq(upper, q.T @ (residual - seen @ coefficients), rcond=_OPEN)[0] / size
+        change = np.linalg.lstsq(upper, q.T @ (residual - seen @ coefficients), rcond=OPEN)[0] / size
         shared = base.shared.copy()
-        if instead:
-            shared[instead[0]] = instead[1]
+        if instead is not None and instead.row is None:
+            shared[instead.own] = instead.values
         shared[kept] += change[: kept.size]
         shared = np.clip(shared, problem.lower, problem.upper)
         out.append(Scored(column.effect, values, gain, shared, total - gain))
     return out
-
-
-def without(base: Optimum, own: slice, values: Array) -> tuple[Array, float]:
-    """Take an effect away from a fit, the others moved to where that asks for them, to first order.
-
-    Parameters
-    ----------
-    base : Optimum
-    own : slice
-        Place of the effect's parameters among the global ones.
-    values : array
-        At which it is as good as absent.
-
-    Returns
-    -------
-    array, shape (P,)
-        Global parameters.
-    float
-        Cost that would be left, m²; infinite where that plant cannot be simulated.
-    """
-    residual, jacobian, kept = _linearized(base, (own, values))
-    shared = base.shared.copy()
-    shared[own] = values
-    if not np.isfinite(jacobian).all():
-        return shared, np.inf
-    size = np.linalg.norm(jacobian, axis=0)
-    size[size == 0] = np.inf
-    change = np.linalg.lstsq(jacobian / size, residual, rcond=_OPEN)[0]
-    left = residual - (jacobian / size) @ change
-    shared[kept] += (change / size)[: kept.size]
-    return np.clip(shared, base.problem.lower, base.problem.upper), float(left @ left)
-
-
-def _linearized(base: Optimum, instead: tuple[slice, Array] | None) -> tuple[Array, Array, Index]:
-    """Residual, derivatives by what may move, and which global parameters those are."""
-    problem = base.problem
-    residual, jacobian = problem.residual(base.solved), problem.jacobian(base.solved)
-    place = np.flatnonzero(problem.free)
-    if instead is None:
-        return residual, jacobian, place
-    own, values = instead
-    shared = base.shared.copy()
-    shared[own] = values
-    reading = problem.simulator.readings(shared[None], base.local[None])[0]
-    if not np.isfinite(reading).all():
-        return residual, np.full_like(jacobian, np.nan), place
-    held = (place >= own.start) & (place < own.stop)
-    kept = np.concatenate([~held, np.ones(jacobian.shape[1] - place.size, dtype=bool)])
-    return problem.records.weighted(problem.records.position - reading), jacobian[:, kept], place[~held]
 
 
 def promises(context: FitContext, inner: Optimum, effects: tuple[Effect, ...], starts: list[Start]) -> list[float]:

@@ -14,9 +14,11 @@ from stepid.diagnosis.selection.candidate import Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING
 from stepid.diagnosis.selection.moves.drop import Drop
+from stepid.diagnosis.selection.moves.exchange import Exchange
+from stepid.diagnosis.selection.moves.specialize import Specialize
+from stepid.diagnosis.selection.order import hoped, worthy
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
-from stepid.diagnosis.selection.worthy import worthy
 from stepid.diagnosis.vetoes import imitators
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import CandidateFit, FitContext
@@ -89,29 +91,13 @@ class Search:
         for _ in range(self.effort.rounds):
             bases = [self.nodes[c.key] for c in self._leading()]
             made = [self._expand(node, CONFIRMING) for node in bases]
-            fewer = self._with_fewer_conditions(bases)
-            made += [self._expand(node, EXPLORING) for node in fewer]
             if not any(made):
                 break
             keys = {node.key for node in bases}
-            for proposal in [*self._promising(keys), *self._instead_of_conditions(fewer)]:
+            for proposal in self._promising(keys):
                 self._fit(proposal)
             self._promote()
             self._polish_best()
-
-    def _with_fewer_conditions(self, bases: Sequence[Node]) -> list[Node]:
-        """The nodes with one condition less that differs from run to run."""
-        keys = [(node.key[0], node.deviations - {kind}) for node in bases for kind in sorted(node.deviations)]
-        return [self.nodes[key] for key in dict.fromkeys(keys) if key in self.nodes]
-
-    def _instead_of_conditions(self, fewer: Sequence[Node]) -> list[Proposal]:
-        """Effects in the place of a condition that differs: the most promising additions to each node."""
-        out: list[Proposal] = []
-        for node in fewer:
-            own = {p.key: p for p in self.proposals if p.base == node.key and len(p.effects) > len(node.effects)}
-            new = [p for p in own.values() if self._new(p)]
-            out += sorted(new, key=lambda p: p.rank)[: self.effort.share]
-        return out
 
     def _leading(self) -> list[Candidate]:
         """The best, and others that leave only noise because runs may differ: they may need less for it."""
@@ -197,13 +183,11 @@ class Search:
         order = sorted(best.values(), key=lambda p: p.rank)
         nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
         least, named = nodes[0].cost, (self._nameable(nodes) or nodes)[0].cost
-        out = [
-            p
-            for p in worthy(order, self.nodes.values(), self.effort, _RIVALS)
-            if self._new(p) and self._gains(least, named, p)
-        ]
+        new = [p for p in worthy(order, self.nodes, self.effort, _RIVALS) if self._new(p)]
+        out = [p for p in new if self._gains(least, named, p)]
         if bases is not None:
-            return out[: self.effort.width]
+            nearest = [p for p in new if p.move == Exchange.name and p not in out][: self.effort.share]
+            return [*out, *nearest][: self.effort.width]
         smallest = min((p.size for p in out), default=0)
         out = [p for p in out if p.size == smallest]
         return out[: max(min(self.effort.width, self.effort.fits - self.fits), 0)]
@@ -225,7 +209,10 @@ class Search:
             return True
         if proposal.move not in _RIVALS or (proposal.base, proposal.key) in self._tried:
             return False
-        return self.effort.optimism * self.nodes[proposal.key].cost > proposal.left
+        known = self.nodes[proposal.key].cost
+        if proposal.move == Specialize.name:  # it stands inside the other: no worse a start
+            return known > proposal.left + self.effort.stuck * self.fit.unit
+        return self.effort.optimism * known > proposal.left
 
     def _gains(self, least: float, named: float, proposal: Proposal) -> bool:
         """Tell whether a proposal may better the best so far or the best that may be named, or be its rival."""
@@ -234,8 +221,7 @@ class Search:
             return self.effort.optimism * proposal.left < proposal.like.cost or len(proposal.effects) > 1
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
-        share = min(max(proposal.left, 0.0) / max(proposal.like.cost, proposal.left, 1e-300), 1.0)
-        if proposal.base != self.root.key and proposal.like.cost * share**self.effort.hope > named:
+        if proposal.base != self.root.key and hoped(proposal, self.effort) > named:
             return False
         return proposal.left < proposal.like.cost - slack
 
@@ -276,6 +262,7 @@ class Search:
         near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
         first = order[: self.effort.polish] + self._nameable(order)[: self.effort.polish]
         for node in order:
+            # one that is not near is fitted once: it may go on for long, and cannot win
             if self._value(node) < near or (any(node is f for f in first) and node.fitted.polished is None):
                 self._polish(node)
         found = self.best

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, standing
+from stepid.fitting.absent import without
 from stepid.fitting.multistart import Start
-from stepid.fitting.score_test import without
 
 
 class Drop:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from stepid.diagnosis.selection.candidate import Deviations
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, related
+from stepid.fitting.absent import Absent
 from stepid.fitting.deviations import SCATTER
 from stepid.fitting.multistart import Start
-from stepid.fitting.score_test import columns, score, without
+from stepid.fitting.score_test import columns, score
 
 
 class Exchange:
@@ -16,12 +20,17 @@ class Exchange:
     name = "exchange"
 
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
-        """Propose the node's effects with one of them exchanged."""
-        out = []
-        for place in range(len(node.effects)):
-            out += self._instead(node, place, context)
-            if node.effects[place].run_parameters:
+        """Propose the node's effects with one of them, or a condition that differs, exchanged for an effect."""
+        out, of = [], node.best.problem.layout
+        every = range(len(node.effects))
+        for place, effect in enumerate(node.effects):
+            values = np.array(effect.faint(tuple(float(v) for v in node.best.shared[of.values[place]]), 0.0))
+            rest = [i for i in every if i != place]
+            out += self._instead(node, Absent(of.values[place], values), rest, node.deviations, context)
+            if effect.run_parameters:
                 out.append(self._deviating(node, place))
+        for kind in sorted(node.deviations) if len(node.effects) < context.effort.effects else ():
+            out += self._instead(node, Absent(row=of.deviation(kind)), list(every), node.deviations - {kind}, context)
         return out
 
     def _deviating(self, node: Node, place: int) -> Proposal:
@@ -34,39 +43,29 @@ class Exchange:
         effects = tuple(node.effects[i] for i in rest)
         return Proposal(effects, frozenset(SCATTER), (start,), node.key, node.best, node.cost, 1.0, self.name)
 
-    def _instead(self, node: Node, place: int, context: SearchContext) -> list[Proposal]:
-        fit, effort, effect = context.fit, context.effort, node.effects[place]
-        rest = [i for i in range(len(node.effects)) if i != place]
+    def _instead(
+        self, node: Node, absent: Absent, rest: list[int], deviations: Deviations, context: SearchContext
+    ) -> list[Proposal]:
+        fit, effort, of = context.fit, context.effort, node.best.problem.layout
         known = {e.name for e in context.catalogue}
         new = tuple(
             e
             for e in context.catalogue
             if not known.intersection(e.contains) and not any(related(e, own) for own in node.effects)
         )
-        of = node.best.problem.layout
-        own = of.values[place]
-        values = np.array(effect.faint(tuple(float(v) for v in node.best.shared[own]), 0.0))
-        moved, _ = without(node.best, own, values)
         out: dict[str, Proposal] = {}
-        for scored in score(fit, node.best, columns(fit, new), instead=(own, values)):
+        for scored in score(fit, node.best, columns(fit, new), instead=absent):
             name = scored.effect.name
-            shared = [np.array(moved), scored.shared]
-            starts = [
+            starts = tuple(
                 Start(s[of.linear], (*(tuple(map(float, s[of.values[i]])) for i in rest), scored.values))
-                for s in shared
-            ]
+                for s in (scored.shared, node.best.shared)
+            )
             if name in out:
                 old = out[name]
                 if len(old.starts) < 2 * effort.starts:
-                    out[name] = _with_starts(old, (*old.starts, *starts[1:]))
+                    out[name] = replace(old, starts=(*old.starts, *starts))
                 continue
-            left = scored.left
             effects = (*(node.effects[i] for i in rest), scored.effect)
             costly = 1.0 + effort.price * (n_parameters((scored.effect,)) - 1)
-            from_here = tuple(starts[::-1])
-            out[name] = Proposal(effects, node.deviations, from_here, node.key, node.best, left, costly, self.name)
+            out[name] = Proposal(effects, deviations, starts, node.key, node.best, scored.left, costly, self.name)
         return list(out.values())
-
-
-def _with_starts(old: Proposal, starts: tuple[Start, ...]) -> Proposal:
-    return Proposal(old.effects, old.deviations, starts, old.base, old.like, old.left, old.costly, old.move)

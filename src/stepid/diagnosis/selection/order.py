@@ -1,30 +1,32 @@
-"""Which proposals are worth a fit."""
+"""Which proposals are worth a fit, the most promising first."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from stepid.diagnosis.selection.candidate import Key
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.proposal import Node, Proposal
 
 
-def worthy(order: Sequence[Proposal], nodes: Iterable[Node], effort: Effort, rivals: Collection[str]) -> list[Proposal]:
+def worthy(
+    order: Sequence[Proposal], nodes: Mapping[Key, Node], effort: Effort, rivals: Collection[str]
+) -> list[Proposal]:
     """Of each node's proposals those that promise a share of what its best promises; most on the best nodes.
 
     Parameters
     ----------
     order : sequence of Proposal
         Most promising first.
-    nodes : iterable of Node
-        All there are.
+    nodes : mapping
+        Key to node.
     effort : Effort
     rivals : collection of str
-        Moves that look for rivals of an answer: all of their proposals are worth it.
+        Moves whose proposals are always worth it.
     """
     plain: dict[int, Node] = {}
-    for node in sorted(nodes, key=lambda n: n.cost):
+    for node in sorted(nodes.values(), key=lambda n: n.cost):
         if not node.deviations and not any(e.contains for e in node.effects):
             plain.setdefault(node.size, node)
     leading = {node.key for node in plain.values()}
@@ -43,3 +45,9 @@ def worthy(order: Sequence[Proposal], nodes: Iterable[Node], effort: Effort, riv
         elif p.base in leading and (taken[p.base] <= effort.first or p.gain > effort.worth * most[p.base]):
             then.append(p)
     return first + then
+
+
+def hoped(proposal: Proposal, effort: Effort) -> float:
+    """Cost that may really be left where one linearized step promises to leave some share, m²."""
+    share = max(proposal.left, 0.0) / proposal.like.cost if proposal.like.cost > 0 else 1.0
+    return float(proposal.like.cost * min(share, 1.0) ** effort.hope)
