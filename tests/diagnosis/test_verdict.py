@@ -75,6 +75,7 @@ def test_the_rules_stand_in_this_order() -> None:
         "input_is_wrong",
         "linear_is_enough",
         "runs_differ",
+        "freedom_is_untested",
         "complete_but_open",
         "complete",
         "leads",

@@ -178,4 +178,5 @@ def test_clean_campaigns_have_no_fault_and_white_noise(ten: int) -> None:
     for seed in range(10 * ten, 10 * ten + 10):
         context = prepare(_clean(seed))
         assert (context.faults, context.colored) == ((), None), seed
-        assert context.floor == noise_floor(context.records)
+        # a linear fit that leaves less bounds it; by chance, some per cent
+        assert 0.9 * noise_floor(context.records) <= context.floor <= noise_floor(context.records)

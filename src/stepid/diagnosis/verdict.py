@@ -96,7 +96,8 @@ def leads(e: EvidenceRecord) -> Answer | None:
     if any(name.split(".")[0] in lead.names for name in _open(e, lead)):
         return None
     share, steady = e.share(lead)
-    if share < (e.criteria.lead if len(lead.effects) == 1 else e.criteria.sure) or steady < e.criteria.steady:
+    least = e.criteria.lead if len(lead.effects) == 1 else (1 + e.criteria.lead) / 2  # a second has to halve the rest
+    if share < least or steady < e.criteria.steady:
         return None
     said = (
         f"{_title(lead)} takes {percent(share)} of the misfit's power on runs that the fit did not see.",

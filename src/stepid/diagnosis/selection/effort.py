@@ -36,8 +36,6 @@ class Effort(Model):
         Share of the best gain that a proposal must promise (a linearized step tells it within a factor of some four).
     rival : float
         The same where an effect is at the noise floor already.
-    optimism : float
-        Share of what a linearized step promises to leave that may really be left.
     hope : float
         Power of the share that a linearized step promises to leave, which may really be left.
     price : float
@@ -82,7 +80,6 @@ class Effort(Model):
     rounds: Count = 8
     worth: Share = 0.15
     rival: Share = 0.7
-    optimism: Share = 0.5
     hope: Positive = 8.0
     price: Positive = 0.25
     costly: Positive = 3.0

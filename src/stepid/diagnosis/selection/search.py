@@ -212,13 +212,13 @@ class Search:
         known = self.nodes[proposal.key].cost
         if proposal.move == Specialize.name:  # it stands inside the other: no worse a start
             return known > proposal.left + self.effort.stuck * self.fit.unit
-        return self.effort.optimism * known > proposal.left
+        return 0.5 * known > proposal.left
 
     def _gains(self, least: float, named: float, proposal: Proposal) -> bool:
         """Tell whether a proposal may better the best so far or the best that may be named, or be its rival."""
         slack = self.criteria.tie * self.fit.unit
         if proposal.move == Drop.name:
-            return self.effort.optimism * proposal.left < proposal.like.cost or len(proposal.effects) > 1
+            return 0.5 * proposal.left < proposal.like.cost or len(proposal.effects) > 1
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
         if proposal.base != self.root.key and hoped(proposal, self.effort) > named:
