@@ -39,6 +39,7 @@ class Told:
     beside_lead: tuple[Candidate, ...] = ()
     share_taken: tuple[float, float] = (0.95, 0.9)
     held: float = 1.0
+    stood_for: tuple[tuple[str, ...], ...] = ()
     floored: tuple[str, ...] = ("coulomb_friction", "free_play")
     input_fault: InputFault | None = None
     criteria: Criteria = field(default_factory=Criteria)
@@ -49,6 +50,9 @@ class Told:
 
     def times(self, found: Candidate) -> float:
         return found.optimum.rms / FLOOR
+
+    def stands_for(self, simple: Candidate, general: Candidate) -> bool:
+        return general.names in self.stood_for
 
     def weight(self, *found: Candidate) -> float:
         return self.held
@@ -136,6 +140,13 @@ def test_a_rival_at_the_floor_is_told() -> None:
     assert found is not None
     assert (found.verdict, found.alternatives) == ("ambiguous", (PLAY,))  # cogging is not at the floor
     assert "free play" in found.reasons[1]
+
+
+def test_a_more_general_law_that_is_open_does_not_dispute_a_name() -> None:
+    found = ask("complete", rivals=(PLAY,), stood_for=(("free_play",),))
+    assert found is not None
+    assert (found.verdict, found.alternatives) == ("named", (PLAY,))
+    assert "more general" in found.reasons[1]
 
 
 def test_a_lead_takes_most_on_runs_left_out() -> None:

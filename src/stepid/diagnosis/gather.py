@@ -113,6 +113,10 @@ class EvidenceRecord:
             return near and (bought > criteria.rival or self._is_open(other, best))
         return loss < criteria.tie
 
+    def stands_for(self, simple: Candidate, general: Candidate) -> bool:
+        """Tell whether a candidate is inside another whose further freedom the data leave open as a whole."""
+        return includes(general.effects, simple.effects) and self._is_open(general, simple)
+
     def _is_open(self, found: Candidate, simpler: Candidate) -> bool:
         """Tell whether the data leave open all that `found` has beyond `simpler`, which then stands for it."""
         more = [e for e in found.effects if e.name not in simpler.names]

@@ -82,10 +82,22 @@ def complete(e: EvidenceRecord) -> Answer | None:
         return None
     rivals = tuple(c for c in e.rivals if e.at_floor(c))
     said = f"With {_title(e.best)} the model leaves {length(e.best.optimum.rms)}, as much as the noise."
-    if rivals:
-        others = " or ".join(_title(c) for c in rivals)
-        return Answer("ambiguous", e.best, rivals, (said, f"These data do not tell it from {others}."))
-    return Answer("named", e.best, (), (said, "No other candidate comes near."))
+    return _with_rivals(e, e.best, rivals, (said,)) or Answer(
+        "named", e.best, (), (said, "No other candidate comes near.")
+    )
+
+
+def _with_rivals(
+    e: EvidenceRecord, found: Candidate, rivals: tuple[Candidate, ...], said: tuple[str, ...]
+) -> Answer | None:
+    """The answer where others are as good: a more general law that is open as a whole does not dispute the name."""
+    if not rivals:
+        return None
+    others = " or ".join(_title(c) for c in rivals)
+    undisputed = all(e.stands_for(found, c) for c in rivals)
+    words = f"These data do not tell it from {others}, a more general law." if undisputed else ""
+    words = words or f"These data do not tell it from {others}."
+    return Answer("named" if undisputed else "ambiguous", found, rivals, (*said, words))
 
 
 def leads(e: EvidenceRecord) -> Answer | None:
@@ -103,10 +115,7 @@ def leads(e: EvidenceRecord) -> Answer | None:
         f"{_title(lead)} takes {percent(share)} of the misfit's power on runs that the fit did not see.",
         f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor: more is missing.",
     )
-    if beside:
-        others = " or ".join(_title(c) for c in beside)
-        return Answer("ambiguous", lead, beside, (*said, f"These data do not tell it from {others}."))
-    return Answer("named", lead, (), said)
+    return _with_rivals(e, lead, beside, said) or Answer("named", lead, (), said)
 
 
 def unexplained(e: EvidenceRecord) -> Answer | None:
