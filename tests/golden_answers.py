@@ -24,6 +24,7 @@ SLOW = (("pairs", 8), ("pairs", 18), ("outside", 0))  # their diagnoses take lon
 FIT = (("pairs", 18),)  # of these the fit alone does not
 CLOSE = 1e-3  # relative, of a parameter; or a third of its uncertainty
 CLOSE_RMS = 5e-3
+FEW = 10  # fits that a search may try more where rounding decides a tie
 GROWTH = 1.1  # of the counts
 Answer = dict[str, Any]
 
@@ -105,7 +106,7 @@ def _agree(what: str, old: Any, new: Any) -> bool:
     if old is None or new is None or what in ("verdict", "effects", "alternatives"):
         return bool(old == new)
     if what in ("samples", "fits"):
-        return bool(new <= GROWTH * old)
+        return bool(new <= GROWTH * old + (FEW if what == "fits" else 0))
     if what.startswith("rms"):
         return bool(abs(new - old) <= CLOSE_RMS * old)
     value, spread = old
