@@ -23,6 +23,8 @@ def notes_on(campaign: Campaign, context: FitContext, final: Optimum, effects: t
     """Collect remarks in words."""
     records = context.records
     out = [*screen(campaign).notes, *repeat_notes(records)]
+    if context.colored is not None:
+        out.append(context.colored.words)
     slowest = float(records.sample_time.max())
     if slowest >= _SLOW:
         out.append(f"The readings come every {slowest:.3g} s: if the times are milliseconds, give time_scale = 0.001.")

@@ -218,6 +218,8 @@ def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum) -> tuple
         *(f.words for f in context.faults if f.run == ALL_RUNS),
         *repeat_notes(context.records),
     ]
+    if context.colored is not None:
+        out.append(context.colored.words)
     fault = find_input_fault(context)
     if fault is not None:
         out.append(fault.words)

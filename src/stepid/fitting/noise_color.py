@@ -59,6 +59,14 @@ class NoiseColor(Model):
     colored: Positive
     effective_samples: Positive
 
+    @property
+    def words(self) -> str:
+        """The same in a sentence."""
+        return (
+            f"The noise of the readings is colored: {1e6 * self.colored:.3g} µm of it are correlated over "
+            f"{1e3 * self.correlation_time:.2g} ms."
+        )
+
 
 class _Shape(NamedTuple):
     """One model of the noise: share of the variance that is colored, correlation of successive samples (1: 1/f)."""
