@@ -39,6 +39,7 @@ class Told:
     beside_lead: tuple[Candidate, ...] = ()
     share_taken: tuple[float, float] = (0.95, 0.9)
     held: float = 1.0
+    simpler: tuple[Candidate, ...] = ()
     stood_for: tuple[tuple[str, ...], ...] = ()
     floored: tuple[str, ...] = ("coulomb_friction", "free_play")
     input_fault: InputFault | None = None
@@ -142,11 +143,13 @@ def test_a_rival_at_the_floor_is_told() -> None:
     assert "free play" in found.reasons[1]
 
 
-def test_a_more_general_law_that_is_open_does_not_dispute_a_name() -> None:
+def test_open_freedom_does_not_dispute_a_name_nor_earn_one() -> None:
     found = ask("complete", rivals=(PLAY,), stood_for=(("free_play",),))
     assert found is not None
     assert (found.verdict, found.alternatives) == ("named", (PLAY,))
-    assert "more general" in found.reasons[1]
+    found = ask("complete_but_open", best=PLAY, undetermined=("free_play.gap",), simpler=(FRICTION,))
+    assert found is not None
+    assert (found.verdict, found.shown, found.alternatives) == ("ambiguous", FRICTION, (PLAY,))
 
 
 def test_a_lead_takes_most_on_runs_left_out() -> None:

@@ -98,6 +98,6 @@ def test_a_delay_is_no_fault(samples: float) -> None:
 
 @pytest.mark.slow
 def test_steps_are_not_asked() -> None:
-    made = [c for which in ("single", "none") for c, _ in sets.make(sets.requests(which, 15), which=which)]
+    made = [c for which in ("single", "none") for c, _ in sets.make(sets.requests(which, 15))]
     assert not any(changes_throughout(run) for c in made for run in c.experiments)
     assert not any(changes_throughout(run) for run in campaign("step", "held").experiments)

@@ -113,6 +113,14 @@ class EvidenceRecord:
             return near and (bought > criteria.rival or self._is_open(other, best))
         return loss < criteria.tie
 
+    @cached_property
+    def simpler(self) -> tuple[Candidate, ...]:
+        """The nearest candidate of as many, simpler effects that the best one contains, if any comes near the floor."""
+        names, best = frozenset(self.best.names), self.best
+        inside = [w.candidate for w in self.weighed if includes(best.effects, w.candidate.effects)]
+        alike = [c for c in inside if len(c.effects) == len(best.effects) and frozenset(c.names) != names]
+        return tuple(c for c in alike[:1] if self.times(c) <= 2 * self.criteria.near)
+
     def stands_for(self, simple: Candidate, general: Candidate) -> bool:
         """Tell whether a candidate is inside another whose further freedom the data leave open as a whole."""
         return includes(general.effects, simple.effects) and self._is_open(general, simple)

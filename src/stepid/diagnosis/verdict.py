@@ -68,7 +68,7 @@ def complete_but_open(e: EvidenceRecord) -> Answer | None:
     """The best leaves only noise, but a parameter of its effects is not determined: other answers are as good."""
     if not e.at_floor(e.best) or not e.undetermined:
         return None
-    sure = [c for c in e.rivals if e.at_floor(c)]
+    sure = [c for c in e.rivals if e.at_floor(c)] or list(e.simpler)
     names = ", ".join(e.undetermined)
     said = f"{_title(e.best)} leaves only noise, but the data do not determine {names}."
     if not sure:

@@ -137,6 +137,12 @@ class Search:
             self._counted = found, counts
         return self._counted[1]
 
+    def _merit(self, node: Node) -> float:
+        """QBIC of a node, by the samples that are effective in what the best candidate leaves."""
+        counts = self._counts(min(self.candidates.values(), key=lambda c: c.optimum.cost))
+        samples = float(counts.sum())
+        return samples * math.log(max(node.cost, np.finfo(float).tiny)) + price(node.best, counts)
+
     def _complete(self, best: Candidate) -> bool:
         """Tell whether the best leaves nothing that a further effect could explain."""
         return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, self.criteria.white / 2)
@@ -154,7 +160,7 @@ class Search:
     def _expand_best(self, moves: Sequence[Move]) -> bool:
         """Expand the best nodes of those not expanded yet, one for each set of effects, and the best nameable one."""
         order: list[Node] = []
-        for node in sorted(self.nodes.values(), key=lambda n: n.cost):
+        for node in sorted(self.nodes.values(), key=self._merit):
             if not any(node.key[0] == other.key[0] for other in order):  # other conditions of it stand for it
                 order.append(node)
         beam = order[: self.effort.beam]
@@ -209,10 +215,11 @@ class Search:
             return True
         if proposal.move not in _RIVALS or (proposal.base, proposal.key) in self._tried:
             return False
-        known = self.nodes[proposal.key].cost
+        known, slack = self.nodes[proposal.key].cost, self.effort.stuck * self.fit.unit
         if proposal.move == Specialize.name:  # it stands inside the other: no worse a start
-            return known > proposal.left + self.effort.stuck * self.fit.unit
-        return 0.5 * known > proposal.left
+            return known > proposal.left + slack
+        rival = proposal.left < min(node.cost for node in self.nodes.values()) + self.criteria.tie * slack
+        return 0.5 * known > proposal.left or (rival and known > proposal.left + slack)
 
     def _gains(self, least: float, named: float, proposal: Proposal) -> bool:
         """Tell whether a proposal may better the best so far or the best that may be named, or be its rival."""

@@ -14,7 +14,7 @@ from stepid.diagnosis.selection.proposal import Move
 EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Deviate(), Split(), Drop())
 """Moves to sets that explain more."""
 
-CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Exchange(), Drop())
+CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Exchange(), Drop(), Split())
 """Moves to sets that may explain as much: rivals of an answer."""
 
 MOVES: tuple[Move, ...] = tuple({m.name: m for m in (*EXPLORING, *CONFIRMING)}.values())
