@@ -21,6 +21,7 @@ from stepid.diagnosis.verdict import judge
 from stepid.diagnosis.wording import length
 from stepid.effects import CATALOGUE, Effect, among_themselves
 from stepid.errors import UndeterminedError
+from stepid.fitting.eccentricity import find_eccentricity
 from stepid.fitting.fit import prepare
 from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.multistart import FitContext
@@ -127,7 +128,11 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
             done = _diagnosed(others, prepare(others, workers=how.workers), how, (*accused, told))
             return done.model_copy(update={"data": campaign})
     how.tell(Progress("runs held out", best=found.best.names))
-    evidence = EvidenceRecord(found.context, how.criteria, found.candidates, fault, (*accused, *found.context.faults))
+    faults = (*accused, *found.context.faults)
+    if fault is None and not at_floor(found.context, how.criteria, found.best):
+        eccentric = find_eccentricity(found.best.optimum, found.context.floor)
+        faults += (eccentric.fault,) if eccentric is not None else ()
+    evidence = EvidenceRecord(found.context, how.criteria, found.candidates, fault, faults)
     return report(campaign, evidence, judge(evidence))
 
 
