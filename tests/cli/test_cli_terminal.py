@@ -204,7 +204,7 @@ def test_a_signal_while_searching_ends_it_without_a_trace(tmp_path: Path) -> Non
     with subprocess.Popen(asked, env=PLAIN, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
         assert child.stderr is not None
         for line in child.stderr:
-            if "best so far" in line:
+            if "linear fit" in line:  # the first stage: the search is still to come
                 break
         child.send_signal(signal.SIGINT)
         written, told = child.communicate(timeout=60)
