@@ -197,11 +197,18 @@ def test_status_130_where_it_is_interrupted(
     assert not out.exists()
 
 
+def interruptible() -> None:
+    """Hear the signal even where the tests run in the background of a shell, which ignores it there."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def test_a_signal_while_searching_ends_it_without_a_trace(tmp_path: Path) -> None:
     lab = Path(stepid.datasets.__file__).parent / "lab" / "campaign.toml"
     out = tmp_path / "out"
     asked = [*STEPID, "diagnose", str(lab), "--out", str(out)]
-    with subprocess.Popen(asked, env=PLAIN, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
+    with subprocess.Popen(
+        asked, env=PLAIN, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=interruptible
+    ) as child:
         assert child.stderr is not None
         for line in child.stderr:
             if "linear fit" in line:  # the first stage: the search is still to come
