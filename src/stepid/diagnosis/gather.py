@@ -160,8 +160,15 @@ class EvidenceRecord:
     @cached_property
     def lead(self) -> Candidate:
         """The best of those that may lead where a rest remains, with no more in it than takes a notable part."""
-        best = self._simplest(self._able)
-        return self._without_trifle(self._simpler_law(best))
+        best = self._without_trifle(self._simpler_law(self._simplest(self._able)))
+        return best if len(best.effects) < 2 else self._determined(best)
+
+    def _determined(self, pair: Candidate) -> Candidate:
+        """One effect of two where the other is open: an effect that the data do not determine explains a rest only."""
+        open_ = {name.split(".")[0] for name in undetermined(self.context, self.criteria, pair)}
+        named = [name for name in pair.names if name not in open_]
+        alone = [w.candidate for w in self._able if w.candidate.names == tuple(named)]
+        return alone[0] if open_ and alone else pair
 
     def _loss(self, found: Candidate) -> float:
         return next(w.loss for w in self._able if w.candidate is found)

@@ -17,7 +17,7 @@ class Drop:
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
         """Propose the node's effects without one of them."""
         out = []
-        for place, effect in enumerate(node.effects if len(node.effects) > 1 else ()):
+        for place, effect in enumerate(node.effects if node.size > 1 else ()):
             own = node.best.problem.layout.values[place]
             values = tuple(float(v) for v in node.best.shared[own])
             moved, left = without(node.best, own, np.array(effect.faint(values, 0.0)))
