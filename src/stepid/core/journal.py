@@ -78,7 +78,7 @@ def move_all(scratch: Path, out: Path) -> None:
     part = scratch / "commit.part"
     part.write_text(json.dumps(listed), encoding="utf-8")
     _sync(part)
-    part.replace(scratch / "commit")
+    os.replace(part, scratch / "commit")
     _sync(scratch)
     _complete(scratch, out)
 
@@ -91,7 +91,7 @@ def _complete(scratch: Path, out: Path) -> None:
         _sync(out)
     except BaseException:
         with suppress(OSError):
-            (scratch / "commit").replace(scratch / "undo")
+            os.replace(scratch / "commit", scratch / "undo")
             _take_back(scratch, out)
         raise
     (scratch / "commit").unlink()
@@ -102,9 +102,9 @@ def _take_back(scratch: Path, out: Path) -> None:
     for name, replaces in reversed(_listed(scratch / "undo")):
         if replaces:
             if os.path.lexists(replaced / name):
-                (replaced / name).replace(out / name)
+                os.replace(replaced / name, out / name)
         elif os.path.lexists(out / name) and not os.path.lexists(new / name):
-            (out / name).replace(new / name)
+            os.replace(out / name, new / name)
     _sync(out)
     (scratch / "undo").unlink()
 
