@@ -8,7 +8,8 @@ from datetime import UTC, datetime
 import numpy as np
 
 from stepid.core.base import Label, Model
-from stepid.core.provenance import Source, versions
+from stepid.core.experiment import Campaign
+from stepid.core.provenance import Source, sources_of, versions
 from stepid.diagnosis.result import Diagnosis
 
 _PACKAGES = ("Python", "stepid", "numpy", "scipy", "control")
@@ -32,6 +33,20 @@ class Provenance(Model):
     of_files: bool
     versions: tuple[tuple[str, str], ...]
     written: Label
+
+
+def of_campaign(campaign: Campaign) -> Provenance:
+    """Say which files a campaign was read from, as they were then.
+
+    Parameters
+    ----------
+    campaign : Campaign
+
+    Returns
+    -------
+    Provenance
+    """
+    return _today(sources_of(campaign), of_files=True)
 
 
 def of_diagnosis(diagnosis: Diagnosis) -> Provenance:
