@@ -10,6 +10,7 @@ import typing
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import stepid
@@ -95,6 +96,21 @@ def test_what_public_functions_return_can_be_loaded() -> None:
                     continue
     assert {stepid.Diagnosis, stepid.Fit, stepid.Campaign, stepid.Characteristics} <= returned
     assert returned <= set(saved.kinds().values())
+
+
+def test_lines_are_such_as_editors_take(tmp_path: Path) -> None:
+    trend = stepid.Campaign(name="c", experiments=[_long(10_000)])
+    lines = trend.save(tmp_path / "c.json").read_text(encoding="utf-8").splitlines()
+    assert max(map(len, lines)) < 2000
+    assert 600 < len(lines) < 800
+    assert stepid.load(tmp_path / "c.json") == trend
+
+
+def _long(n: int) -> stepid.Experiment:
+    t = np.arange(n) * 1e-3
+    return stepid.Experiment(
+        name="a", time=t, position=np.sin(t), input=0 * t, added_mass=0.0, spring="s", damper="d", starts="motion"
+    )
 
 
 def test_the_parts_of_a_loaded_result_know_where_they_come_from(tmp_path: Path) -> None:

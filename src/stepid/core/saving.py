@@ -15,6 +15,7 @@ from stepid.core.provenance import versions
 from stepid.errors import InputError
 
 FORMAT = "stepid result"
+_A_LINE = 50
 SCHEMA = 1
 """Raised where files of the version before need a change to be read; `stepid.saved` then holds that change."""
 
@@ -36,14 +37,26 @@ def save(model: Model, path: str | os.PathLike[str]) -> Path:
         "result": model.to_dict(),
     }
     document["sha256"] = checksum(document)
-    lines = (f"{json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}" for key, value in document.items())
     try:
-        raw = ("{\n" + ",\n".join(lines) + "\n}\n").encode()
+        raw = (_written(document) + "\n").encode()
     except UnicodeEncodeError as error:
         raise InputError(f"{target}: a name is not text ({error.reason})", "Rename it.") from None
     with staged(target.parent) as folder:
         (folder / target.name).write_bytes(raw)
     return target
+
+
+def _written(value: object) -> str:
+    """Write JSON with one entry a line, but up to 50 numbers: lines that people, editors and diff can take."""
+    if isinstance(value, dict) and value:
+        entries = (f"{json.dumps(key, ensure_ascii=False)}: {_written(one)}" for key, one in value.items())
+        return "{\n" + ",\n".join(entries) + "\n}"
+    if isinstance(value, list) and any(isinstance(one, dict | list) for one in value):
+        return "[\n" + ",\n".join(map(_written, value)) + "\n]"
+    if isinstance(value, list) and len(value) > _A_LINE:
+        cuts = range(0, len(value), _A_LINE)
+        return "[\n" + ",\n".join(json.dumps(value[i : i + _A_LINE], ensure_ascii=False)[1:-1] for i in cuts) + "\n]"
+    return json.dumps(value, ensure_ascii=False)
 
 
 def checksum(document: Mapping[str, Any]) -> str:
