@@ -34,9 +34,9 @@ def draw(plan: Plan, axes: Mapping[str, Axes] | None) -> dict[str, Axes]:
         )
         for name, limit in plan.wanted.items()
     }
-    if plan.separate:
+    if plan.pair:
         panels[SEPARATION] = Panel(
-            title=" or ".join(effect_names((name,)) for name in plan.separate),
+            title=" or ".join(effect_names((effect.name,)) for effect in plan.pair),
             label="χ² of the wrong one",
             values=[design.separation or 0.0 for design in plan.designs],
             wanted=NEEDED,

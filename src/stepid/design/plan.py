@@ -15,7 +15,7 @@ from stepid.design.result import Plan
 from stepid.design.separation import Confusion, confusions, expected
 from stepid.effects import CATALOGUE, Effect, Scales, resolve
 from stepid.errors import InputError
-from stepid.simulation.model import PlantModel
+from stepid.simulation.model import EffectModel, PlantModel
 from stepid.simulation.threads import single_threaded
 
 _TRIED = 6  # designs whose separation is looked at by a full fit
@@ -66,8 +66,8 @@ def plan(
         Parameter, named as in `stepid.fit` or by its first word, to the largest relative standard uncertainty: by
         default 0.02 (2 %) of ``base_mass``, ``stiffness`` and ``damping``.
     separate : two of str or EffectModel, optional
-        A pair of effects that the runs are to tell apart. One without a size, where the other has one, gets that at
-        which they look most alike.
+        A pair of effects that the runs are to tell apart. The second of them, or the one without a size, gets that at
+        which a fit that lacks it leaves as much as one that lacks the other.
     duration : float, optional
         s, of each record; by default twice the settling time of the heaviest run.
     travel : float, optional
@@ -107,8 +107,9 @@ def plan(
     designs = enumerate_designs(asked.masses, possible, asked.sample_times, asked.runs, length)
     designs = _predicted(designs, guess, there, asked)
     ways: list[Confusion] = []
+    pair: tuple[EffectModel, ...] = ()
     if separate is not None:
-        ways = _ways(separate, guess, there, designs, scales, catalogue)
+        ways, pair = _ways(separate, guess, there, designs, scales, catalogue)
         designs = _separated(designs, ways, asked)
     found = Plan(
         plant=guess,
@@ -116,7 +117,7 @@ def plan(
         noise_time=asked.noise_time,
         weight_uncertainty=asked.weight_uncertainty,
         wanted=wanting,
-        separate=tuple(e.name for e in _pair(separate, catalogue)) if separate is not None else (),
+        pair=pair,
         designs=tuple(designs),
         advised=0,
     )
@@ -179,8 +180,8 @@ def _ways(
     designs: Sequence[Design],
     scales: Scales,
     catalogue: tuple[Effect, ...],
-) -> list[Confusion]:
-    """Both ways to take one effect of the pair for the other, looked for on the runs at the slowest sample time."""
+) -> tuple[list[Confusion], tuple[EffectModel, EffectModel]]:
+    """Both ways to take one effect of the pair for the other, looked for on the runs at the slowest sample time; their sizes."""
     pair = _pair(separate, catalogue)
     given = dict(zip((e.name for e in pair), separate, strict=True))
     own = {m.name: m for m in guess.effects}

@@ -11,7 +11,7 @@ from stepid.core.frames import make_frame
 from stepid.design.candidate import Design
 from stepid.design.separation import NEEDED
 from stepid.design.text import as_html, as_text, one_line
-from stepid.simulation.model import PlantModel
+from stepid.simulation.model import EffectModel, PlantModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,8 +35,8 @@ class Plan(Model):
         kg, of one 0.5 kg weight.
     wanted : mapping
         Parameter to the largest relative standard uncertainty.
-    separate : tuple of str
-        The pair of effects to be told apart; empty without.
+    pair : tuple of EffectModel
+        The effects to be told apart, at the sizes that were assumed; empty without.
     designs : tuple of Design
         All that were compared.
     advised : int
@@ -48,7 +48,7 @@ class Plan(Model):
     noise_time: NonNegative = 0.0
     weight_uncertainty: NonNegative
     wanted: Mapping[str, Positive]
-    separate: tuple[str, ...] = ()
+    pair: tuple[EffectModel, ...] = ()
     designs: tuple[Design, ...]
     advised: int
 
@@ -81,7 +81,7 @@ class Plan(Model):
     def shortfall(self, design: Design) -> float:
         """How many times too uncertain the design leaves what it does worst; 1 or less suffices."""
         worst = max((self.relative(design, name) / limit for name, limit in self.wanted.items()), default=0.0)
-        if self.separate:
+        if self.pair:
             apart = design.separation or 0.0
             worst = max(worst, math.sqrt(NEEDED / apart) if apart else math.inf)
         return worst

@@ -19,6 +19,8 @@ from stepid.simulation.model import EffectModel, PlantModel
 from stepid.simulation.records import Records
 
 _PLAINLY = 10.0  # χ² by which the right effect has to be better to be named
+_ALIKE = 1e-6  # of what a fit without the effect leaves, in power: the rival is the same law
+_ROUNDS, _FACTOR = 3, 5.0  # by which a size is found, each at most by this factor
 _CLOSE = 1e-10  # of the motion, in power: a fit without noise is near enough
 _SURELY = 1.645  # standard deviations: in 95 of 100 campaigns
 NEEDED = (_SURELY + math.sqrt(_SURELY**2 + _PLAINLY)) ** 2
@@ -62,8 +64,8 @@ def confusions(
     steps: Sequence[Step],
     duration: float,
     scales: Scales,
-) -> list[Confusion]:
-    """Both ways to take one effect for the other; the one without a size gets that at which it looks like the first.
+) -> tuple[list[Confusion], tuple[EffectModel, EffectModel]]:
+    """Both ways to take one effect for the other; the one without a size gets that at which it is missed as plainly.
 
     Parameters
     ----------
@@ -78,28 +80,49 @@ def confusions(
     scales : Scales
     """
     (one, first), (two, second) = pair
-    out = []
     records = lay_out_steps(steps, plant, duration)
-    with_first = plant.model_copy(update={"effects": (*plant.effects, first)})
-    truth = simulated(with_first, (*others, one), records)
-    nearby = nearest(truth.records, (*others, two), _starts(with_first, truth, two, scales))
-    if one.name not in two.contains:
-        out.append(Confusion(with_first, (*others, one), (*others, two), nearby.shared))
-    if two.name not in one.contains:
-        if second is None:
-            values = nearby.shared[nearby.problem.layout.values[-1]]
-            named = zip(two.parameters, map(float, values), strict=True)
-            second = EffectModel(name=two.name, values={q.name: v for q, v in named})
-        with_second = plant.model_copy(update={"effects": (*plant.effects, second)})
-        other = simulated(with_second, (*others, two), records)
-        back = nearest(other.records, (*others, one), _starts(with_second, other, one, scales))
-        out.append(Confusion(with_second, (*others, two), (*others, one), back.shared))
-    return out
+    sized = [(one, first), (two, second or _as_plain(plant, others, (one, first), two, records, scales))]
+    out = []
+    for (true, model), (wrong, _) in (sized, sized[::-1]):
+        if true.name in wrong.contains:
+            continue
+        there = plant.model_copy(update={"effects": (*plant.effects, model)})
+        truth = simulated(there, (*others, true), records)
+        common = truth.shared[: truth.problem.layout.values[-1].start]
+        starts = [np.concatenate([common, values]) for values in wrong.starts(scales)]
+        best = nearest(truth.records, (*others, wrong), starts)
+        alike = best.cost < _ALIKE * nearest(truth.records, others, [common]).cost
+        if alike and len(wrong.parameters) > len(true.parameters):  # a more general law: the simpler one is named
+            continue
+        out.append(Confusion(there, (*others, true), (*others, wrong), best.shared))
+    return out, (sized[0][1], sized[1][1])
 
 
-def _starts(plant: PlantModel, truth: Point, rival: Effect, scales: Scales) -> list[Array]:
-    common = truth.shared[: truth.problem.layout.values[-1].start]
-    return [np.concatenate([common, values]) for values in rival.starts(scales)]
+def _as_plain(
+    plant: PlantModel,
+    others: tuple[Effect, ...],
+    known: tuple[Effect, EffectModel],
+    other: Effect,
+    records: Records,
+    scales: Scales,
+) -> EffectModel:
+    """An effect at the size at which a fit without it leaves as much as one without the known effect."""
+
+    def left(effect: Effect, model: EffectModel) -> float:
+        there = plant.model_copy(update={"effects": (*plant.effects, model)})
+        truth = simulated(there, (*others, effect), records)
+        common = truth.shared[: truth.problem.layout.values[-1].start]
+        return nearest(truth.records, others, [common]).cost
+
+    def of(values: tuple[float, ...]) -> EffectModel:
+        named = zip(other.parameters, map(float, values), strict=True)
+        return EffectModel(name=other.name, values={q.name: value for q, value in named})
+
+    wanted, values = left(*known), tuple(other.starts(scales)[0])
+    for _ in range(_ROUNDS):
+        share = math.sqrt(wanted / max(left(other, of(values)), 1e-300))
+        values = other.faint(values, min(max(share, 1 / _FACTOR), _FACTOR))
+    return of(values)
 
 
 def nearest(records: Records, effects: tuple[Effect, ...], starts: Sequence[Array]) -> Optimum:

@@ -14,6 +14,7 @@ from stepid.diagnosis.wording import effect_names
 if TYPE_CHECKING:
     from stepid.design.result import Plan
 
+_HOPELESS = 10.0  # times too uncertain: a hundred times as many runs
 _TITLE = "Best design for each number of runs (standard uncertainties)"
 
 
@@ -45,7 +46,7 @@ def sentences(plan: Plan) -> list[str]:
         out.append(f"None of the {len(plan.designs)} designs gives all that is wanted; {design.runs} runs come nearest.")
     out += [_runs(design), _sampling(design)]
     out += [_parameter(plan, design, name, limit) for name, limit in plan.wanted.items()]
-    if plan.separate:
+    if plan.pair:
         out.append(_separation(plan, design))
     if not plan.suffices:
         out += _remedies(plan, design)
@@ -55,6 +56,11 @@ def sentences(plan: Plan) -> list[str]:
 def per_cent(share: float) -> str:
     """A share in per cent with two digits."""
     return "not determined" if math.isinf(share) else f"{100 * share:.2g} %"
+
+
+def chi_square(value: float) -> str:
+    """A χ² with two digits or in whole numbers."""
+    return f"{value:.0f}" if value >= 10 else f"{value:.1f}"
 
 
 def words(design: Design) -> list[str]:
@@ -86,10 +92,10 @@ def _parameter(plan: Plan, design: Design, name: str, limit: float) -> str:
 
 
 def _separation(plan: Plan, design: Design) -> str:
-    pair = " and ".join(effect_names((name,)) for name in plan.separate)
+    pair = " and ".join(effect_names((effect.name,)) for effect in plan.pair)
     apart = design.separation or 0.0
     verb = "are told apart" if apart >= NEEDED else "are not surely told apart"
-    return f"{pair} {verb}: the wrong one leaves {apart:.2g} more in χ², {NEEDED:.2g} are needed."
+    return f"{pair} {verb}: the wrong one leaves {chi_square(apart)} more in χ², {chi_square(NEEDED)} are needed."
 
 
 def _remedies(plan: Plan, design: Design) -> list[str]:
@@ -103,17 +109,16 @@ def _remedies(plan: Plan, design: Design) -> list[str]:
             )
     if not out:
         worst = plan.shortfall(design)
-        out.append(
-            "Larger steps, less noise or more runs would help; nothing else is that short."
-            if math.isinf(worst)
-            else f"It would take {worst:.2g} times less noise, or {math.ceil(worst**2)} times as many runs."
-        )
+        if worst < _HOPELESS:
+            out.append(f"It would take {worst:.2g} times less noise, or {math.ceil(worst**2)} times as many runs.")
+        else:
+            out.append("Other steps are needed: more of these would not do. Try other levels, masses or sample times.")
     return out
 
 
 def _table(plan: Plan) -> tuple[list[str], Rows]:
     header = ["runs", "added kg", "levels V", "back", "every ms", *plan.wanted]
-    if plan.separate:
+    if plan.pair:
         header.append("χ² apart")
     rows = []
     for runs in sorted({design.runs for design in plan.designs}):
@@ -126,7 +131,7 @@ def _table(plan: Plan) -> tuple[list[str], Rows]:
             f"{design.sample_time * 1e3:.3g}",
             *(per_cent(plan.relative(design, name)) for name in plan.wanted),
         ]
-        if plan.separate:
-            row.append(f"{design.separation or 0.0:.2g}")
+        if plan.pair:
+            row.append(chi_square(design.separation or 0.0))
         rows.append(row)
     return header, rows
