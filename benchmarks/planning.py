@@ -22,7 +22,6 @@ PAIRS = (
     ("coulomb_friction", "quadratic_damping"),
     ("coulomb_friction", "load_proportional_friction"),
     ("coulomb_friction", "presliding_hysteresis"),
-    ("coulomb_friction", "asymmetric_friction"),
     ("cubic_stiffness", "quadratic_stiffness"),
     ("cubic_stiffness", "actuator_saturation"),
     ("actuator_dead_zone", "coulomb_friction"),
@@ -110,7 +109,7 @@ def scatter(plants: int, count: int, seed: int, first: int) -> None:
 def pairs(count: int, seed: int, first: int) -> None:
     right = named = done = 0
     number = first
-    print("| case | truth | rival | noise, µm | runs | samples | χ² promised | χ² found | diagnosis | |\n" + "| --- " * 10 + "|")
+    print("| case | truth | rival | noise, µm | runs | samples | left/noise | χ² promised | χ² found | diagnosis | |\n" + "| --- " * 11 + "|")
     while done < count:
         rng = np.random.default_rng([seed, 1, number])
         number += 1
@@ -143,7 +142,7 @@ def pairs(count: int, seed: int, first: int) -> None:
         done, right, named = done + 1, right + (apart > 0), named + good
         print(
             f"| {number - 1} | {truth.name} | {rival[0]} | {noise * 1e6:.0f} | {plan.advice.runs} "
-            f"| {plan.advice.samples} | {plan.advice.separation:.0f} | {apart:.0f} "
+            f"| {plan.advice.samples} | {plan.advice.misfit:.2f} | {plan.advice.separation or 0.0:.0f} | {apart:.0f} "
             f"| {said.verdict} {' or '.join(' + '.join(s) for s in sets)} | {'yes' if good else 'NO'} {took:.1f} s |",
             flush=True,
         )

@@ -46,6 +46,8 @@ class Design(Model):
     separation : float or None
         Expected χ² of the wrong effect of the pair that is to be told apart, beyond that of the right one; the smaller
         of both ways round.
+    misfit : float or None
+        What a plant without either is expected to leave, over the noise; the smaller of both.
     """
 
     added_masses: tuple[NonNegative, ...]
@@ -57,6 +59,7 @@ class Design(Model):
     from_noise: Mapping[str, NonNegative | None] = {}
     from_weights: Mapping[str, NonNegative | None] = {}
     separation: NonNegative | None = None
+    misfit: NonNegative | None = None
 
     @model_validator(mode="after")
     def _pairs(self) -> Self:

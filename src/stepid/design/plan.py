@@ -12,7 +12,7 @@ from stepid.design.candidate import Design, Step, enumerate_designs
 from stepid.design.guess import Given, Guess, as_plant, lasting, parameter_values, reach, sized, typical
 from stepid.design.information import covariances, information, lay_out_steps, simulated
 from stepid.design.result import Plan
-from stepid.design.separation import Confusion, confusions, expected
+from stepid.design.separation import Confusion, apart, confusions, expected
 from stepid.effects import CATALOGUE, Effect, Scales, resolve
 from stepid.errors import InputError
 from stepid.simulation.model import EffectModel, PlantModel
@@ -202,10 +202,13 @@ def _separated(designs: Sequence[Design], ways: Sequence[Confusion], asked: Aske
     tables = [way.by_step(steps, length) for way in ways]
     out = []
     for design in designs:
-        variance = asked.variance(design.sample_time)
-        least = min(expected(design.steps, table, variance=variance) for table in tables)
-        out.append(design.model_copy(update={"separation": least}))
+        out.append(_told(design, ways, [expected(design.steps, table) for table in tables], asked))
     return out
+
+
+def _told(design: Design, ways: Sequence[Confusion], left: Sequence[float], asked: Asked) -> Design:
+    least, misfit = apart(ways, left, variance=asked.variance(design.sample_time), design=design)
+    return design.model_copy(update={"separation": least, "misfit": misfit})
 
 
 def _advised(found: Plan, ways: Sequence[Confusion], asked: Asked) -> Plan:
@@ -220,8 +223,7 @@ def _advised(found: Plan, ways: Sequence[Confusion], asked: Asked) -> Plan:
             if tried == _TRIED:
                 break
             tried += 1
-            left = min(way.fitted(designs[i]) for way in ways) / asked.variance(designs[i].sample_time)
-            designs[i] = designs[i].model_copy(update={"separation": left})
+            designs[i] = _told(designs[i], ways, [way.fitted(designs[i]) for way in ways], asked)
             if found.shortfall(designs[i]) > 1:
                 continue
         return found.model_copy(update={"designs": tuple(designs), "advised": i})

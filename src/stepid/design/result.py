@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from stepid.core.base import Model, NonNegative, Positive
 from stepid.core.frames import make_frame
 from stepid.design.candidate import Design
-from stepid.design.separation import NEEDED
+from stepid.design.separation import NEEDED, VISIBLE
 from stepid.design.text import as_html, as_text, one_line
 from stepid.simulation.model import EffectModel, PlantModel
 
@@ -82,8 +82,9 @@ class Plan(Model):
         """How many times too uncertain the design leaves what it does worst; 1 or less suffices."""
         worst = max((self.relative(design, name) / limit for name, limit in self.wanted.items()), default=0.0)
         if self.pair:
-            apart = design.separation or 0.0
-            worst = max(worst, math.sqrt(NEEDED / apart) if apart else math.inf)
+            seen = [(design.misfit or 1.0) ** 2 - 1, VISIBLE**2 - 1]
+            chi = [design.separation if design.separation is not None else NEEDED, NEEDED]
+            worst = max(worst, *(math.sqrt(need / has) if has > 0 else math.inf for has, need in (seen, chi)))
         return worst
 
     def best(self, runs: int) -> Design:
@@ -153,5 +154,6 @@ def _row(design: Design) -> dict[str, object]:
         "sample_time": design.sample_time,
         "duration": design.duration,
         "separation": design.separation,
+        "misfit": design.misfit,
     }
     return out | {f"uncertainty.{name}": value for name, value in design.uncertainty.items()}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from stepid.design.candidate import Design, Step
 from stepid.design.information import Point, information, inverted, lay_out_steps, simulated
 from stepid.effects.base import Effect, Scales
 from stepid.errors import ConvergenceError
-from stepid.fitting.levenberg_marquardt import Optimum, minimize
+from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.problem import build
 from stepid.simulation.model import EffectModel, PlantModel
 from stepid.simulation.records import Records
@@ -21,28 +21,34 @@ from stepid.simulation.records import Records
 _PLAINLY = 10.0  # χ² by which the right effect has to be better to be named
 _ALIKE = 1e-6  # of what a fit without the effect leaves, in power: the rival is the same law
 _ROUNDS, _FACTOR = 3, 5.0  # by which a size is found, each at most by this factor
+_DIFFER = ("gain", "damping", "start_time")  # what `stepid.diagnose` lets runs differ in before it names an effect
 _CLOSE = 1e-10  # of the motion, in power: a fit without noise is near enough
 _SURELY = 1.645  # standard deviations: in 95 of 100 campaigns
 NEEDED = (_SURELY + math.sqrt(_SURELY**2 + _PLAINLY)) ** 2
 """Expected χ² at which noise, which spreads it by twice its root, leaves enough to name the right effect."""
 
+VISIBLE = 1.1
+"""Times the noise that a fit without the effects must leave: at 1.05 `stepid.diagnose` calls it adequate."""
+
 
 @dataclass(frozen=True)
 class Confusion:
-    """A plant that has one effect, taken for one that has another: `plant` is the truth, `rival` what it is taken for.
+    """A plant that has an effect, taken for one that has another, none, or differs from run to run.
 
-    `best` are all shared parameters of the rival where it comes nearest.
+    `plant` and `effects` are the truth, `rival` what is fitted to it, `best` its shared parameters where it comes
+    nearest. `differs` is the deviation, as in `stepid.simulation.layout.DEVIATIONS`, that is free in every run.
     """
 
     plant: PlantModel
     effects: tuple[Effect, ...]
     rival: tuple[Effect, ...]
     best: Array
+    differs: str = ""
 
     def by_step(self, steps: Sequence[Step], duration: float) -> dict[Step, Array]:
         """Information of each run about the rival's parameters, and, last, what it leaves of the truth."""
         truth = simulated(self.plant, self.effects, lay_out_steps(steps, self.plant, duration))
-        problem = build(truth.records, self.rival)
+        problem = _problem(truth.records, self.rival, self.differs)
         local = np.zeros((problem.layout.n_run, len(steps)))
         solved = problem.solve(self.best, local)
         if solved is None:
@@ -50,11 +56,31 @@ class Confusion:
         point = Point(problem, solved, self.best, local)
         return dict(zip(steps, information(point, problem.residual(solved)), strict=True))
 
+    @property
+    def plain(self) -> bool:
+        """Whether it is taken for a plant without either effect, the same in every run."""
+        return len(self.rival) < len(self.effects) and not self.differs
+
     def fitted(self, design: Design) -> float:
         """What the rival, fitted to the design's records without noise, leaves of the truth, m²."""
         truth = simulated(self.plant, self.effects, lay_out_steps(design.steps, self.plant, design.duration))
-        found = nearest(truth.records, self.rival, [self.best])
-        return found.cost
+        return nearest(truth.records, self.rival, [self.best], self.differs).cost
+
+    def price(self, runs: int, samples: int) -> float:
+        """What the rival pays for the more parameters that it has than the truth, in χ² (BIC)."""
+        if not self.differs:
+            return 0.0
+        free = runs - (self.differs != "start_time")  # a gain or damping that all share is no difference
+        return (free - len(self.effects[-1].parameters)) * math.log(samples)
+
+
+def _problem(records: Records, effects: tuple[Effect, ...], differs: str) -> Problem:
+    problem = build(records, effects)
+    if not differs:
+        return problem
+    active = problem.active.copy()
+    active[problem.layout.deviation(differs)] = True
+    return replace(problem, active=active)
 
 
 def confusions(
@@ -65,7 +91,7 @@ def confusions(
     duration: float,
     scales: Scales,
 ) -> tuple[list[Confusion], tuple[EffectModel, EffectModel]]:
-    """Both ways to take one effect for the other; the one without a size gets that at which it is missed as plainly.
+    """Both ways to take one effect for the other, and each for none; the one without a size gets a comparable one.
 
     Parameters
     ----------
@@ -84,17 +110,16 @@ def confusions(
     sized = [(one, first), (two, second or _as_plain(plant, others, (one, first), two, records, scales))]
     out = []
     for (true, model), (wrong, _) in (sized, sized[::-1]):
-        if true.name in wrong.contains:
-            continue
         there = plant.model_copy(update={"effects": (*plant.effects, model)})
         truth = simulated(there, (*others, true), records)
         common = truth.shared[: truth.problem.layout.values[-1].start]
+        plain = nearest(truth.records, others, [common])
+        out += [Confusion(there, (*others, true), others, plain.shared, what) for what in ("", *_DIFFER)]
         starts = [np.concatenate([common, values]) for values in wrong.starts(scales)]
         best = nearest(truth.records, (*others, wrong), starts)
-        alike = best.cost < _ALIKE * nearest(truth.records, others, [common]).cost
-        if alike and len(wrong.parameters) > len(true.parameters):  # a more general law: the simpler one is named
-            continue
-        out.append(Confusion(there, (*others, true), (*others, wrong), best.shared))
+        alike = best.cost < _ALIKE * plain.cost
+        if not alike or len(wrong.parameters) <= len(true.parameters):  # of a law and a more general one the first is named
+            out.append(Confusion(there, (*others, true), (*others, wrong), best.shared))
     return out, (sized[0][1], sized[1][1])
 
 
@@ -125,7 +150,9 @@ def _as_plain(
     return of(values)
 
 
-def nearest(records: Records, effects: tuple[Effect, ...], starts: Sequence[Array]) -> Optimum:
+def nearest(
+    records: Records, effects: tuple[Effect, ...], starts: Sequence[Array], differs: str = ""
+) -> Optimum:
     """Fit effects to records from some starts; the best end.
 
     Raises
@@ -133,7 +160,7 @@ def nearest(records: Records, effects: tuple[Effect, ...], starts: Sequence[Arra
     stepid.errors.ConvergenceError
         If all of them run away.
     """
-    problem = build(records, effects)
+    problem = _problem(records, effects, differs)
     local = np.zeros((problem.layout.n_run, len(records.runs)))
     least = _CLOSE * float(np.sum(records.weighted(records.position) ** 2))
     ends = [minimize(problem, start, local, tolerance=least) for start in starts]
@@ -148,10 +175,22 @@ def _runaway(effects: tuple[Effect, ...]) -> ConvergenceError:
     return ConvergenceError(f"no plant with {names} follows these steps", "Give smaller levels, or another pair.")
 
 
-def expected(steps: Sequence[Step], known: Mapping[Step, Array], *, variance: float) -> float:
-    """χ² that the rival leaves in some runs, to first order about where it comes nearest."""
+def apart(
+    ways: Sequence[Confusion], left: Sequence[float], *, variance: float, design: Design
+) -> tuple[float, float]:
+    """The least χ² by which a rival is worse than the truth, and what no effect at all leaves over the noise.
+
+    `left` is what each rival leaves of the truth without noise, m².
+    """
+    each = [(way, value / variance) for way, value in zip(ways, left, strict=True)]
+    worse = min(chi + way.price(design.runs, design.samples) for way, chi in each if not way.plain)
+    missed = min(chi for way, chi in each if way.plain)
+    return max(worse, 0.0), math.sqrt(1 + missed / design.samples)
+
+
+def expected(steps: Sequence[Step], known: Mapping[Step, Array]) -> float:
+    """What the rival leaves of the truth in some runs, m², to first order about where it comes nearest."""
     total = np.sum([known[step] for step in steps], axis=0)
     inverse, _ = inverted(total[:-1, :-1])
-    left = float(total[-1, -1] - total[-1, :-1] @ inverse @ total[:-1, -1])
-    return max(left, 0.0) / variance
+    return max(float(total[-1, -1] - total[-1, :-1] @ inverse @ total[:-1, -1]), 0.0)
 

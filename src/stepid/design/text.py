@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from stepid.core.tables import Rows, html_table, text_table
 from stepid.design.candidate import Design
-from stepid.design.separation import NEEDED
+from stepid.design.separation import NEEDED, VISIBLE
 from stepid.diagnosis.wording import effect_names
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def sentences(plan: Plan) -> list[str]:
     out += [_runs(design), _sampling(design)]
     out += [_parameter(plan, design, name, limit) for name, limit in plan.wanted.items()]
     if plan.pair:
-        out.append(_separation(plan, design))
+        out += _separation(plan, design)
     if not plan.suffices:
         out += _remedies(plan, design)
     return out
@@ -91,11 +91,15 @@ def _parameter(plan: Plan, design: Design, name: str, limit: float) -> str:
     return told + "."
 
 
-def _separation(plan: Plan, design: Design) -> str:
+def _separation(plan: Plan, design: Design) -> list[str]:
     pair = " and ".join(effect_names((effect.name,)) for effect in plan.pair)
-    apart = design.separation or 0.0
-    verb = "are told apart" if apart >= NEEDED else "are not surely told apart"
-    return f"{pair} {verb}: the wrong one leaves {chi_square(apart)} more in χ², {chi_square(NEEDED)} are needed."
+    misfit, chi = design.misfit or 1.0, design.separation
+    seen = "is seen" if misfit >= VISIBLE else "is not surely seen"
+    out = [f"What is missing {seen}: without either effect a fit leaves {misfit:.2f} times the noise."]
+    if chi is not None:
+        verb = "are told apart" if chi >= NEEDED else "are not surely told apart"
+        out.append(f"{pair} {verb}: the wrong one leaves {chi_square(chi)} more in χ²; {chi_square(NEEDED)} suffice.")
+    return [words[0].upper() + words[1:] for words in out]
 
 
 def _remedies(plan: Plan, design: Design) -> list[str]:
@@ -119,7 +123,7 @@ def _remedies(plan: Plan, design: Design) -> list[str]:
 def _table(plan: Plan) -> tuple[list[str], Rows]:
     header = ["runs", "added kg", "levels V", "back", "every ms", *plan.wanted]
     if plan.pair:
-        header.append("χ² apart")
+        header += ["left/noise", "χ² apart"]
     rows = []
     for runs in sorted({design.runs for design in plan.designs}):
         design = plan.best(runs)
@@ -132,6 +136,6 @@ def _table(plan: Plan) -> tuple[list[str], Rows]:
             *(per_cent(plan.relative(design, name)) for name in plan.wanted),
         ]
         if plan.pair:
-            row.append(chi_square(design.separation or 0.0))
+            row += [f"{design.misfit or 1.0:.2f}", chi_square(design.separation or 0.0)]
         rows.append(row)
     return header, rows
