@@ -29,8 +29,13 @@ class Asked:
 
     def variance(self, sample_time: float) -> float:
         """Variance of white noise that would tell as much at this sample time, m²."""
-        kept = math.exp(-sample_time / self.noise_time) if self.noise_time else 0.0
-        return self.noise**2 * (1 + kept) / (1 - kept)
+        return white_variance(self.noise, self.noise_time, sample_time)
+
+
+def white_variance(noise: float, noise_time: float, sample_time: float) -> float:
+    """Variance of the white noise that tells as much as noise [m] with a correlation time [s], m²."""
+    kept = math.exp(-sample_time / noise_time) if noise_time else 0.0
+    return noise**2 * (1 + kept) / (1 - kept)
 
 
 def checked(

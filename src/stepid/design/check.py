@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepid.core.base import Array, Model, NonNegative
-from stepid.core.mass_offset import WEIGHT
 from stepid.core.tables import text_table
 from stepid.design.guess import parameter_values
-from stepid.design.information import lay_out_steps, simulated
+from stepid.design.information import Point, information, inverted, lay_out_steps, simulated, weight_parts, with_weights
 from stepid.effects import resolve
 from stepid.errors import InputError
-from stepid.fitting.levenberg_marquardt import minimize
+from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import build
 from stepid.simulation.records import Records
 from stepid.simulation.threads import single_threaded
@@ -70,16 +69,17 @@ def check(plan: Plan, *, count: int, seed: int) -> PlanCheck:
     design, stream = plan.advice, np.random.default_rng(seed)
     effects = resolve([e.name for e in plan.plant.effects])
     truth = simulated(plan.plant, effects, lay_out_steps(design.steps, plan.plant, design.duration))
+    parts = weight_parts(np.array(design.added_masses), plan.weight_uncertainty)
     sim, own = truth.problem.simulator, truth.problem.layout.deviation("added_mass")
     ends = []
     for _ in range(count):
         local = truth.local.copy()
-        local[own] = _weights(np.array(design.added_masses), plan.weight_uncertainty, stream)
+        local[own] = parts @ stream.standard_normal(parts.shape[1])
         reading = sim.readings(truth.shared[None], local[None])[0]
         noisy = replace(truth.records, position=reading + _noise(plan, truth.records, stream))
         found = minimize(build(noisy, effects), truth.shared, truth.local, iterations=_LAPS)
         if found is not None:
-            ends.append(found.shared)
+            ends.append(_likeliest(found, parts, plan.variance(design.sample_time)))
     error = np.sqrt(np.mean((np.array(ends) - truth.shared) ** 2, axis=0))
     names = list(parameter_values(plan.plant, effects))
     predicted = {name: spread for name, spread in design.uncertainty.items() if spread is not None}
@@ -87,12 +87,15 @@ def check(plan: Plan, *, count: int, seed: int) -> PlanCheck:
     return PlanCheck(count=len(ends), scatter=scatter, predicted=predicted)
 
 
-def _weights(added: Array, uncertainty: float, stream: np.random.Generator) -> Array:
-    """Errors of the added masses, kg: weights are put on one after another, each with its own."""
-    steps, place = np.unique(added, return_inverse=True)
-    sizes = uncertainty * np.sqrt(np.diff(steps, prepend=0.0) / WEIGHT)
-    errors: Array = np.cumsum(sizes * stream.standard_normal(steps.size))[place]
-    return errors
+def _likeliest(found: Optimum, parts: Array, variance: float) -> Array:
+    """The parameters of a fit with exact weights, moved to where the weights' errors are fitted, too."""
+    point = Point(found.problem, found.solved, found.shared, found.local)
+    tables = information(point, found.problem.residual(found.solved))
+    inverse, _ = inverted(with_weights([table[:-1, :-1] for table in tables], parts, variance))
+    pull = np.array([table[:-1, -1] for table in tables])
+    step = inverse @ np.concatenate([pull.sum(axis=0), parts.T @ pull[:, 0]]) / variance
+    out: Array = found.shared + step[: found.shared.size]
+    return out
 
 
 def _noise(plan: Plan, records: Records, stream: np.random.Generator) -> Array:

@@ -100,13 +100,44 @@ def inverted(matrix: Array) -> tuple[Array, Array]:
     return inverse / size / size[:, None], open_
 
 
+def weight_parts(added: Array, uncertainty: float) -> Array:
+    """Errors of the added masses [kg] as independent parts of unit variance, shape (R, K).
+
+    Weights are put on one after another, each with its own error, as in `stepid.Campaign.mass_offsets`: runs of equal
+    added mass share theirs.
+    """
+    steps = np.unique(added[added > 0]) if uncertainty > 0 else np.zeros(0)
+    sizes = uncertainty * np.sqrt(np.diff(steps, prepend=0.0) / WEIGHT)
+    return (added[:, None] >= steps) * sizes
+
+
+def with_weights(tables: Sequence[Array], parts: Array, variance: float) -> Array:
+    """Information of all runs about n parameters and k errors of weights, these with unit variance, shape (n+k, n+k).
+
+    Parameters
+    ----------
+    tables : sequence of array, shape (n, n)
+        Of each run, for noise of 1 m; the first parameter is the base mass, as which an added mass acts.
+    parts : array, shape (R, k)
+        From `weight_parts`.
+    variance : float
+        m², of the noise.
+    """
+    n, k = tables[0].shape[0], parts.shape[1]
+    out = np.zeros((n + k, n + k))
+    for table, part in zip(tables, parts, strict=True):
+        both = np.vstack([np.eye(n), np.outer(part, np.eye(n)[0])])
+        out += both @ (table / variance) @ both.T
+    out[n:, n:] += np.eye(k)
+    return out
+
+
 def covariances(
     steps: Sequence[Step], known: Mapping[Step, Array], *, variance: float, weight_uncertainty: float
 ) -> tuple[Array, Array, Array]:
     """Covariance from noise and from the weights, shapes (n, n), and which parameters stay open, shape (n,).
 
-    A run's added mass acts as its base mass does, the first parameter. Weights are put on one after another, each of
-    500 g with its own error, so that runs of equal added mass share theirs.
+    The weights' errors are parameters with a prior, as in `stepid.fit`.
 
     Parameters
     ----------
@@ -118,8 +149,9 @@ def covariances(
     weight_uncertainty : float
         kg, of a weight of 500 g.
     """
-    inverse, open_ = inverted(np.sum([known[step] for step in steps], axis=0))
-    added = np.array([step.added_mass for step in steps])
-    spread = weight_uncertainty**2 / WEIGHT * np.minimum(added, added[:, None])
-    pull = inverse @ np.column_stack([known[step][:, 0] for step in steps])
-    return variance * inverse, pull @ spread @ pull.T, open_
+    parts = weight_parts(np.array([step.added_mass for step in steps]), weight_uncertainty)
+    tables = [known[step] for step in steps]
+    n = tables[0].shape[0]
+    inverse, open_ = inverted(with_weights(tables, parts, variance))
+    weights = inverse[:n, n:] @ inverse[n:, :n]
+    return inverse[:n, :n] - weights, weights, open_[:n]

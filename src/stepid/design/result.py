@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from stepid.core.base import Model, NonNegative, Positive
 from stepid.core.frames import make_frame
+from stepid.design.arguments import white_variance
 from stepid.design.candidate import Design
 from stepid.design.separation import NEEDED, VISIBLE
 from stepid.design.text import as_html, as_text, one_line
@@ -72,6 +73,10 @@ class Plan(Model):
             out[name if name == "base_mass" else f"{name}[{label}]"] = value
         out |= {f"{e.name}.{q}": value for e in self.plant.effects for q, value in e.values.items()}
         return out
+
+    def variance(self, sample_time: float) -> float:
+        """Variance of the white noise that would tell as much at a sample time [s], m²."""
+        return white_variance(self.noise, self.noise_time, sample_time)
 
     def relative(self, design: Design, name: str) -> float:
         """Predicted standard uncertainty of a parameter over its guessed value; infinite where not determined."""
