@@ -11,10 +11,10 @@ import time
 from typing import Any
 
 import numpy as np
-from hidden.plant import runs_like
-from hidden.readings import positions
 
 import stepid
+from hidden.plant import runs_like
+from hidden.readings import positions
 
 WEIGHT = 0.5
 EFFECTS = (None, None, "coulomb_friction", "cubic_stiffness", "actuator_lag", "quadratic_damping")
@@ -42,12 +42,11 @@ def draw_guess(rng: np.random.Generator) -> dict[str, float]:
 
 def true_positions(plan: stepid.Plan, effects: Any, errors: np.ndarray | None = None) -> list[np.ndarray]:
     campaign = plan.advice.campaign(plan.plant)
-    (mass,), (stiffness,), (damping,) = (v.items() for v in (plan.plant.base_mass, plan.plant.stiffness, plan.plant.damping))
     runs = runs_like(
         campaign,
-        base_mass=mass[1],
-        stiffness=dict([stiffness]),
-        damping=dict([damping]),
+        base_mass=dict(plan.plant.base_mass),
+        stiffness=dict(plan.plant.stiffness),
+        damping=dict(plan.plant.damping),
         force_gain=plan.plant.force_gain,
         effects=effects,
     )
@@ -63,9 +62,17 @@ def weights(added: tuple[float, ...], spread: float, rng: np.random.Generator) -
     return np.cumsum(spread * np.sqrt(np.diff(steps, prepend=0.0) / WEIGHT) * rng.standard_normal(steps.size))[place]
 
 
+def _head(*names: str) -> None:
+    print("| " + " | ".join(names) + " |\n" + "| --- " * len(names) + "|")
+
+
 def scatter(plants: int, count: int, seed: int, first: int) -> None:
     every: list[float] = []
-    print("| plant | effect | noise, µm | weights, g | runs | every, ms | scatter over prediction |\n" + "| --- " * 7 + "|")
+    print(
+        "| plant | effect | noise, µm | weights, g | runs | every, ms | scatter over prediction |\n"
+        + "| --- " * 7
+        + "|"
+    )
     for number in range(first, first + plants):
         rng = np.random.default_rng([seed, number])
         guess, noise = draw_guess(rng), float(np.exp(rng.uniform(np.log(5e-6), np.log(200e-6))))
@@ -109,7 +116,11 @@ def scatter(plants: int, count: int, seed: int, first: int) -> None:
 def pairs(count: int, seed: int, first: int) -> None:
     right = named = done = 0
     number = first
-    print("| case | truth | rival | noise, µm | runs | samples | left/noise | χ² promised | χ² found | diagnosis | |\n" + "| --- " * 11 + "|")
+    print(
+        "| case | truth | rival | noise, µm | runs | samples | left/noise | χ² promised | χ² found | diagnosis | |\n"
+        + "| --- " * 11
+        + "|"
+    )
     while done < count:
         rng = np.random.default_rng([seed, 1, number])
         number += 1
@@ -132,7 +143,7 @@ def pairs(count: int, seed: int, first: int) -> None:
         campaign = plan.advice.campaign(plan.plant, positions=noisy)
         ends = [stepid.fit(campaign, effects=(name,)) for name in (truth.name, plan.pair[1 - which].name)]
         size = sum(e.time.size for e in campaign.experiments)
-        apart = (ends[1].rms**2 - ends[0].rms**2) * size / noise**2
+        apart = (ends[1].rms ** 2 - ends[0].rms ** 2) * size / noise**2
         began = time.process_time()
         said = stepid.diagnose(campaign)
         took = time.process_time() - began

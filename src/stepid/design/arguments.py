@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from numbers import Real
+
+import numpy as np
 
 from stepid.errors import InputError
 
@@ -88,20 +89,25 @@ def checked(
 
 def number(name: str, given: object, unit: str, *, least: float | None = None) -> float:
     """A positive number, or one that is not below `least`."""
-    if isinstance(given, Real) and not isinstance(given, bool) and math.isfinite(given):
-        value = float(given)
-        if value > 0 or (least is not None and value >= least):
-            return value
+    value = _finite(given)
+    if value is not None and (value > 0 or (least is not None and value >= least)):
+        return value
     raise InputError(f"{name} = {given!r} cannot be", f"Give a number above 0: {unit}.")
 
 
 def numbers(name: str, given: object, unit: str) -> tuple[float, ...]:
     """Different finite numbers, one at least, in the order given."""
     several = list(given) if isinstance(given, Iterable) and not isinstance(given, (str, bytes, Mapping)) else []
-    good = [v for v in several if isinstance(v, Real) and not isinstance(v, bool) and math.isfinite(v)]
+    good = [value for value in map(_finite, several) if value is not None]
     if not several or len(good) < len(several):
         raise InputError(f"{name} = {given!r} is not a list of numbers", f"Give {unit}.")
-    return tuple(dict.fromkeys(float(v) for v in good))
+    return tuple(dict.fromkeys(good))
+
+
+def _finite(given: object) -> float | None:
+    if isinstance(given, (bool, np.bool_)) or not isinstance(given, (int, float, np.integer, np.floating)):
+        return None
+    return float(given) if math.isfinite(given) else None
 
 
 def wants(given: Mapping[str, float] | None, names: Iterable[str]) -> dict[str, float]:

@@ -140,7 +140,7 @@ def enumerate_designs(
     duration: float,
 ) -> list[Design]:
     """All combinations: masses at both ends or spread, one level or two of them, with and without a step back."""
-    patterns = [(level,) for level in levels]
+    patterns: list[tuple[float, ...]] = [(level,) for level in levels]
     patterns += [(one, two) for i, one in enumerate(levels) for two in levels[i + 1 :]]
     found: dict[tuple[object, ...], Design] = {}
     for count, pattern, back, sample_time in product(runs, patterns, (False, True), sample_times):
@@ -151,9 +151,7 @@ def enumerate_designs(
             key = (tuple(sorted(zip(weights, given, strict=True))), back, sample_time)
             found.setdefault(
                 key,
-                Design(
-                    added_masses=weights, levels=given, back=back, sample_time=sample_time, duration=duration
-                ),
+                Design(added_masses=weights, levels=given, back=back, sample_time=sample_time, duration=duration),
             )
     return list(found.values())
 

@@ -41,7 +41,7 @@ def as_plant(given: Guess) -> PlantModel:
                 " N/m, N·s/m and N/V, or the model of a fit.",
             )
         values = {what: {label: given[what]} for what, label in LABELS.items()}
-        model = PlantModel(**values, force_gain=given["force_gain"])
+        model = PlantModel.model_validate(values | {"force_gain": given["force_gain"]})
     mass, stiffness, damping, gain = values_of(model)
     if not (mass > 0 and stiffness > 0 and damping >= 0 and gain != 0):
         raise InputError(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from stepid.design.separation import NEEDED
@@ -10,14 +9,13 @@ from stepid.diagnosis.wording import effect_names
 from stepid.errors import InputError
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from stepid.design.result import Plan
+    from stepid.plot.trade import Drawn
 
 SEPARATION = "separation"
 
 
-def draw(plan: Plan, axes: Mapping[str, Axes] | None) -> dict[str, Axes]:
+def draw(plan: Plan, axes: Drawn | None) -> Drawn:
     """Draw a plan; see `Plan.plot`."""
     from stepid.plot.trade import Panel, trade
 

@@ -138,9 +138,7 @@ def _every_step(designs: Sequence[Design]) -> list[Step]:
     return list(dict.fromkeys(step for design in designs for step in design.steps))
 
 
-def _predicted(
-    designs: Sequence[Design], guess: PlantModel, effects: tuple[Effect, ...], asked: Asked
-) -> list[Design]:
+def _predicted(designs: Sequence[Design], guess: PlantModel, effects: tuple[Effect, ...], asked: Asked) -> list[Design]:
     """The designs with the standard uncertainties that they would give."""
     steps, length = _every_step(designs), designs[0].duration
     point = simulated(guess, effects, lay_out_steps(steps, guess, length))
@@ -164,11 +162,12 @@ def _predicted(
 
 
 def _pair(given: Sequence[Given], catalogue: tuple[Effect, ...]) -> tuple[Effect, ...]:
-    names = [getattr(item, "name", item) for item in given] if not isinstance(given, str) else [given]
-    pair = resolve(names, catalogue=catalogue)
+    items = [given] if isinstance(given, (str, EffectModel)) else list(given)
+    pair = resolve([e.name if isinstance(e, EffectModel) else e for e in items], catalogue=catalogue)
     if len(pair) != 2:
         raise InputError(
-            f"separate: needs two effects, not {len(pair)}", 'Give for example ("coulomb_friction", "quadratic_damping").'
+            f"separate: needs two effects, not {len(pair)}",
+            'Give for example ("coulomb_friction", "quadratic_damping").',
         )
     return pair
 
@@ -181,7 +180,7 @@ def _ways(
     scales: Scales,
     catalogue: tuple[Effect, ...],
 ) -> tuple[list[Confusion], tuple[EffectModel, EffectModel]]:
-    """Both ways to take one effect of the pair for the other, looked for on the runs at the slowest sample time; their sizes."""
+    """Both ways to take one effect of the pair for the other, looked for at the slowest sample time."""
     pair = _pair(separate, catalogue)
     given = dict(zip((e.name for e in pair), separate, strict=True))
     own = {m.name: m for m in guess.effects}
@@ -214,7 +213,11 @@ def _told(design: Design, ways: Sequence[Confusion], left: Sequence[float], aske
 def _advised(found: Plan, ways: Sequence[Confusion], asked: Asked) -> Plan:
     """The plan with its advice: the least design that suffices, its separation looked at by a full fit."""
     designs = list(found.designs)
-    order = sorted(range(len(designs)), key=lambda i: (designs[i].runs, designs[i].samples, found.shortfall(designs[i])))
+
+    def first(i: int) -> tuple[float, ...]:
+        return designs[i].runs, designs[i].samples, found.shortfall(designs[i])
+
+    order = sorted(range(len(designs)), key=first)
     tried = 0
     for i in order:
         if found.shortfall(designs[i]) > 1:

@@ -15,10 +15,9 @@ from stepid.design.text import as_html, as_text, one_line
 from stepid.simulation.model import EffectModel, PlantModel
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from stepid.core.frames import DataFrame
     from stepid.design.check import PlanCheck
+    from stepid.plot.trade import Drawn
 
 
 class Plan(Model):
@@ -114,7 +113,7 @@ class Plan(Model):
 
         return check(self, count=count, seed=seed)
 
-    def plot(self, *, axes: Mapping[str, Axes] | None = None) -> dict[str, Axes]:
+    def plot(self, *, axes: Drawn | None = None) -> Drawn:
         """Draw the trade: what each design determines against its number of runs, and the advice.
 
         Parameters
@@ -136,7 +135,7 @@ class Plan(Model):
         return as_text(self)
 
     def to_dataframe(self) -> DataFrame:
-        """Return a pandas DataFrame, one row a design: `runs`, `sample_time`, …, `uncertainty.base_mass`, …"""
+        """Return a pandas DataFrame, one row a design, its uncertainties in columns of their own."""
         rows = [_row(design) for design in self.designs]
         return make_frame({name: [row[name] for row in rows] for name in rows[0]})
 

@@ -118,7 +118,9 @@ def confusions(
         starts = [np.concatenate([common, values]) for values in wrong.starts(scales)]
         best = nearest(truth.records, (*others, wrong), starts)
         alike = best.cost < _ALIKE * plain.cost
-        if not alike or len(wrong.parameters) <= len(true.parameters):  # of a law and a more general one the first is named
+        if not alike or len(wrong.parameters) <= len(
+            true.parameters
+        ):  # of a law and a more general one the first is named
             out.append(Confusion(there, (*others, true), (*others, wrong), best.shared))
     return out, (sized[0][1], sized[1][1])
 
@@ -150,9 +152,7 @@ def _as_plain(
     return of(values)
 
 
-def nearest(
-    records: Records, effects: tuple[Effect, ...], starts: Sequence[Array], differs: str = ""
-) -> Optimum:
+def nearest(records: Records, effects: tuple[Effect, ...], starts: Sequence[Array], differs: str = "") -> Optimum:
     """Fit effects to records from some starts; the best end.
 
     Raises
@@ -175,9 +175,7 @@ def _runaway(effects: tuple[Effect, ...]) -> ConvergenceError:
     return ConvergenceError(f"no plant with {names} follows these steps", "Give smaller levels, or another pair.")
 
 
-def apart(
-    ways: Sequence[Confusion], left: Sequence[float], *, variance: float, design: Design
-) -> tuple[float, float]:
+def apart(ways: Sequence[Confusion], left: Sequence[float], *, variance: float, design: Design) -> tuple[float, float]:
     """The least χ² by which a rival is worse than the truth, and what no effect at all leaves over the noise.
 
     `left` is what each rival leaves of the truth without noise, m².
@@ -193,4 +191,3 @@ def expected(steps: Sequence[Step], known: Mapping[Step, Array]) -> float:
     total = np.sum([known[step] for step in steps], axis=0)
     inverse, _ = inverted(total[:-1, :-1])
     return max(float(total[-1, -1] - total[-1, :-1] @ inverse @ total[:-1, -1]), 0.0)
-

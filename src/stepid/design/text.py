@@ -43,7 +43,9 @@ def sentences(plan: Plan) -> list[str]:
     if plan.suffices:
         out.append(f"{design.runs} runs give what is wanted.")
     else:
-        out.append(f"None of the {len(plan.designs)} designs gives all that is wanted; {design.runs} runs come nearest.")
+        out.append(
+            f"None of the {len(plan.designs)} designs gives all that is wanted; {design.runs} runs come nearest."
+        )
     out += [_runs(design), _sampling(design)]
     out += [_parameter(plan, design, name, limit) for name, limit in plan.wanted.items()]
     if plan.pair:

@@ -6,14 +6,20 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 
+from stepid.core.base import Array
 from stepid.plot.layout import new_figure, one_legend
 from stepid.plot.scale import plain_logarithm
 from stepid.plot.style import MARKERS, OTHER, PAGE, SERIES, dress, styled
 
 _WIDE = 0.5  # of the distance of two numbers of runs, over which their designs are spread
 _DECADES = 30.0  # worst value shown over the line that is wanted
+
+
+Drawn = Mapping[str, Axes]
+"""Axes by panel."""
 
 
 class Panel(NamedTuple):
@@ -36,8 +42,8 @@ def trade(
     runs: Sequence[int],
     groups: Sequence[str],
     *,
-    axes: Mapping[str, Axes] | None = None,
-) -> dict[str, Axes]:
+    axes: Drawn | None = None,
+) -> Drawn:
     """Draw what designs determine against their number of runs.
 
     Parameters
@@ -68,7 +74,7 @@ def trade(
     return drawn
 
 
-def _draw(ax: Axes, panel: Panel, runs: np.ndarray, groups: np.ndarray) -> None:
+def _draw(ax: Axes, panel: Panel, runs: npt.NDArray[np.intp], groups: npt.NDArray[np.str_]) -> None:
     dress(ax)
     counts, place = np.unique(runs, return_inverse=True)
     values = np.asarray(panel.values, dtype=np.float64)
@@ -92,7 +98,7 @@ def _draw(ax: Axes, panel: Panel, runs: np.ndarray, groups: np.ndarray) -> None:
     ax.set_title(panel.title)
 
 
-def _limit(ax: Axes, values: np.ndarray, panel: Panel) -> None:
+def _limit(ax: Axes, values: Array, panel: Panel) -> None:
     """Leave out what is hopelessly far off."""
     shown = np.append(values[np.isfinite(values) & (values > 0)], panel.wanted)
     low, high = float(shown.min()), float(shown.max())
