@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stepid.design.separation import NEEDED
-from stepid.diagnosis.wording import effect_names
 from stepid.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,10 +19,11 @@ def draw(plan: Plan, axes: Drawn | None) -> Drawn:
     from stepid.plot.trade import Panel, trade
 
     best = [plan.designs.index(plan.best(runs)) for runs in sorted({design.runs for design in plan.designs})]
+    first = next(iter(plan.wanted), "")
     panels = {
         name: Panel(
             title=name.partition("[")[0].replace("_", " "),
-            label="standard uncertainty [%]",
+            label="standard uncertainty [%]" if name == first else "",
             values=[100 * plan.relative(design, name) for design in plan.designs],
             wanted=100 * limit,
             below=True,
@@ -34,7 +34,7 @@ def draw(plan: Plan, axes: Drawn | None) -> Drawn:
     }
     if plan.pair:
         panels[SEPARATION] = Panel(
-            title=" or ".join(effect_names((effect.name,)) for effect in plan.pair),
+            title="the two told apart",
             label="χ² of the wrong one",
             values=[design.separation or 0.0 for design in plan.designs],
             wanted=NEEDED,
