@@ -14,17 +14,16 @@ from stepid.errors import InputError
 
 _Value = TypeVar("_Value", int, float)
 EXAMPLES = (
-    "stepid plan --base-mass 0.95 --stiffness 216 --damping 12 --force-gain 7.8 --noise 20e-6",
-    "stepid plan --base-mass 0.95 --stiffness 216 --damping 12 --force-gain 7.8 --noise 1e-4 --want base_mass=0.01"
-    " --separate coulomb_friction,quadratic_damping --out plan",
+    "stepid plan -m 0.95 -k 216 -c 12 -g 7.8 --noise 2e-5 --out plan",
+    "stepid plan -m 1 -k 200 -c 9 -g 8 --noise 1e-4 --runs 2,4,6 --check 200",
 )
 
 
 def plan(
-    base_mass: Annotated[float, typer.Option("--base-mass", help="Guess, kg.", show_default=False)],
-    stiffness: Annotated[float, typer.Option("--stiffness", help="Guess, N/m.", show_default=False)],
-    damping: Annotated[float, typer.Option("--damping", help="Guess, N·s/m.", show_default=False)],
-    force_gain: Annotated[float, typer.Option("--force-gain", help="Guess, N/V.", show_default=False)],
+    base_mass: Annotated[float, typer.Option("--base-mass", "-m", help="Guess, kg.", show_default=False)],
+    stiffness: Annotated[float, typer.Option("--stiffness", "-k", help="Guess, N/m.", show_default=False)],
+    damping: Annotated[float, typer.Option("--damping", "-c", help="Guess, N·s/m.", show_default=False)],
+    force_gain: Annotated[float, typer.Option("--force-gain", "-g", help="Guess, N/V.", show_default=False)],
     noise: Annotated[float, typer.Option("--noise", help="Of the sensor, m.", show_default=False)],
     masses: Annotated[str, typer.Option("--masses", help="Weights that can be added, kg.")] = "0,0.5,1,1.5,2",
     levels: Annotated[str, typer.Option("--levels", help="Steps that can be made, V.")] = "0.5,-0.5,0.25",
