@@ -15,7 +15,7 @@ from stepid.core.frames import parameter_frame
 from stepid.core.noise import rms
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
-from stepid.fitting.covariance import estimates
+from stepid.fitting.covariance import estimates, most_likely
 from stepid.fitting.eccentricity import find_eccentricity
 from stepid.fitting.hum import find_hum, without_hum
 from stepid.fitting.input_fault import find_input_fault
@@ -170,6 +170,7 @@ def fit(
             f"linear fit leaves {context.linear.rms * 1e6:.3g} µm",
             "Try fewer effects, or look at the records for what the model cannot say.",
         )
+    optimum = most_likely(optimum, context.floor)
     return report(optimum, wanted, context.floor, notes=_remarks(campaign, context, optimum))
 
 
@@ -264,6 +265,8 @@ def unpack(optimum: Optimum, effects: tuple[Effect, ...]) -> PlantModel:
     square = r.weight**2
     keys = [f"{e.name}.{q.name}" for e in effects for q in e.run_parameters]
     own_keys = own_state_names(effects)
+    differs = optimum.local[of.deviations].copy()
+    differs[of.deviation("added_mass") - of.deviations.start] += r.added_mass - [run.added_mass for run in r.runs]
     runs = {}
     for i, (run, piece) in enumerate(zip(r.runs, r.pieces(), strict=True)):
         own = optimum.local[:, i]
@@ -273,7 +276,7 @@ def unpack(optimum: Optimum, effects: tuple[Effect, ...]) -> PlantModel:
             velocity=float(own[1]),
             phases=dict(zip(keys, map(float, own[2 : of.own_states.start]), strict=True)),
             states=dict(zip(own_keys, map(float, own[of.own_states]), strict=True)) if r.moving[i] else {},
-            deviations={q.name: float(d) for q, d in zip(DEVIATIONS, own[of.deviations], strict=True) if d},
+            deviations={q.name: float(d) for q, d in zip(DEVIATIONS, differs[:, i], strict=True) if d},
         )
 
     def by_label(labels: tuple[str, ...], place: slice) -> dict[str, float]:
