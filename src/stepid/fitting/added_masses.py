@@ -61,7 +61,10 @@ def with_added_masses(records: Records, found: Array) -> Records:
 
 
 def moved(optimum: Optimum, records: Records, shared: Array, local: Array) -> Optimum | None:
-    """Simulate an optimum's plant elsewhere, with other added masses; None where that is no plant or runs away."""
+    """Simulate an optimum's plant nearby, with other added masses; None where that is no plant or runs away.
+
+    The derivatives are kept: so near by they are the same.
+    """
     problem = optimum.problem
     shared = np.clip(shared, problem.lower, problem.upper)
     mass = problem.layout.mass(shared) + records.added_mass - problem.records.added_mass
@@ -70,8 +73,9 @@ def moved(optimum: Optimum, records: Records, shared: Array, local: Array) -> Op
     sim = problem.simulator
     sim = Simulator(records, sim.effects, sim.tolerance, workers=sim.workers, patience=sim.patience)
     problem = replace(problem, simulator=sim)
-    solved = problem.solve(shared, local)
+    solved, known = problem.solve(shared, local), optimum.solved.derivatives
     if solved is None:
         return None
     cost = problem.weigh(solved)[1]
-    return replace(optimum, problem=problem, shared=shared, local=local, solved=solved, cost=cost)
+    near = replace(solved, derive=lambda: known)
+    return replace(optimum, problem=problem, shared=shared, local=local, solved=near, cost=cost)

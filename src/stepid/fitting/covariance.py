@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,12 +14,14 @@ from stepid.core.base import Array
 from stepid.core.estimate import Estimate
 from stepid.effects.base import Effect, Parameter
 from stepid.fitting.added_masses import WeightErrors, moved, weight_errors, with_added_masses
+from stepid.fitting.correlation import autocorrelations, disagreement, inflation
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.simulation.magnitudes import lengths
 from stepid.simulation.records import Index
 
 _STEPS = 6
-_ENOUGH = 1e-3  # in 2 ln L, below which a step is not worth a simulation
+_MISFIT = 1.2  # times the floor, beyond which what is left is not noise
+_ENOUGH = 0.01  # in 2 ln L, below which a step is not worth a simulation
 
 
 def parameter_names(optimum: Optimum, effects: tuple[Effect, ...]) -> tuple[tuple[str, str], ...]:
@@ -48,6 +51,8 @@ class Uncertain(NamedTuple):
         The most likely parts of the added masses' errors; see `stepid.fitting.added_masses`.
     gain : float
         What the step promises, in 2 ln L.
+    level : float
+        m, of the noise, or of what the fit leaves.
     """
 
     noise: Array
@@ -56,6 +61,7 @@ class Uncertain(NamedTuple):
     step: Array
     errors: Array
     gain: float
+    level: float
 
 
 def uncertain(optimum: Optimum, floor: float) -> Uncertain:
@@ -64,7 +70,8 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     The added masses are nuisance parameters with a prior: where runs say more of them than is known beforehand, what is
     left of their uncertainty is less than propagation would give, and so is the misfit. The noise is taken as white of
     size `floor` or the residual's RMS, whichever is larger, inflated by the residual's own correlation: J⁺ Ω J⁺ᵀ with Ω
-    from the residual's autocovariance over one swing at most (a sandwich).
+    from the residual's autocovariance over one swing at most (a sandwich). Where more than noise is left, what the runs
+    say one by one is counted, too.
     """
     problem = optimum.problem
     prior = weight_errors(problem.records)
@@ -84,7 +91,11 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     inverse = (vt.T * np.where(usable, 1 / np.where(usable, s, 1.0), 0.0)) / scale[:, None]
     known = level * inverse[n:]
     of_prior = known.T @ known
-    root = np.sqrt(_inflation(optimum, prior, inverse, 1.0 - np.diag(of_prior), residual))
+    share = 1.0 - np.diag(of_prior)
+    excess = inflation(_finite_blocks(optimum, prior), autocorrelations(optimum, residual), inverse, share)
+    if level > _MISFIT * floor:
+        excess = np.maximum(excess, disagreement(_finite_blocks(optimum, prior), residual, inverse, share, level))
+    root = np.sqrt(excess)
     of_noise = root[:, None] * (np.diag(usable.astype(float)) - of_prior) * root
     noise, weights = (level**2 * inverse @ part @ inverse.T for part in (of_noise, of_prior))
     open_ = np.abs(vt.T * ~usable).max(axis=1) > 1e-3 if not usable.all() else np.zeros(s.size, dtype=bool)
@@ -95,7 +106,7 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     step[~held] = np.linalg.lstsq(slope, target, rcond=1e-6)[0]
     gain = float(np.sum((slope @ step[~held]) ** 2)) / level**2
     step /= scale
-    return Uncertain(noise[:n, :n], weights[:n, :n], open_[:n], step[:n], prior.found + step[n:], gain)
+    return Uncertain(noise[:n, :n], weights[:n, :n], open_[:n], step[:n], prior.found + step[n:], gain, level)
 
 
 def _at_bound(optimum: Optimum, more: int) -> npt.NDArray[np.bool_]:
@@ -141,37 +152,13 @@ def _triangle(optimum: Optimum, prior: WeightErrors, scale: Array, residual: Arr
     return out, pull, float(rest[-1, -1] ** 2)
 
 
-def _inflation(optimum: Optimum, prior: WeightErrors, inverse: Array, share: Array, residual: Array) -> Array:
-    """Variance of each direction's coefficient over that of white noise, at least 1; Bartlett lags.
-
-    `share` is what noise has in each direction's variance.
-    """
-    pieces = optimum.problem.records.pieces()
-    lags = 24
-    square = float(residual @ residual)
-    correlation = np.zeros(lags + 1)
-    for piece in pieces:
-        y = residual[piece]
-        for lag in range(1, min(lags, y.size - 2) + 1):
-            correlation[lag] += float(y[lag:] @ y[:-lag])
-    correlation = correlation / square if square > 0 else correlation
-    correlation[np.abs(correlation) < 2.5 / np.sqrt(residual.size)] = 0.0
-    products = np.zeros((len(inverse), len(inverse)))
-    for _, columns, rows in _finite_blocks(optimum, prior):
-        for lag in np.flatnonzero(correlation[: rows.shape[1] - 1]).tolist():
-            taper = 1 - lag / (lags + 1)
-            products[np.ix_(columns, columns)] += taper * correlation[lag] * (rows[:, lag:] @ rows[:, :-lag].T)
-    white = np.maximum(share, 1e-9)
-    out: Array = np.maximum(1.0 + 2.0 * np.sum(inverse * (products @ inverse), axis=0) / white, 1.0)
-    return out
-
-
 def most_likely(optimum: Optimum, floor: float) -> Optimum:
     """Move an optimum to the most likely parameters, the added masses free within their uncertainty.
 
     The records of the answer hold the added masses that were found. What was fitted with exact masses is near: a few
     Gauss–Newton steps do it.
     """
+    fresh = True
     for _ in range(_STEPS):
         near = uncertain(optimum, floor)
         if near.errors.size == 0 or near.gain < _ENOUGH:
@@ -182,14 +169,19 @@ def most_likely(optimum: Optimum, floor: float) -> Optimum:
         shared[optimum.problem.free] += near.step[:n]
         local[optimum.problem.active] += near.step[n:]
         there = moved(optimum, records, shared, local)
-        if there is None or _loss(there, floor) > _loss(optimum, floor):
+        better = there is not None and _loss(there, near.level) < _loss(optimum, near.level)
+        if there is not None and better:
+            optimum, fresh = there, False
+            continue
+        solved = None if fresh else optimum.problem.solve(optimum.shared, optimum.local)
+        if solved is None:
             return optimum
-        optimum = there
+        optimum, fresh = replace(optimum, solved=solved), True
     return optimum
 
 
-def _loss(optimum: Optimum, floor: float) -> float:
-    return optimum.cost / floor**2 + float(np.sum(weight_errors(optimum.problem.records).found ** 2))
+def _loss(optimum: Optimum, level: float) -> float:
+    return optimum.cost / level**2 + float(np.sum(weight_errors(optimum.problem.records).found ** 2))
 
 
 def _parameters(names: tuple[tuple[str, str], ...], effects: tuple[Effect, ...]) -> tuple[Parameter, ...]:

@@ -43,7 +43,8 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     Notes
     -----
     Keys of the campaign: ``name`` and, optionally, ``weight_uncertainty`` (kg) and ``scale_uncertainty`` (relative).
-    Keys of a run (``[[experiment]]``): ``name``, ``file``, ``added_mass`` (kg), ``spring``, ``damper``, ``counts_per_meter``; optionally ``base``,
+    Keys of a run (``[[experiment]]``):
+    ``name``, ``file``, ``added_mass`` (kg), ``spring``, ``damper``, ``counts_per_meter``; optionally ``base``,
     ``encoder``, ``sample_time`` (s), ``step = { level = 0.5, start = 0.0 }`` (V, s) where the file has no Control
     Effort, ``input_before`` (V), ``input_between`` (``"held"``, ``"lines"``, ``"smooth"``), ``starts`` (``"auto"``,
     ``"rest"``, ``"motion"``), ``columns`` and ``effort_scale``, as in `read_ecp`. With ``format = "table"``:

@@ -119,7 +119,7 @@ class Records:
         weight = np.concatenate([self.weight[self.pieces()[i]] for i in index])
         runs = [self.runs[i] for i in index]
         laid = _lay(runs, self.moving[index], (self.bases, self.springs, self.dampers), self.begin[index], weight)
-        return self._known(laid, added_mass=self.added_mass[index])
+        return replace(self._known(laid), added_mass=self.added_mass[index])
 
     def like(self, runs: Sequence[Experiment]) -> Records:
         """Lay out other runs under the same labels."""
@@ -127,10 +127,9 @@ class Records:
         laid = _lay(list(runs), none > 0, (self.bases, self.springs, self.dampers), none.astype(np.intp), None)
         return self._known(laid)
 
-    def _known(self, laid: Records, **changes: Any) -> Records:
+    def _known(self, laid: Records) -> Records:
         """Give other records what is known of this campaign's weights and scale."""
-        how = {"weight_uncertainty": self.weight_uncertainty, "scale_uncertainty": self.scale_uncertainty}
-        return replace(laid, **how, **changes)
+        return replace(laid, weight_uncertainty=self.weight_uncertainty, scale_uncertainty=self.scale_uncertainty)
 
     def repeated(self, count: int) -> Records:
         """Return the same records several times over, as runs of their own."""
