@@ -20,6 +20,7 @@ from stepid.simulation.magnitudes import lengths
 from stepid.simulation.records import Index
 
 _STEPS = 6
+_BELIEVED = 4.0  # standard deviations of a weight's error
 _MISFIT = 1.2  # times the floor, beyond which what is left is not noise
 _ENOUGH = 0.01  # in 2 ln L, below which a step is not worth a simulation
 
@@ -156,12 +157,15 @@ def most_likely(optimum: Optimum, floor: float) -> Optimum:
     """Move an optimum to the most likely parameters, the added masses free within their uncertainty.
 
     The records of the answer hold the added masses that were found. What was fitted with exact masses is near: a few
-    Gauss–Newton steps do it.
+    Gauss–Newton steps do it. Where a weight would have to be off by more than its uncertainty allows, something else is
+    wrong, and the optimum stays as it is.
     """
-    fresh = True
+    given, fresh = optimum, True
     for _ in range(_STEPS):
         near = uncertain(optimum, floor)
-        if near.errors.size == 0 or near.gain < _ENOUGH:
+        if near.errors.size == 0 or np.abs(near.errors).max() > _BELIEVED:
+            return given
+        if near.gain < _ENOUGH:
             return optimum
         records = with_added_masses(optimum.problem.records, near.errors)
         n = int(optimum.problem.free.sum())

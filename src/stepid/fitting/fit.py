@@ -170,8 +170,8 @@ def fit(
             f"linear fit leaves {context.linear.rms * 1e6:.3g} µm",
             "Try fewer effects, or look at the records for what the model cannot say.",
         )
-    optimum = most_likely(optimum, context.floor)
-    return report(optimum, wanted, context.floor, notes=_remarks(campaign, context, optimum))
+    found = most_likely(optimum, context.floor)
+    return report(found, wanted, context.floor, notes=_remarks(campaign, context, optimum, found))
 
 
 def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | None:
@@ -213,7 +213,8 @@ def _raced(context: FitContext, effects: tuple[Effect, ...], starts: list[Start]
     return best
 
 
-def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum) -> tuple[str, ...]:
+def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum, found: Optimum) -> tuple[str, ...]:
+    """What to say of a fit: `optimum` with the added masses as they are given, `found` with the most likely ones."""
     out = [
         *screen(campaign).notes,
         *(f.words for f in context.faults if f.run == ALL_RUNS),
@@ -224,7 +225,7 @@ def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum) -> tuple
     fault = find_input_fault(context)
     if fault is not None:
         out.append(fault.words)
-    wrong = fault is None and optimum.rms > _MISFIT * context.floor
+    wrong = fault is None and found.rms > _MISFIT * context.floor
     eccentric = find_eccentricity(optimum, context.floor) if wrong else None
     if eccentric is not None:
         out.append(eccentric.fault.words)
