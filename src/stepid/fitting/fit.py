@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stepid.core.arguments import as_campaign, as_workers
-from stepid.core.base import Matrix, Model, NonNegative
-from stepid.core.estimate import Estimate
 from stepid.core.experiment import Campaign
-from stepid.core.frames import parameter_frame
 from stepid.core.noise import rms
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
 from stepid.fitting.covariance import estimates, most_likely
 from stepid.fitting.eccentricity import find_eccentricity
+from stepid.fitting.fit_result import Fit as Fit
 from stepid.fitting.hum import find_hum, without_hum
 from stepid.fitting.input_fault import find_input_fault
+from stepid.fitting.left_over import left_over
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import CandidateFit, FitContext, Start, race_starts
 from stepid.fitting.multistart_cogging import well_starts
@@ -35,51 +33,11 @@ from stepid.simulation.model import EffectModel, PlantModel, RunState
 from stepid.simulation.records import Records, lay_out
 from stepid.simulation.threads import single_threaded
 
-if TYPE_CHECKING:
-    from stepid.core.frames import DataFrame
-
 _NOISY = 0.05  # of the cost of noise, within which a start need not be bettered
 _AGREE = 2  # further starts that end at the same cost, for it to be taken as the least
 _SAME = 1e-3  # relative difference of costs that are the same
 _MISFIT = 1.1  # times the floor, beyond which a run may be to blame
 NOT_CONVERGED = "The fit did not converge; what is shown is the best so far."
-
-
-class Fit(Model):
-    """A joint fit.
-
-    Parameters
-    ----------
-    parameters : mapping
-        Name to Estimate: ``"base_mass"``, ``"stiffness[medium]"``, ``"force_gain"``, ``"coulomb_friction.level"``, …
-    model : PlantModel
-        Ready for `stepid.simulate`.
-    rms : float
-        m, of measured minus simulated over all samples.
-    noise : float
-        m, noise floor.
-    run_rms : mapping
-        Run name to RMS [m].
-    correlation : array, shape (n, n)
-        Of the free shared parameters, in the order of `parameters`.
-    converged : bool
-    notes : tuple of str
-        What was left out, which run disagrees with the others, whose input is not what the record says, that the fit
-        did not converge.
-    """
-
-    parameters: Mapping[str, Estimate]
-    model: PlantModel
-    rms: NonNegative
-    noise: NonNegative
-    run_rms: Mapping[str, NonNegative]
-    correlation: Matrix
-    converged: bool
-    notes: tuple[str, ...] = ()
-
-    def to_dataframe(self) -> DataFrame:
-        """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""
-        return parameter_frame((n, e.value, e.uncertainty, e.unit) for n, e in self.parameters.items())
 
 
 def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
@@ -232,6 +190,9 @@ def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum, found: O
     suspect = find_fault(optimum, context.floor) if wrong and eccentric is None else None
     if suspect is not None:
         out.append(suspect.words)
+    left = left_over(found, context)
+    if left is not None:
+        out.append(left)
     if not optimum.converged:
         out.append(NOT_CONVERGED)
     return tuple(out)
