@@ -161,7 +161,20 @@ class EvidenceRecord:
     def lead(self) -> Candidate:
         """The best of those that may lead where a rest remains, with no more in it than takes a notable part."""
         best = self._without_trifle(self._simpler_law(self._simplest(self._able)))
-        return best if len(best.effects) < 2 else self._determined(best)
+        return self._predicting(best) if len(best.effects) < 2 else self._determined(best)
+
+    def _predicting(self, one: Candidate) -> Candidate:
+        """The same effect with conditions alike in all runs, where free ones do not predict and it leads without."""
+        if not one.deviations or not one.effects or self.share(one)[0] >= self.criteria.lead:
+            return one
+        alike = [
+            w.candidate
+            for w in self._able
+            if w.candidate.names == one.names
+            and w.candidate.deviations < one.deviations
+            and self._taken(self.linear, w.candidate) >= self.criteria.lead
+        ]
+        return alike[0] if alike else one
 
     def _determined(self, pair: Candidate) -> Candidate:
         """One effect of two where the other is open: an effect that the data do not determine explains a rest only."""
@@ -218,9 +231,7 @@ class EvidenceRecord:
                 or abs(w.loss - own) >= self.criteria.tie
             ):
                 continue
-            twin = abs(other.optimum.cost - lead.optimum.cost) < self.criteria.tie * self.context.floor**2
-            general = includes(other.effects, lead.effects) and w.loss < own
-            if (twin and not includes(other.effects, lead.effects)) or general:
+            if w.loss < own or not includes(other.effects, lead.effects):
                 out.setdefault(names, other)
         return tuple(out.values())
 
