@@ -165,7 +165,8 @@ class EvidenceRecord:
 
     def _predicting(self, one: Candidate) -> Candidate:
         """The same effect with conditions alike in all runs, where free ones do not predict and it leads without."""
-        if not one.deviations or not one.effects or self.share(one)[0] >= self.criteria.lead:
+        share, steady = self.share(one) if one.effects and one.deviations else (1.0, 1.0)
+        if share >= self.criteria.lead and steady >= self.criteria.steady:
             return one
         alike = [
             w.candidate
@@ -246,8 +247,12 @@ class EvidenceRecord:
         return math.fsum(held) / total
 
     def held_out(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
-        """Residuals of runs left out, linear plant and candidate: their own freedoms from their first part."""
-        first = self.criteria.first
+        """Residuals of runs left out, linear plant and candidate.
+
+        Freedoms that a candidate has in every run are estimated on its first part, and the rest judges; where it has
+        none but the initial state, the whole run does: most motion follows a step at once.
+        """
+        first = self.criteria.first if is_free(found) or found.deviations else 1.0
         before = held_out_residuals(self.linear.optimum, tolerance=self.context.tolerance, first=first)
         after = held_out_residuals(found.optimum, tolerance=self.context.tolerance, first=first)
         both = sorted(before.keys() & after.keys())

@@ -111,7 +111,7 @@ def _inside(e: EvidenceRecord) -> Answer | None:
     found = leads(e)
     if found is None or not includes(e.best.effects, found.shown.effects):
         return None
-    return found if len(found.shown.effects) < len(e.best.effects) else None
+    return replace(found, rule=leads.__name__) if len(found.shown.effects) < len(e.best.effects) else None
 
 
 def leads(e: EvidenceRecord) -> Answer | None:
@@ -168,7 +168,7 @@ def judge(evidence: EvidenceRecord, rules: tuple[Rule, ...] = RULES) -> Answer:
     for rule in rules:
         answer = rule(evidence)
         if answer is not None:
-            return Answer(answer.verdict, answer.shown, answer.alternatives, (times, *answer.reasons), rule.__name__)
+            return Answer(answer.verdict, answer.shown, answer.alternatives, (times, *answer.reasons), answer.rule or rule.__name__)
     raise AssertionError("the last rule answers always")
 
 
