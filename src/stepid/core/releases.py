@@ -117,7 +117,7 @@ def _rests(y: Array, off: Array, experiment: Experiment) -> bool:
     if still < _RESTING:
         return False
     power = float(np.mean(off[:still] ** 2))
-    return power > 2 * _CHANCE * max(float(np.mean((y[:still] - y[0]) ** 2)), small**2)
+    return power > _CHANCE * max(float(np.mean((y[:still] - y[0]) ** 2)), small**2)
 
 
 def split_releases(experiment: Experiment) -> tuple[Experiment, ...]:

@@ -13,11 +13,13 @@ from stepid.core.base import Array
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
-from stepid.diagnosis.selection.candidate import Candidate
+from stepid.diagnosis.selection.candidate import Candidate, Deviations
 from stepid.diagnosis.vetoes import imitators, undetermined
 from stepid.effects.base import Effect
 from stepid.fitting.cross_validation import held_out_residuals
+from stepid.fitting.deviations import with_deviations
 from stepid.fitting.input_fault import InputFault
+from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import repeatability
 from stepid.fitting.record_fault import RecordFault
@@ -247,16 +249,25 @@ class EvidenceRecord:
         return math.fsum(held) / total
 
     def held_out(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
-        """Residuals of runs left out, linear plant and candidate.
+        """Residuals of runs left out: linear plant, in which the same conditions differ from run to run, and candidate.
 
         Freedoms that a candidate has in every run are estimated on its first part, and the rest judges; where it has
         none but the initial state, the whole run does: most motion follows a step at once.
         """
         first = self.criteria.first if is_free(found) or found.deviations else 1.0
-        before = held_out_residuals(self.linear.optimum, tolerance=self.context.tolerance, first=first)
+        before = held_out_residuals(self._plain(found.deviations), tolerance=self.context.tolerance, first=first)
         after = held_out_residuals(found.optimum, tolerance=self.context.tolerance, first=first)
         both = sorted(before.keys() & after.keys())
         return {i: before[i] for i in both}, {i: after[i] for i in both}
+
+    def _plain(self, deviations: Deviations) -> Optimum:
+        """The linear plant with some conditions that differ from run to run: what they explain, no effect does."""
+        known = [c for c in self.candidates if not c.effects and c.deviations == deviations]
+        if known:
+            return known[0].optimum
+        problem = with_deviations(self.linear.optimum.problem, deviations)
+        linear = self.linear.optimum
+        return minimize(problem, linear.shared, linear.local, tolerance=self.context.tolerance) or linear
 
     def share(self, found: Candidate) -> tuple[float, float]:
         """Share of the misfit's repeatable power that a candidate takes on runs left out, and its steadiness."""
