@@ -86,7 +86,7 @@ def complete(e: EvidenceRecord) -> Answer | None:
     """The best leaves only noise, and no other does."""
     if not e.at_floor(e.best):
         return None
-    rivals = tuple(c for c in e.rivals if e.at_floor(c))
+    rivals = e.rivals
     said = f"With {_title(e.best)} the model leaves {length(e.best.optimum.rms)}, as much as the noise."
     return _with_rivals(e, e.best, rivals, (said,)) or Answer(
         "named", e.best, (), (said, "No other candidate comes near.")

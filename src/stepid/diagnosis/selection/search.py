@@ -240,7 +240,7 @@ class Search:
         """Tell whether a proposal may better the best so far or the best that may be named, or be its rival."""
         slack = self.criteria.tie * self.fit.unit
         if proposal.move == Drop.name:
-            return 0.5 * proposal.left < proposal.like.cost or len(proposal.effects) > 1
+            return True  # it may have been stuck, or never tried
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
         if proposal.base != self.root.key and hoped(proposal, self.effort) > named:
@@ -257,7 +257,7 @@ class Search:
         fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
         fitted.begin(list(proposal.starts), like=proposal.like, keep=self.effort.keep + 1, laps=self.effort.begin)
         known = self.nodes.get(proposal.key)
-        if known is not None:
+        if known is not None or proposal.move == Drop.name:  # what stands in for more is fitted as well
             fitted.run(laps=self.effort.promote)
         if fitted.best is not None and (known is None or fitted.cost < known.cost):
             self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
