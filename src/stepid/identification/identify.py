@@ -12,6 +12,7 @@ from stepid.identification.characteristics_model import Characteristics
 from stepid.identification.parameters import IdentifiedParameters, StackedSystem
 from stepid.identification.peak import Peak
 from stepid.identification.pooling import pool_steps
+from stepid.identification.remainder import remainder, warning
 from stepid.identification.solve import solve
 from stepid.identification.solvers import Solver
 from stepid.identification.stacked import assemble, undetermined_springs
@@ -80,7 +81,9 @@ def identify_with_system(
     found = solve(system, solver=solver)
     order = [run.name for run in campaign.experiments]
     left_out = dict(sorted(excluded.items(), key=lambda item: order.index(item[0])))
-    fields = found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out}
+    said = _not_linear(campaign, used)
+    notes = () if said is None else (said,)
+    fields = found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out, "notes": notes}
     return system, IdentifiedParameters(**fields)
 
 
@@ -143,6 +146,14 @@ def _readable(experiment: Experiment, peak: Peak | None) -> Characteristics:
         return found
     notes = (*found.notes, *(f"a step is left out: {error.cause}" for error in errors))
     return Characteristics(**found.model_dump() | {"uncertainty": found.uncertainty, "notes": notes})
+
+
+def _not_linear(campaign: Campaign, used: dict[str, Characteristics]) -> str | None:
+    """Say that the runs are not those of a linear plant, where they are not."""
+    return warning(
+        remainder(campaign[name], damped_frequency=found.damped_frequency, damping_ratio=found.damping_ratio)
+        for name, found in used.items()
+    )
 
 
 def _join(campaign: Campaign, kept: list[Experiment]) -> tuple[MassOffset, ...]:
