@@ -23,6 +23,7 @@ from stepid.fitting.multistart_cogging import well_starts
 from stepid.fitting.noise_color import colored_floor
 from stepid.fitting.noise_floor import bounded_floor, enough, noise_floor, repeat_notes, weights
 from stepid.fitting.problem import fit_linear
+from stepid.fitting.profile import profiled
 from stepid.fitting.reading_faults import Mask, trust
 from stepid.fitting.record_fault import ALL_RUNS
 from stepid.fitting.run_fault import find_fault
@@ -134,7 +135,8 @@ def fit(
             "Try fewer effects, or look at the records for what the model cannot say.",
         )
     found = most_likely(optimum, context.floor)
-    return report(found, wanted, context.floor, notes=_remarks(campaign, context, optimum, found))
+    out = report(found, wanted, context.floor, notes=_remarks(campaign, context, optimum, found))
+    return out.model_copy(update={"parameters": profiled(out.parameters, found, wanted, context.floor)})
 
 
 def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | None:
