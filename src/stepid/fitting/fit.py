@@ -9,6 +9,7 @@ import numpy as np
 from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.experiment import Campaign
 from stepid.core.noise import rms
+from stepid.core.recorded import recorded
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
 from stepid.fitting.covariance import estimates, most_likely
@@ -88,6 +89,7 @@ def _begun(campaign: Campaign, wrong: Mapping[str, Mask], workers: int) -> tuple
     return records, linear, floor
 
 
+@recorded()
 @single_threaded
 def fit(
     campaign: Campaign,

@@ -15,6 +15,7 @@ from rich.console import Console
 from rich.text import Text
 
 import stepid  # what takes long to load is loaded by the command that needs it: completion and help are quick
+from stepid.cli.plan import EXAMPLES, plan
 from stepid.errors import IdentificationError, StepidError
 
 if TYPE_CHECKING:
@@ -183,7 +184,7 @@ def diagnose(
     from stepid.diagnosis.progress import stage_line
     from stepid.report import as_text, diagnosis_report
     from stepid.report.json_values import diagnosis_values
-    from stepid.report.provenance import of_files
+    from stepid.report.provenance import of_campaign
     from stepid.report.write import write_all
 
     read = stepid.read_campaign(campaign)
@@ -213,10 +214,13 @@ def diagnose(
             (folder / "diagnosis.txt").write_text(as_text(sections), encoding="utf-8")
             _write_json(folder / "diagnosis.json", found.to_dict())
             plot.save(plot.diagnosis(found)["gap"], folder / "diagnosis.png")
-            write_all(found, of_files(campaign), folder)
+            write_all(found, of_campaign(read), folder)
             written = sorted(out / path.name for path in folder.iterdir())
     if not as_json:
         _show((), written)
+
+
+app.command(epilog=_examples(*EXAMPLES))(plan)
 
 
 def _effort(name: EffortName) -> Effort:
