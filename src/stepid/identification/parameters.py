@@ -13,7 +13,8 @@ from pydantic import Field, model_validator
 from stepid.core.base import Finite, Label, Matrix, Model, NonNegative, Positive, Vector
 from stepid.core.estimate import Estimate, format_value
 from stepid.core.experiment import MassOffset
-from stepid.core.frames import parameter_frame
+from stepid.core.frames import Row, parameter_frame
+from stepid.core.latex import parameter_table
 from stepid.core.tables import html_table, text_table
 from stepid.errors import InputError
 from stepid.identification.characteristics_model import Characteristics
@@ -223,11 +224,18 @@ class IdentifiedParameters(Model):
         stepid.errors.MissingPackageError
             If pandas is not installed.
         """
-        return parameter_frame(
+        return parameter_frame(self._parameter_rows())
+
+    def to_latex(self, *, caption: str | None = None, label: str | None = None) -> str:
+        """Return the parameters as a LaTeX table for siunitx, with a caption as a float; see `stepid.core.latex`."""
+        return parameter_table(self._parameter_rows(), caption=caption, label=label)
+
+    def _parameter_rows(self) -> list[Row]:
+        return [
             (f"{group}[{label}]", value, getattr(self.uncertainty, group).get(label), unit)
             for group, unit in _UNITS.items()
             for label, value in getattr(self, group).items()
-        )
+        ]
 
     def summary(self) -> str:
         """Return tables of value ± standard uncertainty: by run, then what the runs share, then what was left out."""
