@@ -41,16 +41,17 @@ def workbook_lines(raw: bytes, where: str, sheet: str | None = None) -> list[str
     shared: list[str] = []
     if "xl/sharedStrings.xml" in book.namelist():
         shared = [_text(item) for item in _part(book, "xl/sharedStrings.xml", where).iter(f"{_MAIN}si")]
-    lines: list[str] = []
+    lines: list[list[str]] = []
     for i, row in enumerate(_part(book, part, where).iter(f"{_MAIN}row"), 1):
         number = _whole(row.get("r"), i)
         if len(lines) < number - 1 < len(lines) + 100_000:
-            lines += [""] * (number - 1 - len(lines))
-        lines.append(_line(row, shared))
-    return lines
+            lines += [[] for _ in range(number - 1 - len(lines))]
+        lines.append(_cells(row, shared))
+    width = max(map(len, lines), default=0)  # of empty cells at the end of a row nothing is stored
+    return ["\t".join(cells + [""] * (width - len(cells))) for cells in lines]
 
 
-def _line(row: ElementTree.Element, shared: list[str]) -> str:
+def _cells(row: ElementTree.Element, shared: list[str]) -> list[str]:
     cells: list[str] = []
     for cell in row.iter(f"{_MAIN}c"):
         letters = re.match(r"[A-Z]{1,3}", cell.get("r", ""))
@@ -58,7 +59,7 @@ def _line(row: ElementTree.Element, shared: list[str]) -> str:
         if len(cells) < at < _WIDEST:
             cells += [""] * (at - len(cells))
         cells.append(re.sub(r"\s+", " ", _value(cell, shared)).strip())
-    return "\t".join(cells)
+    return cells
 
 
 def _column(letters: str) -> int:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 import numpy as np
 
@@ -80,6 +82,12 @@ def of_files(manifest: str | os.PathLike[str]) -> Provenance:
     sources = [Source(name=path.name, sha256=hashlib.sha256(raw).hexdigest())]
     for name in dict.fromkeys(names):  # several runs may come from one table
         sources.append(Source(name=name, sha256=hashlib.sha256(read_bytes(path.parent / name)).hexdigest()))
+    return _today(tuple(sources), of_files=True)
+
+
+def of_records(files: Sequence[Path]) -> Provenance:
+    """Hash files of recordings that were read without a manifest; InputError where one cannot be read."""
+    sources = [Source(name=f.name, sha256=hashlib.sha256(read_bytes(f)).hexdigest()) for f in files]
     return _today(tuple(sources), of_files=True)
 
 

@@ -47,7 +47,7 @@ _ALSO = {  # other spellings, lower case
         "mV": "millivolt millivolts mv",
         "N": "newton newtons",
         "A": "amp amps ampere",
-        "N·m": "nm n*m n.m",
+        "N·m": "Nm N*m N.m",
         COUNTS: "pwm dac % counts cts lsb",
     },
 }

@@ -1,0 +1,88 @@
+"""What stepid understood of recordings, as a table with a sparkline of each record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+if TYPE_CHECKING:
+    from stepid.core.base import Array
+    from stepid.io.guess.draft import Draft
+
+_BARS = "▁▂▃▄▅▆▇█"
+_WIDE = 20  # characters of a sparkline
+
+
+def show(screen: Console, drafts: Sequence[Draft]) -> None:
+    """Print what was understood; what is not known is ``?``, what is taken by its size alone ends in ``?``."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for title in ("run", "from", "time", "position", "input", "added mass", "spring", "damper", "record"):
+        table.add_column(title, overflow="fold")
+    for draft in drafts:
+        record = sparkline(draft.readings["position"]) if "position" in draft.readings else ""
+        words = [draft.name, _file(draft), _time(draft), _column(draft, "position"), _input(draft), _mass(draft)]
+        table.add_row(*map(Text, [*words, draft.spring.value, draft.damper.value, record]))
+    screen.print(table, soft_wrap=False)
+    if any(unit.assumed for draft in drafts for unit in draft.units.values()):
+        screen.print("Units with ? are taken by the size of the numbers alone: check them.", markup=False)
+    for draft in drafts:
+        for doubt in draft.doubts:
+            screen.print(f"{draft.named}: {doubt}", markup=False)
+
+
+def sparkline(values: Array, *, width: int = _WIDE) -> str:
+    """Draw readings, shape (n,), as a line of bars."""
+    if values.size == 0:
+        return ""
+    drawn = np.array([part.mean() for part in np.array_split(values, min(width, values.size))])
+    span = float(np.ptp(drawn))
+    levels = np.zeros(drawn.size) if span == 0 else (drawn - drawn.min()) / span * (len(_BARS) - 1)
+    return "".join(_BARS[int(level)] for level in np.rint(levels))
+
+
+def _file(draft: Draft) -> str:
+    layout = draft.layout
+    extra = [str(layout[key]) for key in ("encoding", "sheet") if key in layout]
+    if layout.get("decimal") == ",":
+        extra.append("decimal ,")
+    return draft.file.name + (f" ({', '.join(extra)})" if extra else "")
+
+
+def _time(draft: Draft) -> str:
+    seconds = draft.si("time")
+    if seconds is None and draft.sample_time is None:
+        return f"{_column(draft, 'time')}" if "time" in draft.columns else "?"
+    step = draft.sample_time.value if seconds is None and draft.sample_time else float(np.median(np.diff(seconds)))
+    size = draft.readings["position"].size if "position" in draft.readings else 0
+    unit = draft.units.get("time")
+    sure = "?" if unit is not None and unit.assumed else ""
+    return f"{size} × {1000 * step:.4g} ms{sure}"
+
+
+def _column(draft: Draft, role: str) -> str:
+    if role not in draft.columns:
+        return "?"
+    unit, scale = draft.units.get(role), draft.scale(role)
+    named = "?" if unit is None and scale is None else f"{scale:g} per unit" if unit is None else unit.value
+    sure = "?" if unit is not None and unit.assumed and role not in draft.scales else ""
+    sign = ", falling" if role == "position" and draft.falling else ""
+    return f"{draft.titles[role]} in {named}{sure}{sign}"
+
+
+def _input(draft: Draft) -> str:
+    if "input" in draft.columns:
+        return _column(draft, "input")
+    if draft.step is not None:
+        return f"step {draft.step.value[0]:g} V" if draft.step.value[0] else "release"
+    return "release" if draft.release else "?"
+
+
+def _mass(draft: Draft) -> str:
+    if draft.mass is not None:
+        return f"{draft.mass.value:g} kg"
+    return "?" if draft.weights is None else f"{draft.weights} × ? kg"
