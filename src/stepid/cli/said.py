@@ -45,7 +45,7 @@ def _options(
     spring: Annotated[str | None, _option("--spring", "LABEL,…", "Of the springs, one a run, or one for all.")] = None,
     damper: Annotated[str | None, _option("--damper", "LABEL,…", "Of the dampers, one a run, or one for all.")] = None,
     time: Annotated[str | None, _option("--time", "COLUMN", "The column of the time.")] = None,
-    position: Annotated[str | None, _option("--position", "COLUMN", "The column of the position.")] = None,
+    position: Annotated[str | None, _option("--position", "COLUMN", "The column of the position; all if each of several is a run.")] = None,
     input_column: Annotated[str | None, _option("--input", "COLUMN", "The column of the input.")] = None,
 ) -> None:
     """Carry the options; nothing calls it."""

@@ -28,8 +28,8 @@ def show(screen: Console, drafts: Sequence[Draft]) -> None:
         words = [draft.name, _file(draft), _time(draft), _column(draft, "position"), _input(draft), _mass(draft)]
         table.add_row(*map(Text, [*words, draft.spring.value, draft.damper.value, record]))
     screen.print(table, soft_wrap=False)
-    if any(unit.assumed for draft in drafts for unit in draft.units.values()):
-        screen.print("Units with ? are taken by the size of the numbers alone: check them.", markup=False)
+    if any(found.assumed for draft in drafts for found in (*draft.units.values(), draft.mass) if found is not None):
+        screen.print("What ends in ? no file says: it is taken by its size, or as usual. Check it.", markup=False)
     for draft in drafts:
         for doubt in draft.doubts:
             screen.print(f"{draft.named}: {doubt}", markup=False)
@@ -84,5 +84,5 @@ def _input(draft: Draft) -> str:
 
 def _mass(draft: Draft) -> str:
     if draft.mass is not None:
-        return f"{draft.mass.value:g} kg"
+        return f"{draft.mass.value:g} kg{'?' if draft.mass.assumed else ''}"
     return "?" if draft.weights is None else f"{draft.weights} × ? kg"

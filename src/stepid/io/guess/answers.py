@@ -11,7 +11,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import WEIGHT
 from stepid.errors import InputError
-from stepid.io.guess.draft import Draft, Found
+from stepid.io.guess.draft import USUAL, Draft, Found
 from stepid.io.guess.words import COUNTS, SCALES, unit_for
 
 SAID = "as you said"
@@ -69,7 +69,8 @@ def open_questions(drafts: Sequence[Draft]) -> tuple[Question, ...]:
     found = [
         Question(
             "position",
-            f"Which column is the position: {', '.join(next((d.choices for d in drafts if d.choices), ()))}?",
+            f"Which column is the position ({', '.join(next((d.choices for d in drafts if d.choices), ()))}; "
+            '"all" if each is a run)?',
             about(*(d for d in tables if "position" not in d.columns)),
         ),
         Question(
@@ -149,9 +150,9 @@ def _with_labels(draft: Draft, mass: object, spring: object, damper: object, ans
         draft = draft.having(mass=Found(mass, SAID))
     elif draft.mass is None and draft.weights is not None:
         if answers.weight is not None:
-            draft = draft.having(mass=Found(draft.weights * answers.weight, f"{draft.weights} weights by the name"))
+            draft = draft.having(mass=Found(draft.weights * answers.weight, f"{draft.weights} × {answers.weight:g} kg"))
         elif draft.format == "ecp":  # the plant's own weights
-            draft = draft.having(mass=Found(draft.weights * WEIGHT, f"{draft.weights} weights of {WEIGHT:g} kg"))
+            draft = draft.having(mass=Found(draft.weights * WEIGHT, f"{draft.weights} × {WEIGHT:g} kg, {USUAL}"))
     if isinstance(spring, str):
         draft = draft.having(spring=Found(spring, SAID))
     return draft.having(damper=Found(damper, SAID)) if isinstance(damper, str) else draft

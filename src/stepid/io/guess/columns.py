@@ -65,8 +65,8 @@ def find_columns(block: Block, chosen: Mapping[str, str] | None = None) -> tuple
     return _by_content(_from_preamble(_as_chosen(out, chosen or {}), block.above))
 
 
-def group_columns(columns: Sequence[Column], block: Block) -> tuple[Group, ...]:
-    """Put the columns of a table together to runs."""
+def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = False) -> tuple[Group, ...]:
+    """Put the columns of a table together to runs; with `all_runs` each column of a position is one."""
     times, positions, inputs = ([c for c in columns if c.role == role] for role in ("time", "position", "input"))
     if len(positions) < 2:
         position = positions[0] if positions else None
@@ -75,7 +75,7 @@ def group_columns(columns: Sequence[Column], block: Block) -> tuple[Group, ...]:
         choices = () if position else tuple(c.name or str(c.index) for c in columns if c.role != "time")
         return (Group(_best_time(times), position, _one(inputs), label, read_name(label), doubt, choices),)
     labels = _labels(positions, block)
-    if not _several_runs(positions, times, inputs, labels, block):
+    if not all_runs and not _several_runs(positions, times, inputs, labels, block):
         choices = tuple(c.name or str(c.index) for c in positions)
         doubt = f"several columns may be the position: {', '.join(choices)}"
         return (Group(_best_time(times), None, _one(inputs), "", read_name(""), doubt, choices),)

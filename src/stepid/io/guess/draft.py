@@ -26,10 +26,11 @@ class Found(Generic[T]):
     @property
     def assumed(self) -> bool:
         """True where nobody said so: the value is the usual one, or the only one that fits the readings' size."""
-        return self.why in ("its size", "no other word")
+        return self.why in ("its size", ASSUMED) or self.why.endswith(USUAL)
 
 
 ASSUMED = "no other word"
+USUAL = "the usual weights"
 
 
 @dataclass(frozen=True)

@@ -130,7 +130,7 @@ def _scale_words(draft: Draft, role: str) -> str:
         words = f"{_SI[role]} per unit"
     else:
         si = "rad" if unit.value in _TURNS else _SI[role] if unit.value not in ("N", "mN", "A", "mA", "N·m") else unit.value[-1]
-        words = f"{si} per {unit.value}, {_by(unit.why)}"
+        words = f"{unit.value if unit.value == si else f'{si} per {unit.value}'}, {_by(unit.why)}"
         if unit.value in _TURNS:
             words += "; masses then are moments of inertia in kg·m²"
         if unit.assumed:
@@ -151,7 +151,7 @@ def _assumed(yes: bool) -> str:
 
 
 def _by(why: str) -> str:
-    return why if why.startswith(("as ", "by ")) or "weights" in why else f"by {why}"
+    return why if why.startswith("as ") or "×" in why else f"by {why}"
 
 
 def _from(folder: Path, file: Path) -> str:

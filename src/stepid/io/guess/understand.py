@@ -24,6 +24,9 @@ from stepid.io.textfile import as_path, read_bytes
 from stepid.io.workbook import is_workbook, sheet_names, workbook_lines
 
 
+ALL = "all"
+
+
 def draft_runs(files: Sequence[Path], chosen: Mapping[str, str] | None = None) -> tuple[Draft, ...]:
     """Find out what files of recordings hold.
 
@@ -32,7 +35,8 @@ def draft_runs(files: Sequence[Path], chosen: Mapping[str, str] | None = None) -
     files : sequence of pathlib.Path
         Delimited text, workbooks (``.xlsx``) and exports of the ECP program, several runs side by side or one a file.
     chosen : mapping, optional
-        ``"time"``, ``"position"`` and ``"input"`` to the names of their columns, where somebody has said so.
+        ``"time"``, ``"position"`` and ``"input"`` to the names of their columns, where somebody has said so; the
+        position ``"all"`` says that each column of a position is a run.
 
     Returns
     -------
@@ -92,7 +96,7 @@ def _table(
         layout = {**layout, "decimal": block.decimal}
     if block.skiprows:
         layout = {**layout, "skiprows": block.skiprows}
-    groups = group_columns(find_columns(block, chosen), block)
+    groups = group_columns(find_columns(block, chosen), block, all_runs=chosen.get("position") == ALL)
     return [_from_group(group, block, file, layout, several=len(groups) > 1) for group in groups]
 
 
