@@ -93,7 +93,9 @@ def asked_by(truths: Sequence[Truth], folder: Path) -> list[str]:
             drafts = draft_runs(files_of(truths, folder), {"position": "all"})
             continue
         text = answers_of(key, truths)
-        said[key] = tuple(map(float, text.split(","))) if key == "added_mass" else text if "unit" in key else float(text)
+        said[key] = (
+            tuple(map(float, text.split(","))) if key == "added_mass" else text if "unit" in key else float(text)
+        )
         assert len(keys) < 9, keys
     return keys
 

@@ -136,7 +136,9 @@ def _write_tables(rng: Generator, folder: Path, runs: list[Truth], words: Words,
         name = {role: text.replace(" ", "_") for role, text in name.items()}
         style = "{name}_{unit}" if style else ""
     lines = [str(line) for line in rng.permutation(words.preamble)[: int(rng.choice([0, 0, 2, 4]))]]
-    mass_line = str(rng.choice(words.mass_line)) if kind == "files" and rng.random() < 0.4 and not runs[0].weights else ""
+    mass_line = (
+        str(rng.choice(words.mass_line)) if kind == "files" and rng.random() < 0.4 and not runs[0].weights else ""
+    )
     if any(run.weights is not None for run in runs):
         mass_line = ""
     first = runs[0]
@@ -213,7 +215,9 @@ def _cell(value: object, decimal: str) -> str:
     return value if isinstance(value, str) else f"{value:.10g}".replace(".", decimal)
 
 
-def _write_text(path: Path, top: list[str], heads: list[str], below: list[str] | None, columns: list, run: Truth) -> None:
+def _write_text(
+    path: Path, top: list[str], heads: list[str], below: list[str] | None, columns: list, run: Truth
+) -> None:
     longest = max(len(c) for c in columns)
     rows = [[_cell(c[i], run.decimal) if i < len(c) else "" for c in columns] for i in range(longest)]
     if run.delimiter == " ":
@@ -244,13 +248,17 @@ def write_workbook(path: Path, top: list[list[str]], heads: list[str], below: li
     )
     space = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
     links = 'xmlns:r="http://schemas.openxmlformats.org/officeDocument/2006/relationships"'
+    package = "http://schemas.openxmlformats.org/package/2006/relationships"
     escaped = [s.replace("&", "&amp;").replace("<", "&lt;") for s in shared]
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as book:
-        book.writestr("xl/workbook.xml", f'<workbook {space} {links}><sheets><sheet name="Tabelle1" sheetId="1" r:id="rId1"/></sheets></workbook>')
+        book.writestr(
+            "xl/workbook.xml",
+            f'<workbook {space} {links}><sheets><sheet name="Tabelle1" sheetId="1" r:id="rId1"/></sheets></workbook>',
+        )
         book.writestr(
             "xl/_rels/workbook.xml.rels",
-            '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="rId1" '
-            'Type="http://schemas.openxmlformats.org/officeDocument/2006/relationships/worksheet" Target="worksheets/sheet1.xml"/></Relationships>',
+            f'<Relationships xmlns="{package}"><Relationship Id="rId1" Type="{links[9:-1]}/worksheet" '
+            'Target="worksheets/sheet1.xml"/></Relationships>',
         )
         book.writestr("xl/sharedStrings.xml", f"<sst {space}>{''.join(f'<si><t>{s}</t></si>' for s in escaped)}</sst>")
         book.writestr("xl/worksheets/sheet1.xml", f"<worksheet {space}><sheetData>{rows}</sheetData></worksheet>")

@@ -38,7 +38,9 @@ CampaignFile = Annotated[
 Records = Annotated[
     list[Path],
     typer.Argument(
-        metavar="CAMPAIGN.toml|FILES...", help="The campaign's manifest, or its folder, or recordings.", show_default=False
+        metavar="CAMPAIGN.toml|FILES...",
+        help="The campaign's manifest, or its folder, or recordings.",
+        show_default=False,
     ),
 ]
 Out = Annotated[
@@ -59,6 +61,7 @@ class EffortName(StrEnum):
 Hard = Annotated[
     EffortName, typer.Option("--effort", help="How hard to search: quick, default or thorough.", show_choices=False)
 ]
+
 
 def _version(wanted: bool) -> None:
     if wanted:
@@ -194,9 +197,9 @@ def diagnose(
         _show((), written)
 
 
-app.command(
-    epilog=examples("stepid init *.csv", "stepid init *.txt --added-mass 0,0.5,1.5 --counts-per-meter 56000")
-)(init)
+app.command(epilog=examples("stepid init *.csv", "stepid init *.txt --added-mass 0,0.5,1.5 --counts-per-meter 56000"))(
+    init
+)
 
 
 def _effort(name: EffortName) -> Effort:

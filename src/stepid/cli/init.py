@@ -54,7 +54,7 @@ def init(
 
     found = _files(files)
     target = _target(found, out, force=force)
-    drafts, said = _drafts(found, said), said
+    drafts = _drafts(found, said)
     show(console(), drafts)
     if ask and sys.stdin.isatty():
         drafts = _ask(found, said, drafts)
@@ -143,7 +143,7 @@ def _natural(file: Path) -> list[tuple[int, str]]:
 def _target(files: Sequence[Path], out: Path | None, *, force: bool) -> Path:
     if out is None:
         parents = {file.parent for file in files}
-        folder = parents.pop() if len(parents) == 1 else Path(os.path.commonpath(list(parents) or ["."]))
+        folder = parents.pop() if len(parents) == 1 else Path(os.path.commonpath([file.parent for file in files]))
         out = folder / "campaign.toml"
     elif out.is_dir():
         out = out / "campaign.toml"
@@ -177,7 +177,7 @@ def _ask(files: Sequence[Path], said: Said, drafts: tuple[Draft, ...]) -> tuple[
                 screen.print("That does not answer it.", markup=False)
         except InputError as error:
             screen.print(str(error), style="red", markup=False)
-            said = dataclasses.replace(said, answers=dataclasses.replace(said.answers, **{question.key: None}))
+            said = said.hearing(question.key, None)
     return drafts
 
 
@@ -190,4 +190,4 @@ def _heard(question: Question, answer: str, said: Said) -> Said:
         value = numbers(answer, "the answer")
     elif key in ("weight", "counts_per_meter", "sample_time", "step"):
         (value,) = numbers(answer.replace(",", "."), "the answer") or (None,)
-    return dataclasses.replace(said, answers=dataclasses.replace(said.answers, **{key: value}))
+    return said.hearing(key, value)

@@ -6,7 +6,7 @@ import functools
 import inspect
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
@@ -45,7 +45,9 @@ def _options(
     spring: Annotated[str | None, _option("--spring", "LABEL,…", "Of the springs, one a run, or one for all.")] = None,
     damper: Annotated[str | None, _option("--damper", "LABEL,…", "Of the dampers, one a run, or one for all.")] = None,
     time: Annotated[str | None, _option("--time", "COLUMN", "The column of the time.")] = None,
-    position: Annotated[str | None, _option("--position", "COLUMN", "The column of the position; all if each of several is a run.")] = None,
+    position: Annotated[
+        str | None, _option("--position", "COLUMN", "The column of the position; all if each of several is a run.")
+    ] = None,
     input_column: Annotated[str | None, _option("--input", "COLUMN", "The column of the input.")] = None,
 ) -> None:
     """Carry the options; nothing calls it."""
@@ -58,6 +60,11 @@ class Said:
     answers: Answers
     columns: dict[str, str]
     given: tuple[str, ...]
+
+    def hearing(self, key: str, value: Any) -> Said:
+        """Return what is said with another answer."""
+        answers: dict[str, Any] = {key: value}
+        return replace(self, answers=replace(self.answers, **answers))
 
 
 def taking_answers(command: Callable[..., None]) -> Callable[..., None]:

@@ -55,9 +55,12 @@ def _file(draft: Draft) -> str:
 
 def _time(draft: Draft) -> str:
     seconds = draft.si("time")
-    if seconds is None and draft.sample_time is None:
-        return f"{_column(draft, 'time')}" if "time" in draft.columns else "?"
-    step = draft.sample_time.value if seconds is None and draft.sample_time else float(np.median(np.diff(seconds)))
+    if seconds is not None:
+        step = float(np.median(np.diff(seconds)))
+    elif draft.sample_time is not None:
+        step = draft.sample_time.value
+    else:
+        return _column(draft, "time") if "time" in draft.columns else "?"
     size = draft.readings["position"].size if "position" in draft.readings else 0
     unit = draft.units.get("time")
     sure = "?" if unit is not None and unit.assumed else ""

@@ -49,8 +49,8 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     ``"rest"``, ``"motion"``), ``columns`` and ``effort_scale``, as in `read_ecp`. With ``format = "table"``:
     ``file`` or ``files``, ``position`` and, optionally, ``time``, ``input``, ``position_scale``, ``time_scale``,
     ``input_scale``, ``delimiter``, ``decimal``, ``skiprows``, ``encoding``, ``sheet``, ``start`` and ``stop``, as in
-    `read_table`, and ``run``, one of several side by side, as in `read_tables`. Any key of a run but ``name``, ``file`` and ``files`` may stand
-    above the runs instead, for all of them; a run's own key wins.
+    `read_table`, and ``run``, one of several side by side, as in `read_tables`. Any key of a run but ``name``,
+    ``file`` and ``files`` may stand above the runs instead, for all of them; a run's own key wins.
     """
     manifest = as_path(path)
     if os.path.isdir(manifest):  # pathlib's is_dir raises on names that the system refuses

@@ -31,7 +31,7 @@ def sheet_names(raw: bytes, where: str) -> tuple[str, ...]:
 
 
 def workbook_lines(raw: bytes, where: str, sheet: str | None = None) -> list[str]:
-    """Rows of a sheet, the first by default, as lines with tabs between cells; InputError where it has none so called."""
+    """Rows of a sheet, the first by default, as lines with tabs between cells; InputError where there is none."""
     book = _opened(raw, where)
     sheets = _sheets(book, where)
     part = sheets[0][1] if sheet is None else dict(sheets).get(sheet)

@@ -11,7 +11,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import WEIGHT
 from stepid.errors import InputError
-from stepid.io.guess.draft import USUAL, Draft, Found
+from stepid.io.guess.draft import ROLES, USUAL, Draft, Found
 from stepid.io.guess.words import COUNTS, SCALES, unit_for
 
 SAID = "as you said"
@@ -51,12 +51,13 @@ def with_answers(drafts: Sequence[Draft], answers: Answers) -> tuple[Draft, ...]
     masses = _each(answers.added_mass, len(drafts), "added_mass")
     springs, dampers = (_each(getattr(answers, key), len(drafts), key) for key in ("spring", "damper"))
     out = [
-        _signed(_with_units(_with_labels(draft, mass, spring, damper, answers), answers))
+        _signed(_with_times(_with_units(_with_labels(draft, mass, spring, damper, answers), answers), answers))
         for draft, mass, spring, damper in zip(drafts, masses, springs, dampers, strict=True)
     ]
     directions = {draft.falling for draft in out if _tells_direction(draft)}
     # one encoder, one sign: a single run that seems to go the other way is no proof of it
-    return tuple(draft.having(falling=directions == {True}) for draft in out)
+    falling = directions == {True} or _said_to_fall(answers)
+    return tuple(draft.having(falling=falling) for draft in out)
 
 
 def open_questions(drafts: Sequence[Draft]) -> tuple[Question, ...]:
@@ -129,7 +130,9 @@ def check_unit(role: str, said: str) -> str | float:
         scale = 0.0
     if scale == 0 or not np.isfinite(scale):
         listed = ", ".join((*SCALES[role], *((COUNTS,) if role == "position" else ())))
-        raise InputError(f"{said!r} is no unit of the {role}", f"Give one of {listed}, or SI units per unit as a number.")
+        raise InputError(
+            f"{said!r} is no unit of the {role}", f"Give one of {listed}, or SI units per unit as a number."
+        )
     return scale
 
 
@@ -144,15 +147,16 @@ def _each(said: Sequence[object] | None, runs: int, key: str) -> list[object]:
 
 
 def _with_labels(draft: Draft, mass: object, spring: object, damper: object, answers: Answers) -> Draft:
+    weights = draft.weights
     if isinstance(mass, float):
         if not (np.isfinite(mass) and mass >= 0):
             raise InputError(f"added_mass is {mass:g} kg", "Give 0 or more.")
         draft = draft.having(mass=Found(mass, SAID))
-    elif draft.mass is None and draft.weights is not None:
+    elif draft.mass is None and weights is not None:
         if answers.weight is not None:
-            draft = draft.having(mass=Found(draft.weights * answers.weight, f"{draft.weights} × {answers.weight:g} kg"))
+            draft = draft.having(mass=Found(weights * answers.weight, f"{weights} × {answers.weight:g} kg"))
         elif draft.format == "ecp":  # the plant's own weights
-            draft = draft.having(mass=Found(draft.weights * WEIGHT, f"{draft.weights} × {WEIGHT:g} kg, {USUAL}"))
+            draft = draft.having(mass=Found(weights * WEIGHT, f"{weights} × {WEIGHT:g} kg, {USUAL}"))
     if isinstance(spring, str):
         draft = draft.having(spring=Found(spring, SAID))
     return draft.having(damper=Found(damper, SAID)) if isinstance(damper, str) else draft
@@ -161,7 +165,7 @@ def _with_labels(draft: Draft, mass: object, spring: object, damper: object, ans
 def _with_units(draft: Draft, answers: Answers) -> Draft:
     """Units that were said go before those that were found."""
     units, scales = dict(draft.units), dict(draft.scales)
-    for role in ("time", "position", "input"):
+    for role in ROLES:
         said = getattr(answers, f"{role}_unit")
         if said is None or role not in draft.columns or draft.format == "ecp":
             continue
@@ -170,32 +174,36 @@ def _with_units(draft: Draft, answers: Answers) -> Draft:
             units[role] = Found(unit, SAID)
             scales.pop(role, None)
         else:
-            scales[role] = Found(unit, SAID)
+            scales[role] = Found(abs(unit) if role == "position" else unit, SAID)
     counts = answers.counts_per_meter
     if counts is not None and not (np.isfinite(counts) and counts != 0):
         raise InputError(f"counts_per_meter is {counts:g}", "Give the counts of one meter.")
-    unit_now = units.get("position")
-    if counts is not None and unit_now is not None and unit_now.value == COUNTS:
-        scales["position"] = Found(1 / counts, SAID)
-    draft = draft.having(units=units, scales=scales)
-    if answers.sample_time is not None and (_needs_sample_time(draft) or draft.sample_time is None):
-        if not (np.isfinite(answers.sample_time) and answers.sample_time > 0):
-            raise InputError(f"sample_time is {answers.sample_time:g} s", "Give a positive number of seconds.")
-        if "time" not in draft.columns or draft.format == "ecp":
-            draft = draft.having(sample_time=Found(answers.sample_time, SAID))
-    if answers.step is not None and "input" not in draft.columns and not draft.release:
-        if not np.isfinite(answers.step):
+    found = units.get("position")
+    if counts is not None and found is not None and found.value == COUNTS:
+        scales["position"] = Found(1 / abs(counts), SAID)  # its sign is that of `falling`
+    return draft.having(units=units, scales=scales)
+
+
+def _with_times(draft: Draft, answers: Answers) -> Draft:
+    """Sample time and step where no column has them."""
+    period, level = answers.sample_time, answers.step
+    if period is not None:
+        if not (np.isfinite(period) and period > 0):
+            raise InputError(f"sample_time is {period:g} s", "Give a positive number of seconds.")
+        if draft.format == "ecp" or "time" not in draft.columns:
+            draft = draft.having(sample_time=Found(period, SAID))
+    if level is not None:
+        if not np.isfinite(level):
             raise InputError("step is not finite", "Give its size in V.")
-        draft = draft.having(step=Found((answers.step, _onset(draft)), SAID))
+        if "input" not in draft.columns and "position" in draft.readings and not draft.release:
+            draft = draft.having(step=Found((level, _onset(draft)), SAID))
     return draft
 
 
 def _onset(draft: Draft) -> float:
     """When the cart starts to move, s: a step pulls it off like a parabola, whose root is the start."""
-    position, time = draft.readings["position"], draft.si("time")
-    if time is None:
-        step = 1.0 if draft.sample_time is None else draft.sample_time.value
-        time = step * np.arange(position.size)
+    position = draft.readings["position"]
+    time = _clock(draft)
     moved = np.abs(position - np.median(position[:3]))
     top = int(np.argmax(moved > 0.3 * moved.max()))
     low = top
@@ -208,6 +216,15 @@ def _onset(draft: Draft) -> float:
     return float(time[int(np.argmin(np.abs(time - root)))])
 
 
+def _clock(draft: Draft) -> Array:
+    time = draft.si("time")
+    if time is not None:
+        return time
+    step = 1.0 if draft.sample_time is None else draft.sample_time.value
+    out: Array = step * np.arange(draft.readings["position"].size, dtype=np.float64)
+    return out
+
+
 def _signed(draft: Draft) -> Draft:
     """Where a step was said, its sign against the motion tells whether readings fall."""
     if draft.step is None or draft.step.value[0] == 0 or "position" not in draft.readings:
@@ -217,8 +234,13 @@ def _signed(draft: Draft) -> Draft:
     return draft.having(falling=rise * draft.step.value[0] < 0)
 
 
+def _said_to_fall(answers: Answers) -> bool:
+    unit = None if answers.position_unit is None else check_unit("position", answers.position_unit)
+    return (answers.counts_per_meter or 0.0) < 0 or (isinstance(unit, float) and unit < 0)
+
+
 def _tells_direction(draft: Draft) -> bool:
-    return "input" in draft.readings and bool(np.any(draft.readings["input"])) or bool(
+    return ("input" in draft.readings and bool(np.any(draft.readings["input"]))) or bool(
         draft.step is not None and draft.step.value[0]
     )
 

@@ -96,7 +96,9 @@ def _as_chosen(columns: Sequence[Column], chosen: Mapping[str, str]) -> list[Col
     """Give the columns that somebody named their roles, and no other column these."""
     out = list(columns)
     for role, name in chosen.items():
-        mine = [c.index for c in columns if name in (c.name, c.rest)] or [c.index for c in columns if name == str(c.index)]
+        mine = [c.index for c in columns if name in (c.name, c.rest)] or [
+            c.index for c in columns if name == str(c.index)
+        ]
         if mine:
             out = [
                 replace(c, role=role) if c.index in mine else replace(c, role="other") if c.role == role else c  # type: ignore[arg-type]

@@ -129,7 +129,13 @@ def _scale_words(draft: Draft, role: str) -> str:
     elif unit is None:
         words = f"{_SI[role]} per unit"
     else:
-        si = "rad" if unit.value in _TURNS else _SI[role] if unit.value not in ("N", "mN", "A", "mA", "N·m") else unit.value[-1]
+        si = (
+            "rad"
+            if unit.value in _TURNS
+            else _SI[role]
+            if unit.value not in ("N", "mN", "A", "mA", "N·m")
+            else unit.value[-1]
+        )
         words = f"{unit.value if unit.value == si else f'{si} per {unit.value}'}, {_by(unit.why)}"
         if unit.value in _TURNS:
             words += "; masses then are moments of inertia in kg·m²"
@@ -168,5 +174,3 @@ def _block(keys: Mapping[str, tuple[object, str]]) -> str:
         line = f"{key} = {toml_value(value)}"
         lines.append(f"{line:<28}  # {comment}\n" if comment else f"{line}\n")
     return "".join(lines)
-
-

@@ -97,20 +97,21 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
         )
     _, width, separator, decimal, (first, last) = best
     values = np.array(
-        [[_number(c, decimal) for c in cells(line, separator)[:width]] for _, line in body[first:last]], dtype=np.float64
+        [[_number(c, decimal) for c in cells(line, separator)[:width]] for _, line in body[first:last]],
+        dtype=np.float64,
     )
     top = body[first][0]
     names, units, groups, place = _titles(lines[:top], separator, width)
     # the reader takes a header right above the rows, one name a column
-    plain = place is not None and not any(units) and not any(groups) and not lines[place].lstrip().startswith(("#", "%"))
+    plain = (
+        place is not None and not any(units) and not any(groups) and not lines[place].lstrip().startswith(("#", "%"))
+    )
     by_name = plain and _usable(cells(lines[place or 0], separator))
     skip = place if by_name and place is not None else top
     if all(not line.strip() or line.lstrip().startswith(("#", "%")) for line in lines[:skip]):
         skip = 0  # comments and blank lines are left out anyway
     above = tuple(line for i, line in enumerate(lines[:top]) if i != place)
-    return Block(
-        separator, decimal, skip, names, units, groups, by_name, above, values, unread=len(body) - last
-    )
+    return Block(separator, decimal, skip, names, units, groups, by_name, above, values, unread=len(body) - last)
 
 
 def cells(line: str, separator: str | None) -> list[str]:

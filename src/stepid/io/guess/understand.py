@@ -23,7 +23,6 @@ from stepid.io.side_by_side import run_name
 from stepid.io.textfile import as_path, read_bytes
 from stepid.io.workbook import is_workbook, sheet_names, workbook_lines
 
-
 ALL = "all"
 
 
@@ -153,8 +152,10 @@ def _label(group: Group, file: Path) -> str:
     words = group.label.lower().split()
     if len(words) == 1:
         return run_name(words[0])
-    return group.label if words and (RUN_WORDS & set(words) or group.said.mass is not None) else (
-        group.label or plain_name(file.stem)
+    return (
+        group.label
+        if words and (RUN_WORDS & set(words) or group.said.mass is not None)
+        else (group.label or plain_name(file.stem))
     )
 
 

@@ -1,4 +1,4 @@
-"""What columns are called in laboratories (English, German, French, Italian, Spanish, Dutch, Nordic), and their units."""
+"""What columns are called in laboratories (in the languages of Western Europe), and their units."""
 
 from __future__ import annotations
 
@@ -64,33 +64,35 @@ _TAIL = re.compile(r"^(?P<stem>.*[^\s,/_])(?:\s*[,/]\s*|\s+in\s+|[_ ])(?P<unit>[
 
 _WORDS: dict[Role, tuple[str, str]] = {  # whole words, and how longer words begin
     "other": (
-        "v n i nr no idx index sample samples set sp soll sollwert ref reference desired target wanted error err status "
-        "state flag comment comments remark remarks note notes kommentar date datum fecha velocity speed vel acc a ax "
-        "temperature label commentaire event marker counter row line zeile xref rref r",
+        "v n i nr no idx index sample samples set sp soll sollwert ref reference desired target wanted error err "
+        "status state flag comment comments remark remarks note notes kommentar date datum fecha velocity speed "
+        "vel acc a ax temperature label commentaire event marker counter row line zeile xref rref r",
         "veloc vitess geschw snelh accel beschl setp consig referen kommentar remark comment temperat veloci sollw",
     ),
     "time": (
-        "t time times zeit tid tijd temps tempo tiempo sec secs seconds millis micros ms clock timestamp elapsed uhr "
-        "zeitpunkt uhrzeit timestamps tempi",
+        "t time times zeit tid tijd temps tempo tiempo sec secs seconds millis micros ms clock timestamp elapsed "
+        "uhr zeitpunkt uhrzeit timestamps tempi",
         "zeit timest elaps",
     ),
     "input": (
-        "u volt volts voltage spannung tension tensione tensión motor effort control command cmd input eingang entrada "
-        "ingresso entrée entree drive dac pwm force kraft current strom torque actuator excitation stimulus forza fuerza "
-        "stellgröße stellgrösse stellgroesse commande comando ue uin kraft moment amp amplifier out output volty jännite",
+        "u volt volts voltage spannung tension tensione tensión motor effort control command cmd input eingang "
+        "entrada ingresso entrée entree drive dac pwm force kraft current strom torque actuator excitation "
+        "stimulus forza fuerza stellgröße stellgrösse stellgroesse commande comando ue uin moment amp amplifier "
+        "out output volty jännite",
         "volt spann tensi eingang stell actua excit moment",
     ),
     "position": (
         "x y pos position weg auslenkung deflection enc encoder lage travel distance dist angle winkel theta phi "
-        "abstand strecke laser lvdt height cart elongation hub stroke extension ort displ disp spostamento posizione "
-        "lvdt1 q z läge laege lege stand amplitude positie plaats pot sensor measured messwert mass1 drehwinkel alpha",
+        "abstand strecke laser lvdt height cart elongation hub stroke extension ort displ disp spostamento "
+        "posizione lvdt1 q z läge laege lege stand amplitude positie plaats pot sensor measured messwert mass1 "
+        "drehwinkel alpha",
         "pos displ depl dépl spost despl auslenk deflect encod versch weg elong allong winkel angul",
     ),
 }
 _COMMANDED = {"commanded", "command", "cmd", "desired", "target", "ref", "reference", "soll", "set", "setpoint"}
 RUN_WORDS = frozenset(
-    "run case test trial exp experiment versuch messung rep lauf probe essai prova ensayo fall rec record series "
-    "measurement messreihe nr no take".split()
+    {"run", "case", "test", "trial", "exp", "experiment", "versuch", "messung", "messreihe", "rep", "lauf", "probe"}
+    | {"essai", "prova", "ensayo", "fall", "rec", "record", "series", "measurement", "nr", "no", "take"}
 )
 
 
@@ -155,7 +157,7 @@ def role_of(name: str) -> Role | None:
         return "other" if _COMMANDED.intersection(words) else "position"
     for role in ("input", "time", "other"):
         if role in found:
-            return role  # type: ignore[return-value]
+            return role
     return None
 
 
