@@ -12,7 +12,7 @@ from folder_score import asked_by, judge
 from lab_folders import make_folder, write_workbook
 from stepid.errors import InputError
 from stepid.io.guess.answers import Answers, open_questions, with_answers
-from stepid.io.guess.file_names import mass_above, read_name
+from stepid.io.guess.file_names import mass_above, read_name, sample_time_above
 from stepid.io.guess.manifest_text import manifest_text
 from stepid.io.guess.sizes import position_unit, time_unit
 from stepid.io.guess.text import find_encoding
@@ -117,6 +117,14 @@ def test_springs_dampers_and_releases_in_names() -> None:
 def test_masses_above_the_rows() -> None:
     assert mass_above(("Lab 3", "Zusatzmasse: 0,5 kg")) == 0.5
     assert mass_above(("mass = 500 g", "mass: 1 kg")) is None
+
+
+@pytest.mark.parametrize(
+    ("line", "period"),
+    [("Sample rate: 200 Hz", 0.005), ("dt = 10 ms", 0.01), ("Abtastzeit 0,02 s", 0.02), ("Interval,0.01", None)],
+)
+def test_sample_times_above_the_rows(line: str, period: float | None) -> None:
+    assert sample_time_above((line,)) == pytest.approx(period)
 
 
 def test_a_unit_that_two_sizes_fit_is_not_guessed(tmp_path: Path) -> None:

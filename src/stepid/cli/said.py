@@ -44,7 +44,9 @@ def _options(
     ] = None,
     spring: Annotated[str | None, _option("--spring", "LABEL,…", "Of the springs, one a run, or one for all.")] = None,
     damper: Annotated[str | None, _option("--damper", "LABEL,…", "Of the dampers, one a run, or one for all.")] = None,
-    time: Annotated[str | None, _option("--time", "COLUMN", "The column of the time.")] = None,
+    time: Annotated[
+        str | None, _option("--time", "COLUMN", "The column of the time, by name or number from 0.")
+    ] = None,
     position: Annotated[
         str | None, _option("--position", "COLUMN", "The column of the position; all if each of several is a run.")
     ] = None,

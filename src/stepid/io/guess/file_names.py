@@ -19,6 +19,13 @@ _MASS_LINE = re.compile(
     r"(?i)(?:mass|load|weight|gewicht|last|poids|peso|carico|charge|massa)[^\d:=;,]*[:=;,\s]\s*"
     r"(?P<number>[+-]?\d+(?:[.,]\d+)?)\s*(?P<unit>kg|g)\b"
 )
+_RATE = re.compile(
+    r"(?i)(?:sampl\w*|abtast\w*|rate|freq\w*)[^\d]*(?P<number>[1-9]\d*(?:[.,]\d+)?|0[.,]0*[1-9]\d*)\s*(?P<unit>k?hz)\b"
+)
+_PERIOD = re.compile(
+    r"(?:(?i:interval|sampl\w*|abtast\w*|period)|\bdt|\bTs)[^\d]*"
+    r"(?P<number>[1-9]\d*(?:[.,]\d+)?|0[.,]0*[1-9]\d*)\s*(?P<unit>s|ms|us|µs)\b"
+)
 _STIFFNESS = r"soft|medium|stiff|hard|weak|strong|weich|mittel|hart"
 _SPRING = re.compile(
     rf"(?<![a-z])(?:(?P<kind>{_STIFFNESS})(?:[\s_-]*(?:spring|feder))?|(?:spring|feder)[\s_-]*"
@@ -82,6 +89,17 @@ def mass_above(lines: tuple[str, ...]) -> float | None:
         if (found := _MASS_LINE.search(line)) is not None:
             told.add(_float(found["number"]) / (1000 if found["unit"].lower() == "g" else 1))
     return told.pop() if len(told) == 1 and min(told, default=0.0) >= 0 else None
+
+
+def sample_time_above(lines: tuple[str, ...]) -> float | None:
+    """Return the sample time in s that a line above a table tells, None where none does, or two differ."""
+    told = set()
+    for line in lines:
+        if (found := _RATE.search(line)) is not None:
+            told.add(1 / (_float(found["number"]) * (1000 if found["unit"].lower() == "khz" else 1)))
+        elif (found := _PERIOD.search(line)) is not None:
+            told.add(_float(found["number"]) * {"s": 1, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}[found["unit"]])
+    return told.pop() if len(told) == 1 else None
 
 
 def plain_name(stem: str) -> str:

@@ -103,11 +103,13 @@ def _table_keys(draft: Draft) -> dict[str, tuple[object, str]]:
                 keys[role] = (MARK, f"one of {', '.join(draft.choices)}")
             elif role == "time":
                 known = draft.sample_time
-                keys["sample_time"] = (MARK, "s between two rows") if known is None else (known.value, "s, as you said")
+                keys["sample_time"] = (
+                    (MARK, "s between two rows") if known is None else (known.value, f"s, {_by(known.why)}")
+                )
             continue
         column = draft.columns[role]
         title = draft.titles[role]
-        keys[role] = (column, f"column {title!r}, from 0" if isinstance(column, int) else "")
+        keys[role] = (column, _counted(title, column) if isinstance(column, int) else "")
         scale = draft.scale(role)
         if scale is None:
             keys[f"{role}_scale"] = (MARK, f"{_SI[role]} per unit of the column: nothing says its unit")
@@ -119,6 +121,10 @@ def _table_keys(draft: Draft) -> dict[str, tuple[object, str]]:
         if role == "position" and counts is not None and counts.value == COUNTS:
             keys["counts_per_meter"] = (round(1 / scale, 6), "for the resolution")
     return keys
+
+
+def _counted(title: str, column: int) -> str:
+    return "columns count from 0" if title == f"column {column}" else f"{title!r}; columns count from 0"
 
 
 def _scale_words(draft: Draft, role: str) -> str:

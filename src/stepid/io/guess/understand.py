@@ -14,7 +14,7 @@ from stepid.io.ecp import FULL_SCALE, VOLTS_PER_DAC_UNIT
 from stepid.io.ecp_layout import EFFORT, SAMPLE, TIME, Export, parse_export
 from stepid.io.guess.columns import Column, Group, find_columns, group_columns
 from stepid.io.guess.draft import ASSUMED, ROLES, Draft, Found, falls
-from stepid.io.guess.file_names import FileName, mass_above, plain_name, read_name
+from stepid.io.guess.file_names import FileName, mass_above, plain_name, read_name, sample_time_above
 from stepid.io.guess.sizes import input_unit, position_unit, time_unit
 from stepid.io.guess.text import Block, cells, find_block, needs_delimiter, text_lines
 from stepid.io.guess.words import COUNTS, RUN_WORDS
@@ -124,7 +124,7 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
         name=name,
         layout=layout,
         columns={role: c.name if block.by_name and c.name else c.index for role, c in columns.items()},
-        titles={role: c.name or f"column {c.index + 1}" for role, c in columns.items()},
+        titles={role: c.name or f"column {c.index}" for role, c in columns.items()},
         readings=readings,
         units={role: unit for role, c in columns.items() if (unit := _unit(role, c, readings[role])) is not None},
         falling=falls(readings),
@@ -133,6 +133,8 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
     )
     draft, said = _named(draft, group.said, None), read_name(file.stem)
     draft = _named(draft, FileName(None, None, said.spring, said.damper, said.release) if several else said, None)
+    if "time" not in draft.columns and (period := sample_time_above(block.above)) is not None:
+        draft = draft.having(sample_time=Found(period, "the lines above"))
     above = None if several else mass_above(block.above)
     if above is not None and draft.mass is None:
         draft = draft.having(mass=Found(above, "the lines above"))
