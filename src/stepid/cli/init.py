@@ -52,10 +52,12 @@ def init(
     from stepid.io.guess.answers import open_questions
     from stepid.io.guess.manifest_text import manifest_text
 
-    found = _files(files)
+    found, refused = _files(files)
     target = _target(found, out, force=force)
     drafts = _drafts(found, said)
     show(console(), drafts)
+    for refusal in refused:
+        console().print(f"{refusal}; left out", markup=False)
     if ask and sys.stdin.isatty():
         drafts = _ask(found, said, drafts)
     text = manifest_text(drafts, name or target.parent.resolve().name or "campaign", target.parent)
@@ -84,7 +86,7 @@ def read_records(paths: Sequence[Path], said: Said) -> tuple[Campaign, Callable[
         if said.given:
             raise InputError(f"{flag(said.given[0])} is for recordings", f"Say it in {first}.")
         return stepid.read_campaign(first), lambda: of_files(first)
-    files = _files(paths)
+    files, _ = _files(paths)
     return campaign_of_files(files, said), lambda: of_records(files)
 
 
@@ -122,8 +124,10 @@ def _drafts(files: Sequence[Path], said: Said) -> tuple[Draft, ...]:
     return with_answers(draft_runs(files, said.columns), said.answers)
 
 
-def _files(paths: Sequence[Path]) -> list[Path]:
-    """Files, and those of folders in the order of their numbers."""
+def _files(paths: Sequence[Path]) -> tuple[list[Path], tuple[str, ...]]:
+    """Files, and those of folders, in the order of their numbers; and why some that hold no table are left out."""
+    from stepid.io.guess.understand import recordings
+
     out: list[Path] = []
     for path in paths:
         inside = [file for file in path.iterdir() if _looks_like_records(file)] if path.is_dir() else [path]
@@ -132,7 +136,9 @@ def _files(paths: Sequence[Path]) -> list[Path]:
         raise InputError(f"{paths[0]}: holds no recordings ({', '.join(_KINDS)})", "Name the files.")
     if len(out) > _MANY:
         raise InputError(f"{len(out)} files are more than a campaign has", "Name those of one campaign.")
-    return sorted(out, key=_natural) if len({file.parent for file in out}) == 1 else out
+    files = sorted(out, key=_natural) if len({file.parent for file in out}) == 1 else out
+    taken, refused = recordings(files) if len(files) > 1 else (files, ())
+    return (taken, refused) if taken else (files, ())
 
 
 def _natural(file: Path) -> list[tuple[int, str]]:

@@ -33,7 +33,7 @@ class Layout:
 
     `delimiter` None is the first found of tab, semicolon, comma and blanks; `decimal` is the decimal mark, `skiprows`
     the number of lines to leave out above the header, `used` the columns that are read, by name or index; `encoding`
-    None is UTF-8, `sheet` None the first of a workbook.
+    None is UTF-8, `sheet` None the first of a workbook; what stands below row `stop` is not looked at.
     """
 
     delimiter: str | None
@@ -42,6 +42,7 @@ class Layout:
     used: Sequence[object]
     encoding: str | None = None
     sheet: str | None = None
+    stop: int | None = None
 
     def lines(self, file: Path) -> list[str]:
         """Read a file; the rows of a workbook come with tabs between their cells."""
@@ -127,6 +128,9 @@ def parse_table(file: Path, layout: Layout) -> Table:
         names, rows, body = tuple(rows[0]), rows[1:], body[1:]
     if not rows:
         raise InputError(f"{where}: holds a header and no rows", "Export the record again.")
+    if layout.stop is not None and layout.stop > 0:
+        last = _last_row(rows, layout.stop, layout.decimal)
+        rows, body = rows[:last], body[:last]
     labels = names
     if not names or not any(len(row) == len(names) for row in rows):
         width = common_width(rows)
@@ -192,6 +196,13 @@ def _own_rows(rows: Sequence[Sequence[str]], own: Sequence[int]) -> int:
             return last
         last -= 1
     return last or len(rows)
+
+
+def _last_row(rows: Sequence[Sequence[str]], stop: int, decimal: str) -> int:
+    """Where the first line below row `stop` is none of the table, such as a mean or a remark."""
+    width = common_width(rows)
+    below = range(stop, len(rows))
+    return next((i for i in below if len(rows[i]) != width or not _is_reading(rows[i][0], decimal)), len(rows))
 
 
 def _cells(text: str, separator: str | None) -> list[str]:

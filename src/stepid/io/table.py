@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -127,6 +128,8 @@ def read_table(
     check_scales({"position": position, "time": time, "input": input}, scales, where)
     layout = Layout(delimiter, decimal, skiprows, (time, position, input), encoding, sheet)
     layout.check(where)
+    if len(files) == 1 and type(stop) is int:  # below the last row that is kept there may be anything
+        layout = replace(layout, stop=stop)
     table = join_tables([parse_table(file, layout) for file in files])
     kept = _stretch(start, stop, len(table.places), where)
     table = Table(table.names, table.values[kept], table.places[kept])

@@ -15,6 +15,7 @@ from stepid.io.guess.words import RUN_WORDS, Role, read_title, role_of, tokens, 
 
 _LEVELS = 12  # an input steps through no more
 _EVEN = 0.3  # of the usual step, by which stamps of samples may differ
+UNKNOWN = "a unit that stepid does not know"
 _SENSORS = {"enc", "encoder", "sensor", "cart", "mass", "wagen", "masse", "laser"}
 
 
@@ -53,6 +54,7 @@ def find_columns(block: Block, chosen: Mapping[str, str] | None = None) -> tuple
     for j in range(block.values.shape[1]):
         title, values = read_title(block.names[j]), block.values[:, j]
         role, unit, why, rest = title.role, title.unit, "its name", title.rest
+        why = UNKNOWN if title.doubtful else why
         below = block.units[j] if j < len(block.units) else ""
         if below:
             roles: list[str] = [role] if role in ("time", "position", "input") else ["time", "position", "input"]
@@ -62,6 +64,8 @@ def find_columns(block: Block, chosen: Mapping[str, str] | None = None) -> tuple
         if not np.isfinite(values).any():
             role = "other"
         out.append(Column(j, block.names[j], role, unit, why, rest, values))
+    sure = any(c.role == "position" and c.unit is not None for c in out)
+    out = [replace(c, role="other") if sure and c.role == "position" and c.why == UNKNOWN else c for c in out]
     return _by_content(_from_preamble(_as_chosen(out, chosen or {}), block.above))
 
 
@@ -122,7 +126,7 @@ def _from_preamble(columns: Sequence[Column], above: Sequence[str]) -> list[Colu
             told.setdefault(str(role), unit)
     return [
         Column(c.index, c.name, c.role, told[c.role], "the lines above", c.rest, c.values)
-        if c.unit is None and c.role in told
+        if c.unit is None and c.why != UNKNOWN and c.role in told
         else c
         for c in columns
     ]

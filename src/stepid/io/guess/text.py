@@ -18,7 +18,12 @@ from stepid.io.textfile import is_name, is_number, split_lines
 
 _CANDIDATES = (("\t", "."), (";", "."), (",", "."), (None, "."), ("\t", ","), (";", ","), (None, ","))
 _MOST = 0.9  # of a column's cells are numbers where it holds readings
+_PROBED = 600  # lines from which delimiter and decimal mark are told
 _SOME = 0.05  # of a column's cells; beside longer records the rest is empty
+
+
+class NoTableError(InputError):
+    """A file holds no table of numbers."""
 
 
 @dataclass(frozen=True)
@@ -82,24 +87,23 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
         If there are fewer than 8 rows of numbers.
     """
     body = [(i, line) for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith(("#", "%"))]
-    best: tuple[tuple[int, int, int], int, str | None, str, tuple[int, int]] | None = None
+    best: tuple[tuple[int, int, int], str | None, str] | None = None
     for rank, (separator, decimal) in enumerate(_CANDIDATES[:1] if workbook else _CANDIDATES):
-        rows = [cells(line, separator) for _, line in body]
+        rows = [cells(line, separator) for _, line in body[:_PROBED]]
         first, last, width, readings = _longest(rows, decimal)
         if last - first < FEWEST:
             continue
         score = (readings, min(width, 2), -rank)
         if best is None or score > best[0]:
-            best = (score, width, separator, decimal, (first, last))
+            best = (score, separator, decimal)
     if best is None:
-        raise InputError(
+        raise NoTableError(
             f"{where}: holds no table of numbers that stepid finds", "Save it as CSV, a header above the rows."
         )
-    _, width, separator, decimal, (first, last) = best
-    values = np.array(
-        [[_number(c, decimal) for c in cells(line, separator)[:width]] for _, line in body[first:last]],
-        dtype=np.float64,
-    )
+    _, separator, decimal = best
+    rows = [cells(line, separator) for _, line in body]
+    first, last, width, _ = _longest(rows, decimal)
+    values = np.array([[_number(c, decimal) for c in row[:width]] for row in rows[first:last]], dtype=np.float64)
     top = body[first][0]
     names, units, groups, place = _titles(lines[:top], separator, width)
     # the reader takes a header right above the rows, one name a column

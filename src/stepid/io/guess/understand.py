@@ -12,11 +12,11 @@ from stepid.core.base import Array
 from stepid.errors import InputError
 from stepid.io.ecp import FULL_SCALE, VOLTS_PER_DAC_UNIT
 from stepid.io.ecp_layout import EFFORT, SAMPLE, TIME, Export, parse_export
-from stepid.io.guess.columns import Column, Group, find_columns, group_columns
+from stepid.io.guess.columns import UNKNOWN, Column, Group, find_columns, group_columns
 from stepid.io.guess.draft import ASSUMED, ROLES, Draft, Found, falls
 from stepid.io.guess.file_names import FileName, mass_above, plain_name, read_name, sample_time_above
-from stepid.io.guess.sizes import input_unit, position_unit, time_unit
-from stepid.io.guess.text import Block, cells, find_block, needs_delimiter, text_lines
+from stepid.io.guess.sizes import input_unit, odd_units, position_unit, time_unit
+from stepid.io.guess.text import Block, NoTableError, cells, find_block, needs_delimiter, text_lines
 from stepid.io.guess.words import COUNTS, RUN_WORDS
 from stepid.io.sample_clock import ENOUGH, fit_sample_time
 from stepid.io.side_by_side import run_name
@@ -48,15 +48,36 @@ def draft_runs(files: Sequence[Path], chosen: Mapping[str, str] | None = None) -
         Naming the file: if it is missing, or holds no table of numbers.
     """
     found = [draft for file in files for draft in _file(as_path(file), chosen or {})]
+    if len({draft.file.parent for draft in found}) > 1:  # a folder a run
+        found = [_named(draft, read_name(draft.file.parent.name), None) for draft in found]
     twice = Counter(draft.name for draft in found)
     out: list[Draft] = []
     for draft in found:
-        name = f"{plain_name(draft.file.stem)}, {draft.name}" if twice[draft.name] > 1 else draft.name
+        name = f"{_whence(draft)}, {draft.name}" if twice[draft.name] > 1 else draft.name
         number = 2
         while any(other.name == name for other in out):
             name, number = f"{draft.name} ({number})", number + 1
         out.append(draft.having(name=name))
     return tuple(out)
+
+
+def recordings(files: Sequence[Path]) -> tuple[list[Path], tuple[str, ...]]:
+    """Tell files with tables from others, such as notes: the files to take, and why others are left out."""
+    taken, refused = [], []
+    for file in files:
+        try:
+            _file(as_path(file), {})
+        except NoTableError as error:
+            refused.append(error.cause)
+        else:
+            taken.append(file)
+    return taken, tuple(refused)
+
+
+def _whence(draft: Draft) -> str:
+    """The file, or where it is called like its run, its folder."""
+    stem = plain_name(draft.file.stem)
+    return plain_name(draft.file.parent.name) if stem == draft.name else stem
 
 
 def _file(file: Path, chosen: Mapping[str, str]) -> list[Draft]:
@@ -76,7 +97,7 @@ def _workbook(raw: bytes, file: Path, chosen: Mapping[str, str]) -> list[Draft]:
         try:
             lines = workbook_lines(raw, where, name)
             drafts = _table(lines, file, {"sheet": name} if i else {}, chosen, workbook=True)
-        except InputError:  # a sheet of notes or pictures
+        except NoTableError:  # a sheet of notes or pictures
             continue
         said = read_name(name)
         out += [_named(draft, said, plain_name(name)) if len(names) > 1 else draft for draft in drafts]
@@ -117,7 +138,8 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
     if group.doubt:
         doubts.append(group.doubt)
     if block.unread:
-        doubts.append(f"{block.unread} line(s) below the rows are no rows; take them out of the file")
+        layout = {**layout, "stop": block.values.shape[0]}
+        doubts.append(f"{block.unread} line(s) below the rows are left out")
     name = _label(group, file) if several else plain_name(file.stem)
     draft = Draft(
         file=file,
@@ -131,7 +153,7 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
         doubts=tuple(doubts),
         choices=group.choices,
     )
-    draft, said = _named(draft, group.said, None), read_name(file.stem)
+    draft, said = _named(draft.having(doubts=draft.doubts + odd_units(draft)), group.said, None), read_name(file.stem)
     draft = _named(draft, FileName(None, None, said.spring, said.damper, said.release) if several else said, None)
     if "time" not in draft.columns and (period := sample_time_above(block.above)) is not None:
         draft = draft.having(sample_time=Found(period, "the lines above"))
@@ -164,7 +186,7 @@ def _label(group: Group, file: Path) -> str:
 def _unit(role: str, column: Column, readings: Array) -> Found[str] | None:
     if column.unit is not None:
         return Found(column.unit, column.why)
-    if readings.size < 2:
+    if readings.size < 2 or column.why == UNKNOWN:
         return None
     by_size = {"time": time_unit, "position": position_unit, "input": input_unit}[role](readings)
     return None if by_size is None else Found(by_size, "its size")
