@@ -10,23 +10,39 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from stepid.io.guess.file_names import plain_name
+
 if TYPE_CHECKING:
     from stepid.core.base import Array
     from stepid.io.guess.draft import Draft
 
 _BARS = "▁▂▃▄▅▆▇█"
-_WIDE = 20  # characters of a sparkline
+_WIDE = 16  # characters of a sparkline
 
 
 def show(screen: Console, drafts: Sequence[Draft]) -> None:
     """Print what was understood; what is not known is ``?``, what is taken by its size alone ends in ``?``."""
+    columns: dict[str, list[str]] = {
+        "run": [draft.name for draft in drafts],
+        "from": [_file(draft) for draft in drafts],
+        "time": [_time(draft) for draft in drafts],
+        "position": [_column(draft, "position") for draft in drafts],
+        "input": [_input(draft) for draft in drafts],
+        "added mass": [_mass(draft) for draft in drafts],
+        "spring": [draft.spring.value for draft in drafts],
+        "damper": [draft.damper.value for draft in drafts],
+        "record": [sparkline(draft.readings.get("position", np.zeros(0))) for draft in drafts],
+    }
+    if all(draft.name == plain_name(draft.file.stem) for draft in drafts):
+        del columns["run"]
+    for label in ("spring", "damper"):
+        if all(getattr(draft, label).assumed for draft in drafts):
+            del columns[label]
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for title in ("run", "from", "time", "position", "input", "added mass", "spring", "damper", "record"):
-        table.add_column(title, overflow="fold")
-    for draft in drafts:
-        record = sparkline(draft.readings["position"]) if "position" in draft.readings else ""
-        words = [draft.name, _file(draft), _time(draft), _column(draft, "position"), _input(draft), _mass(draft)]
-        table.add_row(*map(Text, [*words, draft.spring.value, draft.damper.value, record]))
+    for title in columns:
+        table.add_column(title, overflow="fold", no_wrap=title in ("record", "added mass"))
+    for row in zip(*columns.values(), strict=True):
+        table.add_row(*map(Text, row))
     screen.print(table, soft_wrap=False)
     if any(found.assumed for draft in drafts for found in (*draft.units.values(), draft.mass) if found is not None):
         screen.print("What ends in ? no file says: it is taken by its size, or as usual. Check it.", markup=False)
@@ -61,7 +77,7 @@ def _time(draft: Draft) -> str:
         step = draft.sample_time.value
     else:
         return _column(draft, "time") if "time" in draft.columns else "?"
-    size = draft.readings["position"].size if "position" in draft.readings else 0
+    size = max((values.size for values in draft.readings.values()), default=0)
     unit = draft.units.get("time")
     sure = "?" if unit is not None and unit.assumed else ""
     return f"{size} × {1000 * step:.4g} ms{sure}"

@@ -134,6 +134,11 @@ def _from_preamble(columns: Sequence[Column], above: Sequence[str]) -> list[Colu
 
 def _by_content(columns: Sequence[Column]) -> tuple[Column, ...]:
     """Roles of columns whose names tell none."""
+    if not any(c.role == "time" for c in columns):
+        # of columns called x, one that rises evenly is the abscissa
+        rising = [c for c in columns if c.role == "position" and c.unit is None and _kind(c.values) == "time"]
+        if rising and sum(c.role == "position" for c in columns) > 1:
+            columns = [replace(c, role="time") if c is rising[0] else c for c in columns]
     have = {c.role for c in columns}
     named = any(c.name for c in columns)
     out = []

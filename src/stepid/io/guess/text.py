@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from stepid.io.textfile import is_name, is_number, split_lines
 
 _CANDIDATES = (("\t", "."), (";", "."), (",", "."), (None, "."), ("\t", ","), (";", ","), (None, ","))
 _MOST = 0.9  # of a column's cells are numbers where it holds readings
+_CLOCK = re.compile(r"(?:^|[ T])(\d{1,2}):(\d\d):(\d\d(?:[.,]\d+)?)$")
 _PROBED = 600  # lines from which delimiter and decimal mark are told
 _SOME = 0.05  # of a column's cells; beside longer records the rest is empty
 
@@ -32,7 +34,8 @@ class Block:
 
     `skiprows` is what the table's reader leaves out, `names` and `units` have one text a column, empty where there is
     none; `by_name` tells whether the reader can take columns by their names. `values`, shape (rows, columns), are NaN
-    where a cell holds no number; `unread` is the number of lines below the rows.
+    where a cell holds no number; `unread` is the number of lines below the rows, `clock`
+    the time between two rows, s, by a column of clock times (12:03:04.512) that no reader takes.
     """
 
     separator: str | None
@@ -45,6 +48,7 @@ class Block:
     above: tuple[str, ...]
     values: Array
     unread: int
+    clock: float | None
 
 
 def find_encoding(raw: bytes, file: Path) -> tuple[str, str | None]:
@@ -108,14 +112,29 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
     names, units, groups, place = _titles(lines[:top], separator, width)
     # the reader takes a header right above the rows, one name a column
     plain = (
-        place is not None and not any(units) and not any(groups) and not lines[place].lstrip().startswith(("#", "%"))
+        place is not None
+        and (not any(units) or units == names)
+        and not any(groups)
+        and not lines[place].lstrip().startswith(("#", "%"))
     )
     by_name = plain and _usable(cells(lines[place or 0], separator))
     skip = place if by_name and place is not None else top
     if all(not line.strip() or line.lstrip().startswith(("#", "%")) for line in lines[:skip]):
         skip = 0  # comments and blank lines are left out anyway
     above = tuple(line for i, line in enumerate(lines[:top]) if i != place)
-    return Block(separator, decimal, skip, names, units, groups, by_name, above, values, unread=len(body) - last)
+    return Block(
+        separator,
+        decimal,
+        skip,
+        names,
+        units,
+        groups,
+        by_name,
+        above,
+        values,
+        unread=len(body) - last,
+        clock=_clock(rows[first:last]),
+    )
 
 
 def cells(line: str, separator: str | None) -> list[str]:
@@ -132,6 +151,21 @@ def text_lines(raw: bytes, file: Path) -> tuple[list[str], str | None]:
     """Lines and encoding of a text file."""
     text, encoding = find_encoding(raw, file)
     return split_lines(text), encoding
+
+
+def _clock(rows: Sequence[Sequence[str]]) -> float | None:
+    """Sample time by a column of clock times, where they are even and fine enough to tell it to a thousandth."""
+    for j in range(len(rows[0])):
+        stamps = [m for row in rows if (m := _CLOCK.search(row[j]))]
+        if len(stamps) < len(rows):
+            continue
+        times = np.array([3600 * int(m[1]) + 60 * int(m[2]) + float(m[3].replace(",", ".")) for m in stamps])
+        span = float(times[-1] - times[0])
+        step = span / (times.size - 1)
+        digit = 10.0 ** -max(len(re.split("[.,]", f"{m[3]}.")[1]) for m in stamps)
+        if step > 0 and np.all(np.abs(np.diff(times) - step) < 0.5 * step) and digit < 1e-3 * span:
+            return step
+    return None
 
 
 def _number(cell: str, decimal: str) -> float:
@@ -181,6 +215,8 @@ def _titles(
     found = found[::-1]
     units: tuple[str, ...] = none
     if found and _are_units(found[0][1]):
+        if len(found) == 1 or not _is_header(found[1][1]):  # columns that are called by their units
+            return found[0][1], found[0][1], none, found[0][0]
         units, found = found[0][1], found[1:]
     if not found or not _is_header(found[0][1]) or found[0][0] != filled[-1 - any(units)]:
         return none, units, none, None

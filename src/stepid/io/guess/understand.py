@@ -53,10 +53,10 @@ def draft_runs(files: Sequence[Path], chosen: Mapping[str, str] | None = None) -
     twice = Counter(draft.name for draft in found)
     out: list[Draft] = []
     for draft in found:
-        name = f"{_whence(draft)}, {draft.name}" if twice[draft.name] > 1 else draft.name
-        number = 2
+        name = _whence(draft) if twice[draft.name] > 1 else draft.name
+        first, number = name, 2
         while any(other.name == name for other in out):
-            name, number = f"{draft.name} ({number})", number + 1
+            name, number = f"{first} ({number})", number + 1
         out.append(draft.having(name=name))
     return tuple(out)
 
@@ -75,9 +75,9 @@ def recordings(files: Sequence[Path]) -> tuple[list[Path], tuple[str, ...]]:
 
 
 def _whence(draft: Draft) -> str:
-    """The file, or where it is called like its run, its folder."""
+    """A longer name: with the file, or where the file is called like its run, that of the folder."""
     stem = plain_name(draft.file.stem)
-    return plain_name(draft.file.parent.name) if stem == draft.name else stem
+    return plain_name(draft.file.parent.name) if stem == draft.name else f"{stem}, {draft.name}"
 
 
 def _file(file: Path, chosen: Mapping[str, str]) -> list[Draft]:
@@ -155,7 +155,9 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
     )
     draft, said = _named(draft.having(doubts=draft.doubts + odd_units(draft)), group.said, None), read_name(file.stem)
     draft = _named(draft, FileName(None, None, said.spring, said.damper, said.release) if several else said, None)
-    if "time" not in draft.columns and (period := sample_time_above(block.above)) is not None:
+    if "time" not in draft.columns and block.clock is not None:
+        draft = draft.having(sample_time=Found(block.clock, "the clock times of its rows"))
+    elif "time" not in draft.columns and (period := sample_time_above(block.above)) is not None:
         draft = draft.having(sample_time=Found(period, "the lines above"))
     above = None if several else mass_above(block.above)
     if above is not None and draft.mass is None:
