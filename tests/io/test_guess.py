@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import stepid
 from folder_score import asked_by, judge
 from lab_folders import make_folder, write_workbook
 from stepid.errors import InputError
@@ -16,7 +17,7 @@ from stepid.io.guess.file_names import mass_above, read_name, sample_time_above
 from stepid.io.guess.manifest_text import manifest_text
 from stepid.io.guess.sizes import position_unit, time_unit
 from stepid.io.guess.text import find_encoding
-from stepid.io.guess.understand import draft_runs
+from stepid.io.guess.understand import draft_runs, recordings
 from stepid.io.guess.words import read_title
 from stepid.io.workbook import sheet_names, workbook_lines
 
@@ -143,8 +144,6 @@ def test_encodings(encoding: str, tmp_path: Path) -> None:
     assert draft.layout.get("encoding") == (None if encoding.startswith("utf-8") else encoding)
     text = manifest_text([draft.having(mass=None)], "rig", tmp_path)
     (tmp_path / "campaign.toml").write_text(text.replace('added_mass = "?"', "added_mass = 0.0"), encoding="utf-8")
-    import stepid
-
     run = stepid.read_campaign(tmp_path)["run"]
     np.testing.assert_allclose(run.position, X / 1000, rtol=1e-5, atol=1e-12)
 
@@ -167,6 +166,67 @@ def test_two_lines_of_titles_make_runs(tmp_path: Path) -> None:
     first, second = draft_runs([tmp_path / "all.csv"])
     assert (first.mass.value, second.mass.value) == (0.0, 0.5)
     assert [dict(d.columns) for d in (first, second)] == [{"time": 0, "position": 1}, {"time": 2, "position": 3}]
+
+
+def units_of(draft) -> dict[str, str]:
+    return {role: unit.value for role, unit in draft.units.items()}
+
+
+def test_what_loggers_write(tmp_path: Path) -> None:
+    rows = [f"{1000 * t:.0f},{56 * x:.0f},128" for t, x in zip(T, X, strict=True)]
+    serial = one(tmp_path, "millis,counts,pwm\n" + "\n".join(rows))
+    assert dict(serial.columns) == {"time": "millis", "position": "counts", "input": "pwm"}
+    assert units_of(serial) == {"time": "ms", "position": "counts", "input": "counts"}
+    rows = [f"12:03:{t + 4:06.3f};{x:.4f};0.5" for t, x in zip(T, X, strict=True)]
+    clock = one(tmp_path, "Uhrzeit;Weg [mm];u [V]\n" + "\n".join(rows))
+    assert clock.sample_time.value == pytest.approx(0.01)
+    assert "time" not in clock.columns
+    comma = one(tmp_path, table("# t x u\n# s mm V\n", sep=" "))
+    assert dict(comma.columns) == {"time": 0, "position": 1, "input": 2}
+    assert units_of(comma) == {"time": "s", "position": "mm", "input": "V"}
+    labview = one(tmp_path, table("***End_of_Header***\nX_Value\tPosition (cm)\tVoltage (V)\n", sep="\t"))
+    assert dict(labview.columns) == {"time": "X_Value", "position": "Position (cm)", "input": "Voltage (V)"}
+
+
+def test_lines_below_the_rows_are_left_out(tmp_path: Path) -> None:
+    draft = one(tmp_path, "sep=;\n" + table("t_s;x_mm;u_V\n", sep=";") + "Mean;3.2;0.5\nEnd\n")
+    assert draft.layout == {"delimiter": ";", "skiprows": 1, "stop": 200}
+    run = stepid.read_table(draft.file, time="t_s", position="x_mm", input="u_V", position_scale=0.001, **draft.layout)
+    assert run.time.size == 200
+
+
+def test_a_unit_that_stepid_does_not_know_is_asked_for(tmp_path: Path) -> None:
+    assert "position" not in one(tmp_path, table("t(s),pos(V),in(V)\n", x=X / 1000)).units
+    both = one(tmp_path, table("t(s),pos(V),pos(mm)\n"))
+    assert both.columns["position"] == "pos(mm)"
+
+
+def test_a_unit_that_does_not_fit_its_numbers_is_doubted(tmp_path: Path) -> None:
+    assert [doubt.split(";")[0] for doubt in one(tmp_path, table("time_ms,x_m,u_V\n")).doubts] == [
+        "the time is in ms by its name, by its size in s",
+        "the position spans 13.3 m in m by its name",
+    ]
+
+
+def test_notes_are_no_recordings_and_folders_are_runs(tmp_path: Path) -> None:
+    for mass in ("0kg", "0.5kg"):
+        (tmp_path / mass).mkdir()
+        (tmp_path / mass / "run.csv").write_text(table("t_s,x_mm,u_V\n"))
+    (tmp_path / "notes.txt").write_text("We met on Monday.\n")
+    files, refused = recordings([tmp_path / "0kg" / "run.csv", tmp_path / "notes.txt", tmp_path / "0.5kg" / "run.csv"])
+    assert len(refused) == 1
+    assert [(d.name, d.mass.value) for d in draft_runs(files)] == [("0kg", 0.0), ("0.5kg", 0.5)]
+
+
+def test_two_carts_are_asked_about(tmp_path: Path) -> None:
+    file = tmp_path / "run.csv"
+    file.write_text(
+        "t [s],x1 [mm],x2 [mm]\n" + "".join(f"{t:g},{x:.4f},{x / 2:.4f}\n" for t, x in zip(T, X, strict=True))
+    )
+    assert open_questions(draft_runs([file]))[0].key == "position"
+    (draft,) = draft_runs([file], {"position": "x2 [mm]"})
+    assert draft.columns["position"] == "x2 [mm]"
+    assert len(draft_runs([file], {"position": "all"})) == 2
 
 
 def test_falling_readings_get_a_negative_scale(tmp_path: Path) -> None:

@@ -71,7 +71,7 @@ def _file(draft: Draft) -> str:
 
 def _time(draft: Draft) -> str:
     seconds = draft.si("time")
-    if seconds is not None:
+    if seconds is not None and seconds.size > 1:
         step = float(np.median(np.diff(seconds)))
     elif draft.sample_time is not None:
         step = draft.sample_time.value

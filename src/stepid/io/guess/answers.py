@@ -11,6 +11,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import WEIGHT
 from stepid.errors import InputError
+from stepid.io.ecp import FEWEST
 from stepid.io.guess.draft import ROLES, USUAL, Draft, Found
 from stepid.io.guess.words import COUNTS, SCALES, unit_for
 
@@ -195,7 +196,8 @@ def _with_times(draft: Draft, answers: Answers) -> Draft:
     if level is not None:
         if not np.isfinite(level):
             raise InputError("step is not finite", "Give its size in V.")
-        if "input" not in draft.columns and "position" in draft.readings and not draft.release:
+        known = "position" in draft.readings and draft.readings["position"].size >= FEWEST
+        if "input" not in draft.columns and known and not draft.release:
             draft = draft.having(step=Found((level, _onset(draft)), SAID))
     return draft
 

@@ -10,6 +10,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.io.ecp import FEWEST
 from stepid.io.guess.words import COUNTS, SCALES
 
 T = TypeVar("T")
@@ -89,7 +90,7 @@ class Draft:
 def falls(readings: Mapping[str, Array]) -> bool:
     """Say whether the position falls where the input rises: after the first change of the input, by half the motion."""
     position, volts = readings.get("position"), readings.get("input")
-    if position is None or volts is None:
+    if position is None or volts is None or position.size < FEWEST:
         return False
     change = np.flatnonzero(np.diff(volts))
     first = int(change[0]) + 1 if change.size else 0
@@ -99,7 +100,7 @@ def falls(readings: Mapping[str, Array]) -> bool:
     last = first + int(later[0]) if later.size else position.size
     stretch = position[first:last]
     start = float(position[:first].mean()) if first else float(position[0])
-    if up == 0 or stretch.size < 8:
+    if up == 0 or stretch.size < FEWEST:
         return False
     moved = float(stretch.mean()) - start
     return bool(moved * up < 0 and abs(moved) > 0.25 * float(np.ptp(stretch)))

@@ -56,7 +56,7 @@ def odd_units(draft: Draft) -> tuple[str, ...]:
         if by_size is not None and by_size != unit.value:
             out.append(f"the time is in {unit.value} by {unit.why}, by its size in {by_size}; check it")
     meters, unit = draft.si("position"), draft.units.get("position")
-    if meters is not None and unit is not None and unit.value not in ("deg", "rad", "mrad"):
+    if meters is not None and meters.size and unit is not None and unit.value not in ("deg", "rad", "mrad"):
         travel = float(np.ptp(meters))
         if travel > _FAR or 0 < travel < _NEAR:
             out.append(f"the position spans {travel:.3g} m in {unit.value} by {unit.why}; check its unit")

@@ -16,7 +16,7 @@ from stepid.io.guess.columns import UNKNOWN, Column, Group, find_columns, group_
 from stepid.io.guess.draft import ASSUMED, ROLES, Draft, Found, falls
 from stepid.io.guess.file_names import FileName, mass_above, plain_name, read_name, sample_time_above
 from stepid.io.guess.sizes import input_unit, odd_units, position_unit, time_unit
-from stepid.io.guess.text import Block, NoTableError, cells, find_block, needs_delimiter, text_lines
+from stepid.io.guess.text import Block, NoTableError, find_block, needs_delimiter, text_lines
 from stepid.io.guess.words import COUNTS, RUN_WORDS
 from stepid.io.sample_clock import ENOUGH, fit_sample_time
 from stepid.io.side_by_side import run_name
@@ -110,7 +110,7 @@ def _table(
     lines: Sequence[str], file: Path, layout: dict[str, object], chosen: Mapping[str, str], *, workbook: bool = False
 ) -> list[Draft]:
     block = find_block(lines, str(file), workbook=workbook)
-    if block.separator is not None and not workbook and needs_delimiter(block, _last_row(lines, block)):
+    if block.separator is not None and not workbook and needs_delimiter(block, _last_line(lines).strip(" ")):
         layout = {**layout, "delimiter": block.separator}
     if block.decimal != ".":
         layout = {**layout, "decimal": block.decimal}
@@ -120,10 +120,9 @@ def _table(
     return [_from_group(group, block, file, layout, several=len(groups) > 1) for group in groups]
 
 
-def _last_row(lines: Sequence[str], block: Block) -> str:
-    body = [line for line in lines[block.skiprows :] if line.strip()]
-    width = block.values.shape[1]
-    return next((line for line in reversed(body) if len(cells(line, block.separator)) == width), body[-1])
+def _last_line(lines: Sequence[str]) -> str:
+    """The line by which the table's reader tells the delimiter."""
+    return next(line for line in reversed(lines) if line.strip() and not line.lstrip().startswith(("#", "%")))
 
 
 def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object], *, several: bool) -> Draft:
@@ -134,7 +133,8 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
     for role in [role for role, values in readings.items() if not np.isfinite(values).all()]:
         bad = int(np.flatnonzero(~np.isfinite(readings[role]))[0])
         doubts.append(f"the {role} is no number in row {bad + 1} of the table")
-        readings[role] = readings[role][:bad]
+        rows = min(rows, bad)
+    readings = {role: values[:rows] for role, values in readings.items()}
     if group.doubt:
         doubts.append(group.doubt)
     if block.unread:
