@@ -80,6 +80,8 @@ def test_thirty_folders_are_understood(tmp_path: Path) -> None:
         ("angle_deg", "position", "deg"),
         ("Position in µm", "position", "um"),
         ("[mm]", "position", "mm"),
+        ("y (run 1) [mm]", "position", "mm"),
+        ("x_mm_2", "position", "mm"),
         ("torque [Nm]", "input", "N·m"),
         ("Kraft (N)", "input", "N"),
         ("Temperature", "other", None),

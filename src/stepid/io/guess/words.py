@@ -127,8 +127,8 @@ def read_title(name: str) -> Title:
     -------
     Title
     """
-    brackets = _BRACKETS.search(name)
-    if brackets and (is_unit(brackets[1]) or brackets.end() == len(name)):
+    brackets = _unit_brackets(name)
+    if brackets:
         stem, unit, bracketed = name[: brackets.start()] + name[brackets.end() :], brackets[1], True
     elif (tail := _TAIL.match(name)) is not None:
         stem, unit, bracketed = tail["stem"], tail["unit"], False
@@ -142,7 +142,18 @@ def read_title(name: str) -> Title:
             return Title(role or _role_by_unit(known), known, stem, False)
     if bracketed and not any(char.isdigit() for char in unit):
         return Title(role, None, stem, doubtful=True)
+    if (numbered := re.fullmatch(r"(.*[^\W\d_])[ _.-]?(\d+)\s*", name)) is not None:  # x_mm_1
+        inner = read_title(numbered[1])
+        if inner.unit is not None:
+            return inner._replace(rest=f"{inner.rest} {numbered[2]}")
     return Title(role_of(name), None, name, False)
+
+
+def _unit_brackets(name: str) -> re.Match[str] | None:
+    """The brackets that hold a unit, or what stands in its place at the end of a name."""
+    found = list(_BRACKETS.finditer(name))
+    known = [one for one in found if is_unit(one[1])]
+    return known[-1] if known else next((one for one in found if one.end() == len(name)), None)
 
 
 def role_of(name: str) -> Role | None:
