@@ -14,6 +14,7 @@ from rich.text import Text
 
 import stepid  # what takes long to load is loaded by the command that needs it: completion and help are quick
 from stepid.cli.init import init, read_records
+from stepid.cli.plan import EXAMPLES, plan
 from stepid.cli.said import Said, taking_answers
 from stepid.cli.terminal import console, examples, showing_a_manifest
 from stepid.errors import IdentificationError, StepidError
@@ -162,9 +163,10 @@ def diagnose(
     from stepid.diagnosis.progress import stage_line
     from stepid.report import as_text, diagnosis_report
     from stepid.report.json_values import diagnosis_values
+    from stepid.report.provenance import of_campaign
     from stepid.report.write import write_all
 
-    read, provenance = read_records(campaign, said)
+    read = read_records(campaign, said)
     if not (quiet or as_json):
         console(stderr=True).print(_runs(read), markup=False)
     with _progress(lines=not (quiet or as_json), status=not quiet) as tell:
@@ -191,7 +193,7 @@ def diagnose(
             (folder / "diagnosis.txt").write_text(as_text(sections), encoding="utf-8")
             _write_json(folder / "diagnosis.json", found.to_dict())
             plot.save(plot.diagnosis(found)["gap"], folder / "diagnosis.png")
-            write_all(found, provenance(), folder)
+            write_all(found, of_campaign(read), folder)
             written = sorted(out / path.name for path in folder.iterdir())
     if not as_json:
         _show((), written)
@@ -200,6 +202,7 @@ def diagnose(
 app.command(epilog=examples("stepid init *.csv", "stepid init *.txt --added-mass 0,0.5,1.5 --counts-per-meter 56000"))(
     init
 )
+app.command(epilog=examples(*EXAMPLES))(plan)
 
 
 def _effort(name: EffortName) -> Effort:

@@ -6,7 +6,7 @@ import dataclasses
 import os
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from stepid.core.experiment import Campaign
     from stepid.io.guess.answers import Question
     from stepid.io.guess.draft import Draft
-    from stepid.report.provenance import Provenance
 
 _KINDS = (".csv", ".txt", ".xlsx", ".tsv", ".dat", ".m", ".lvm", ".asc")
 _FLAGS = {"position": "--position", "input_unit": "--input-unit"}
@@ -76,23 +75,21 @@ def init(
     screen.print(f"Next: stepid diagnose {target}", markup=False)
 
 
-def read_records(paths: Sequence[Path], said: Said) -> tuple[Campaign, Callable[[], Provenance]]:
+def read_records(paths: Sequence[Path], said: Said) -> Campaign:
     """Read a campaign from its manifest, or from recordings without one; InputError where something is not known."""
-    from stepid.report.provenance import of_files, of_records
-
     first = paths[0]
     manifest = len(paths) == 1 and (first.suffix == ".toml" or (first / "campaign.toml").is_file())
     if manifest or (len(paths) == 1 and not first.is_dir() and not _looks_like_records(first)):
         if said.given:
             raise InputError(f"{flag(said.given[0])} is for recordings", f"Say it in {first}.")
-        return stepid.read_campaign(first), lambda: of_files(first)
+        return stepid.read_campaign(first)
     files, _ = _files(paths)
-    return campaign_of_files(files, said), lambda: of_records(files)
+    return campaign_of_files(files, said)
 
 
 def campaign_of_files(files: Sequence[Path], said: Said) -> Campaign:
     """Read recordings as a campaign; InputError names what they do not say, and the options that do."""
-    from stepid.io.campaign_files import campaign_of
+    from stepid.io.campaign_files import read_as
     from stepid.io.guess.answers import open_questions
     from stepid.io.guess.manifest_text import manifest_text
 
@@ -105,7 +102,7 @@ def campaign_of_files(files: Sequence[Path], said: Said) -> Campaign:
         )
     where = Path("the recordings")
     folder = Path(os.path.commonpath([file.resolve().parent for file in files]))
-    return campaign_of(manifest_text(drafts, folder.name or "recordings", Path()), where)
+    return read_as(manifest_text(drafts, folder.name or "recordings", Path()), where)
 
 
 def flag(key: str) -> str:
