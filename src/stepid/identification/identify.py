@@ -4,22 +4,24 @@ from __future__ import annotations
 
 from stepid.core.arguments import as_campaign
 from stepid.core.experiment import Campaign, Experiment, MassOffset
+from stepid.core.recorded import recorded
 from stepid.core.samples import CLOSE, off_even_clock
 from stepid.core.units import check_speed
 from stepid.errors import IdentificationError, UndeterminedError
 from stepid.identification.characteristics import characterize_each
 from stepid.identification.characteristics_model import Characteristics
 from stepid.identification.parameters import IdentifiedParameters, StackedSystem
-from stepid.identification.peak import Peak
+from stepid.identification.peak import InterpolatedPeak, Peak
 from stepid.identification.pooling import pool_steps
 from stepid.identification.solve import solve
-from stepid.identification.solvers import Solver
+from stepid.identification.solvers import Solver, WeightedLeastSquares
 from stepid.identification.stacked import assemble, undetermined_springs
 
 _VAGUE = 0.1  # relative uncertainty of the natural frequency beyond which a run says nothing
 _LEAST_OVERSHOOT = 0.01  # below it the peak is so flat that the smallest departure from the model moves it far
 
 
+@recorded(peak=InterpolatedPeak, solver=WeightedLeastSquares)
 def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | None = None) -> IdentifiedParameters:
     """Identify masses, stiffnesses and damping constants of a campaign by the paper's method.
 
@@ -146,5 +148,4 @@ def _readable(experiment: Experiment, peak: Peak | None) -> Characteristics:
 
 
 def _join(campaign: Campaign, kept: list[Experiment]) -> tuple[MassOffset, ...]:
-    part = Campaign(name=campaign.name, experiments=tuple(kept), weight_uncertainty=campaign.weight_uncertainty)
-    return part.mass_offsets
+    return campaign.model_copy(update={"experiments": tuple(kept)}).mass_offsets

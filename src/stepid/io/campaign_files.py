@@ -10,6 +10,7 @@ from typing import Any
 from stepid.core.arguments import as_campaign
 from stepid.core.atomic_write import staged
 from stepid.core.experiment import WEIGHT_UNCERTAINTY, Campaign, Experiment
+from stepid.core.recorded import recorded
 from stepid.errors import InputError
 from stepid.io.ecp_write import render_export
 from stepid.io.manifest import parse_manifest, render_manifest
@@ -21,6 +22,7 @@ READERS: dict[str, Reader] = {"ecp": EcpReader(), "table": TableReader()}
 """Formats of records by the name that a manifest gives them; the first is the default. Add your own."""
 
 
+@recorded()
 def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     """Read a campaign from its manifest and the records that it names.
 
@@ -42,7 +44,8 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
 
     Notes
     -----
-    Keys of the campaign: ``name`` and, optionally, ``weight_uncertainty`` (kg). Keys of a run (``[[experiment]]``):
+    Keys of the campaign: ``name`` and, optionally, ``weight_uncertainty`` (kg) and ``scale_uncertainty`` (relative).
+    Keys of a run (``[[experiment]]``):
     ``name``, ``file``, ``added_mass`` (kg), ``spring``, ``damper``, ``counts_per_meter``; optionally ``base``,
     ``encoder``, ``sample_time`` (s), ``step = { level = 0.5, start = 0.0 }`` (V, s) where the file has no Control
     Effort, ``input_before`` (V), ``input_between`` (``"held"``, ``"lines"``, ``"smooth"``), ``starts`` (``"auto"``,
@@ -123,6 +126,8 @@ def _render(campaign: Campaign) -> dict[str, bytes]:
         keys["counts_per_meter"] = shared
     if campaign.weight_uncertainty != WEIGHT_UNCERTAINTY:
         keys["weight_uncertainty"] = campaign.weight_uncertainty
+    if campaign.scale_uncertainty:
+        keys["scale_uncertainty"] = campaign.scale_uncertainty
     files: dict[str, bytes] = {}
     runs = []
     for number, experiment in enumerate(campaign.experiments, 1):

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.recorded import note_read
 from stepid.errors import InputError
 
 _FOREIGN = re.compile(r"[^0-9eE+\-.]")
@@ -45,7 +46,9 @@ def read_lines(path: Path) -> list[str]:
 def read_bytes(path: Path) -> bytes:
     """Read a file whole; whatever the operating system objects to becomes an InputError."""
     try:
-        return path.read_bytes()
+        raw = path.read_bytes()
+        note_read(path, raw)
+        return raw
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file", "Check the path, and the folder it starts from.") from None
     except IsADirectoryError:
