@@ -1,8 +1,8 @@
 """Estimators side by side: the hand method in all its variants, the joint fit, and what a user would do instead.
 
 `python benchmarks/estimators.py [--count 100] [--cells NAME …] [--page docs/estimators.md]`. Every campaign draws its
-plant anew; records come from the hidden simulator of the tests. Bias is the median error, RMSE the root mean square one,
-both in per cent of the truth; coverage is that of the 95 % intervals. A refusal counts in none of them and is told.
+plant anew; records come from the hidden simulator of the tests. Bias is the median error, RMSE the root of the mean
+square, both in per cent of the truth; coverage is that of the 95 % intervals. A refusal counts in none of them and is told.
 """
 
 from __future__ import annotations
@@ -85,7 +85,8 @@ def draw(cell: Cell, rng: np.random.Generator) -> tuple[stepid.Campaign, dict[st
     ]  # fmt: skip
     campaign = stepid.Campaign(name="made up", experiments=experiments, weight_uncertainty=cell.weights or 1e-7)
     runs = runs_like(
-        campaign, base_mass=mass, stiffness={"medium": k}, damping={"half": truth["damping"]}, force_gain=reach * k / 0.5,
+        campaign, base_mass=mass, stiffness={"medium": k}, damping={"half": truth["damping"]},
+        force_gain=reach * k / 0.5,
         effects={"coulomb_friction": {"level": cell.friction * k * reach}} if cell.friction else {},
     )  # fmt: skip
     error = 0.0
@@ -182,11 +183,17 @@ def page(results: dict[str, Any], count: int) -> str:
         out += ["| estimator | bias, % (m, k, c) | RMSE, % (m, k, c) | covers, % (m, k, c) | refused | ms |"]
         out += ["| --- | --- | --- | --- | --- | --- |"]
         for way, said in ways.items():
-            cells = [", ".join(f"{v:.2g}" if abs(v) < 99.5 else f"{v:.0f}" for v in said[key]) or "–" for key in ("bias", "rmse")]
+            cells = [
+                ", ".join(f"{v:.2g}" if abs(v) < 99.5 else f"{v:.0f}" for v in said[key]) or "–"
+                for key in ("bias", "rmse")
+            ]
             cells.append(", ".join(f"{v:.0f}" for v in said["coverage"]) or "none given")
             out.append(f"| {way} | {' | '.join(cells)} | {said['refused'] or ''} | {said['ms']:.0f} |")
         out.append("")
-    return "\n".join(out) + f"\n{count} campaigns a table; coverage is off by {100 * math.sqrt(0.95 * 0.05 / count):.1f} by chance.\n"
+    return (
+        "\n".join(out)
+        + f"\n{count} campaigns a table; coverage is off by {100 * math.sqrt(0.95 * 0.05 / count):.1f} by chance.\n"
+    )
 
 
 def main() -> None:
@@ -206,7 +213,9 @@ def main() -> None:
     print(text)
     if given.page:
         before, _, rest = given.page.read_text("utf-8").partition("<!-- tables -->\n")
-        given.page.write_text(before + "<!-- tables -->\n" + text + "<!-- end -->\n" + rest.partition("<!-- end -->\n")[2], "utf-8")
+        given.page.write_text(
+            before + "<!-- tables -->\n" + text + "<!-- end -->\n" + rest.partition("<!-- end -->\n")[2], "utf-8"
+        )
 
 
 if __name__ == "__main__":

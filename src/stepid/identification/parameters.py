@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from html import escape
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -118,6 +119,8 @@ class IdentifiedParameters(Model):
     misfit : float or None
         Of the weighted solve: root mean square of its rows over what their uncertainties allow. About 1 where plant and
         labels are as assumed; much more says that the plant is not linear or a label or weight is wrong.
+    notes : tuple of str
+        Whether a joint fit would be tighter by much.
     """
 
     masses: Mapping[str, Positive]
@@ -136,6 +139,7 @@ class IdentifiedParameters(Model):
     covariance_labels: tuple[str, ...] = ()
     solver: str = ""
     misfit: NonNegative | None = None
+    notes: tuple[str, ...] = ()
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -239,7 +243,7 @@ class IdentifiedParameters(Model):
                 f"The runs contradict each other {self.misfit:.1f} times more than their uncertainties allow: "
                 "the plant is not linear, or a label or added mass is wrong. The uncertainties hold for a linear one."
             )
-        return "\n\n".join(parts)
+        return "\n\n".join([*parts, *self.notes])
 
     def __repr__(self) -> str:
         springs = ", ".join(f"{label!r}: {value:.4g} N/m" for label, value in self.stiffness.items())
@@ -251,7 +255,8 @@ class IdentifiedParameters(Model):
         out = html_table(_RUN_HEADER, self._runs(), title="Identified parameters")
         out += html_table(("shared", "value", "unit"), shared_rows(self))
         left_out = tuple(self.excluded.items())
-        return out + (html_table(("left out", "why"), left_out) if left_out else "")
+        out += html_table(("left out", "why"), left_out) if left_out else ""
+        return out + "".join(f"<p>{escape(note)}</p>" for note in self.notes)
 
 
 _LARGE_MISFIT = 2.0
