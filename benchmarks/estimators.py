@@ -2,7 +2,7 @@
 
 `python benchmarks/estimators.py [--count 100] [--cells NAME …] [--page docs/estimators.md]`. Every campaign draws its
 plant anew; records come from the hidden simulator of the tests. Bias is the median error, RMSE the root of the mean
-square, both in per cent of the truth; coverage is that of the 95 % intervals. A refusal counts in none of them and is told.
+square, both in per cent of the truth; coverage is that of the 95 % intervals. A refusal counts in none of them.
 """
 
 from __future__ import annotations
@@ -175,11 +175,13 @@ def measure(name: str, count: int) -> dict[str, dict[str, Any]]:
     return out
 
 
-def page(results: dict[str, Any], count: int) -> str:
+def page(results: dict[str, Any]) -> str:
     """The tables of the page."""
     out = []
-    for name, ways in results.items():
-        out += [f"### {name[0].upper()}{name[1:]}", ""]
+    for name, said_of in results.items():
+        count, ways = said_of["count"], said_of["ways"]
+        chance = 100 * math.sqrt(0.95 * 0.05 / count)
+        out += [f"### {name[0].upper()}{name[1:]}", "", f"{count} campaigns; chance moves a coverage by {chance:.0f}.", ""]
         out += ["| estimator | bias, % (m, k, c) | RMSE, % (m, k, c) | covers, % (m, k, c) | refused | ms |"]
         out += ["| --- | --- | --- | --- | --- | --- |"]
         for way, said in ways.items():
@@ -206,10 +208,10 @@ def main() -> None:
     done: dict[str, Any] = json.loads(given.keep.read_text()) if given.keep and given.keep.exists() else {}
     for name in given.cells:
         if name not in done:
-            done[name] = measure(name, given.count)
+            done[name] = {"count": given.count, "ways": measure(name, given.count)}
             if given.keep:
                 given.keep.write_text(json.dumps(done))
-    text = page({name: done[name] for name in given.cells}, given.count)
+    text = page({name: done[name] for name in given.cells})
     print(text)
     if given.page:
         before, _, rest = given.page.read_text("utf-8").partition("<!-- tables -->\n")

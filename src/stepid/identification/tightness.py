@@ -71,9 +71,10 @@ def tighter_by_fit(runs: Sequence[Experiment], found: IdentifiedParameters, weig
     if gains[best] < _WORTH:
         return None
     what, unit, value, told = flat[best]
+    sizes = _size(value, float(spread[best])), _size(value, told)
     return (
-        "The peaks are a few samples of many. Where the noise is white, stepid.fit would be "
-        f"{gains[best]:.2g} times as tight: {what} within {_size(value, float(spread[best]))} {unit}, here {_size(value, told)} {unit}."
+        f"The peaks are a few samples of many. Where the noise is white, stepid.fit would be {gains[best]:.2g} times "
+        f"as tight: {what} within {sizes[0]} {unit}, here {sizes[1]} {unit}."
     )
 
 
