@@ -181,7 +181,8 @@ def page(results: dict[str, Any]) -> str:
     for name, said_of in results.items():
         count, ways = said_of["count"], said_of["ways"]
         chance = 100 * math.sqrt(0.95 * 0.05 / count)
-        out += [f"### {name[0].upper()}{name[1:]}", "", f"{count} campaigns; chance moves a coverage by {chance:.0f}.", ""]
+        out += [f"### {name[0].upper()}{name[1:]}", ""]
+        out += [f"{count} campaigns; chance moves a coverage by {chance:.0f}.", ""]
         out += ["| estimator | bias, % (m, k, c) | RMSE, % (m, k, c) | covers, % (m, k, c) | refused | ms |"]
         out += ["| --- | --- | --- | --- | --- | --- |"]
         for way, said in ways.items():
