@@ -15,6 +15,7 @@ from stepid.identification.parameters import IdentifiedParameters
 
 _WORTH = 2.0  # times as tight: less is not worth a word
 _MOST_CHANGES = 40  # of an input: one that changes all the time is not what this method reads
+_CONTRADICT = 2.0  # misfit beyond which runs contradict each other: a linear fit would be as wrong
 _STEP = 1e-6  # relative, of a derivative
 
 
@@ -54,7 +55,8 @@ def tighter_by_fit(runs: Sequence[Experiment], found: IdentifiedParameters, weig
     -------
     str or None
     """
-    if set(found.bases.values()) - set(found.base_mass) or not found.static_gain:
+    contradict = found.misfit is not None and found.misfit > _CONTRADICT
+    if contradict or set(found.bases.values()) - set(found.base_mass) or not found.static_gain:
         return None
     shared = _Shared(list(found.base_mass), list(found.stiffness), list(found.pooled_damping))
     spread = _joint(runs, found, shared, weight_uncertainty)
@@ -73,8 +75,8 @@ def tighter_by_fit(runs: Sequence[Experiment], found: IdentifiedParameters, weig
     what, unit, value, told = flat[best]
     sizes = _size(value, float(spread[best])), _size(value, told)
     return (
-        f"The peaks are a few samples of many. Where the noise is white, stepid.fit would be {gains[best]:.2g} times "
-        f"as tight: {what} within {sizes[0]} {unit}, here {sizes[1]} {unit}."
+        f"The peaks are a few samples of many. If the plant is linear and the noise white, stepid.fit would be "
+        f"{gains[best]:.2g} times as tight: {what} within {sizes[0]} {unit}, here {sizes[1]} {unit}."
     )
 
 
