@@ -61,7 +61,9 @@ def release_index(experiment: Experiment) -> int:
     begin, end, side = steepest
     width = max(1, round(_WIDTH * (end - begin)))
     speed = -side * (away[width:] - away[:-width]) / (time[width:] - time[:-width])
-    far = int(np.flatnonzero(side * away[:end] > _FAR * float(np.abs(away).max()))[-1])  # a damped cart falls from there
+    far = int(
+        np.flatnonzero(side * away[:end] > _FAR * float(np.abs(away).max()))[-1]
+    )  # a damped cart falls from there
     near = slice(max(0, min(begin, far) - width), end)
     fast = near.start + int(np.argmax(speed[near]))
     slow = np.flatnonzero(speed[:fast] < _SURE * speed[fast])

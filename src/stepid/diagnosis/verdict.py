@@ -168,7 +168,13 @@ def judge(evidence: EvidenceRecord, rules: tuple[Rule, ...] = RULES) -> Answer:
     for rule in rules:
         answer = rule(evidence)
         if answer is not None:
-            return Answer(answer.verdict, answer.shown, answer.alternatives, (times, *answer.reasons), answer.rule or rule.__name__)
+            return Answer(
+                answer.verdict,
+                answer.shown,
+                answer.alternatives,
+                (times, *answer.reasons),
+                answer.rule or rule.__name__,
+            )
     raise AssertionError("the last rule answers always")
 
 
