@@ -13,7 +13,8 @@ from pydantic import Field, model_validator
 from stepid.core.base import Finite, Label, Matrix, Model, NonNegative, Positive, Vector
 from stepid.core.estimate import Estimate, format_value
 from stepid.core.experiment import MassOffset
-from stepid.core.frames import parameter_frame
+from stepid.core.frames import Row, parameter_frame
+from stepid.core.latex import parameter_table
 from stepid.core.tables import html_table, text_table
 from stepid.errors import InputError
 from stepid.identification.characteristics_model import Characteristics
@@ -120,7 +121,7 @@ class IdentifiedParameters(Model):
         Of the weighted solve: root mean square of its rows over what their uncertainties allow. About 1 where plant and
         labels are as assumed; much more says that the plant is not linear or a label or weight is wrong.
     notes : tuple of str
-        Whether a joint fit would be tighter by much.
+        That more than noise is left of the runs, where it is; whether a joint fit would be tighter by much.
     """
 
     masses: Mapping[str, Positive]
@@ -223,11 +224,18 @@ class IdentifiedParameters(Model):
         stepid.errors.MissingPackageError
             If pandas is not installed.
         """
-        return parameter_frame(
+        return parameter_frame(self._parameter_rows())
+
+    def to_latex(self, *, caption: str | None = None, label: str | None = None) -> str:
+        """Return the parameters as a LaTeX table for siunitx, with a caption as a float; see `stepid.core.latex`."""
+        return parameter_table(self._parameter_rows(), caption=caption, label=label)
+
+    def _parameter_rows(self) -> list[Row]:
+        return [
             (f"{group}[{label}]", value, getattr(self.uncertainty, group).get(label), unit)
             for group, unit in _UNITS.items()
             for label, value in getattr(self, group).items()
-        )
+        ]
 
     def summary(self) -> str:
         """Return tables of value ± standard uncertainty: by run, then what the runs share, then what was left out."""
@@ -237,6 +245,7 @@ class IdentifiedParameters(Model):
             ),
             text_table(("shared", "value", "unit"), shared_rows(self)),
             *(f"left out: {name}: {why}" for name, why in self.excluded.items()),
+            *self.notes,
         ]
         if self.misfit is not None and self.misfit > _LARGE_MISFIT:
             parts.append(

@@ -51,20 +51,32 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     Effort, ``input_before`` (V), ``input_between`` (``"held"``, ``"lines"``, ``"smooth"``), ``starts`` (``"auto"``,
     ``"rest"``, ``"motion"``), ``columns`` and ``effort_scale``, as in `read_ecp`. With ``format = "table"``:
     ``file`` or ``files``, ``position`` and, optionally, ``time``, ``input``, ``position_scale``, ``time_scale``,
-    ``input_scale``, ``delimiter``, ``decimal``, ``skiprows``, ``start`` and ``stop``, as in `read_table`, and ``run``,
-    one of several side by side, as in `read_tables`. Any key of a run but ``name``, ``file`` and ``files`` may stand
-    above the runs instead, for all of them; a run's own key wins.
+    ``input_scale``, ``delimiter``, ``decimal``, ``skiprows``, ``encoding``, ``sheet``, ``start`` and ``stop``, as in
+    `read_table`, and ``run``, one of several side by side, as in `read_tables`. Any key of a run but ``name``,
+    ``file`` and ``files`` may stand above the runs instead, for all of them; a run's own key wins.
     """
     manifest = as_path(path)
     if os.path.isdir(manifest):  # pathlib's is_dir raises on names that the system refuses
         manifest = manifest / MANIFEST
     where = str(manifest)
-    keys, runs = parse_manifest(decode(read_bytes(manifest), where), where, READERS)
+    return campaign_of(decode(read_bytes(manifest), where), manifest)
+
+
+def campaign_of(text: str, manifest: Path) -> Campaign:
+    """Read a campaign from the text of its manifest; files are looked for beside `manifest`, which need not exist."""
+    where = str(manifest)
+    keys, runs = parse_manifest(text, where, READERS)
     experiments = tuple(_read_run(kind, run, manifest) for kind, run in runs)
     try:
         return Campaign(experiments=experiments, **keys)
     except InputError as error:
         raise InputError(f"{where}: {error.cause}", error.remedy) from None
+
+
+@recorded()
+def read_as(text: str, manifest: Path) -> Campaign:
+    """Read a campaign like `campaign_of`; it knows the files that it comes from."""
+    return campaign_of(text, manifest)
 
 
 def _read_run(kind: str, run: dict[str, Any], manifest: Path) -> Experiment:
