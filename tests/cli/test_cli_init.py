@@ -67,7 +67,7 @@ def test_a_campaign_apart_from_its_files(tmp_path: Path, capsys: pytest.CaptureF
     (tmp_path / "elsewhere").mkdir()
     out = tmp_path / "elsewhere" / "campaign.toml"
     assert run(["init", *three_runs(tmp_path), "--added-mass", "0,0.5,1", "--out", str(out)]) == 0
-    assert "--allow-outside" in capsys.readouterr().out
+    assert "Next: stepid diagnose" in capsys.readouterr().out
     assert 'file = "../case_1.csv"' in out.read_text()
 
 
