@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from stepid.core.mass_offset import WEIGHT_UNCERTAINTY
+from stepid.core.recorded import recorded
 from stepid.design.arguments import Asked, checked, wants
 from stepid.design.candidate import Design, Step, enumerate_designs
 from stepid.design.guess import Given, Guess, as_plant, lasting, parameter_values, reach, sized, typical
@@ -21,6 +22,7 @@ from stepid.simulation.threads import single_threaded
 _TRIED = 6  # designs whose separation is looked at by a full fit
 
 
+@recorded()
 @single_threaded
 def plan(
     plant: Guess,
