@@ -23,6 +23,7 @@ from stepid.fitting.weak_form import WeakForm, measured_motion
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import COARSE
 
+_SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
 _POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
 
 
@@ -188,7 +189,7 @@ class CandidateFit:
     def _try(self, problem: Problem, shared: Array, local: Array, like: Optimum, laps: int) -> bool:
         """Run a few steps from a start; True at the floor, or where a start before it ended, better than `like`."""
         context = self.context
-        tolerance = max(context.tolerance, 0.003 * (min(self.cost, like.cost) - context.noise_cost))
+        tolerance = max(context.tolerance, _SLIGHT * (min(self.cost, like.cost) - context.noise_cost))
         found = minimize(problem, shared, local, tolerance=tolerance, iterations=laps)
         if found is None:
             return False
@@ -226,14 +227,15 @@ class CandidateFit:
         """Try other patterns of sticking from the best fit so far; True where one is better."""
         if self.best is None or self._resettled is self.best:
             return False
-        moved = resettle(self.best, tolerance=self.context.tolerance)
+        tolerance = max(self.context.tolerance, _SLIGHT * self.excess)
+        moved = resettle(self.best, tolerance=tolerance)
         better, self._resettled = moved is not self.best, moved
         if better:
-            self.best, self.polished, self._tolerance = moved, None, self.context.tolerance
+            self.best, self.polished, self._tolerance = moved, None, tolerance
         return better
 
-    def polish(self, *, laps: int, tolerance: float = 0.0) -> None:
-        """Fit all samples, from the best fit of the race or from where the last polish ended."""
+    def polish(self, *, laps: int, tolerance: float = 0.0, aim: float = np.inf) -> None:
+        """Fit all samples, from the best fit of the race or the end of the last polish; `aim` as in `minimize`."""
         last = self.polished
         if self.best is None or (last is not None and last.converged):
             return
@@ -244,6 +246,7 @@ class CandidateFit:
             begin.local,
             tolerance=max(self.context.tolerance, tolerance),
             iterations=laps,
+            aim=aim,
         )
         if found is not None:
             self.polished = found

@@ -83,8 +83,7 @@ def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0) -> Accusation |
     excess = optimum.cost - (_REACHED * floor) ** 2 * _samples(records)
     if len(records.runs) < 3 or excess <= 0:
         return None
-    tried = [_fitted(optimum, run, kind, floor) for run, kind in _candidates(optimum, excess)]
-    found = sorted((f for f in tried if f is not None), key=lambda f: f.cost)
+    found = _all_fitted(optimum, _candidates(optimum, excess), floor)
     level = max(floor, np.sqrt(found[0].cost / _samples(records))) if found else floor
     close = [f for f in found if f.cost < found[0].cost + _DECIDES * level**2]  # a worse explanation is none
     for best in close:
@@ -104,6 +103,23 @@ def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0) -> Accusation |
         done = minimize(last.problem, last.shared, last.local, tolerance=_UNIT * floor**2)  # for a cost to compare
         return Accusation(fault, best.cost if done is None else min(best.cost, done.cost))
     return None
+
+
+def _all_fitted(optimum: Optimum, candidates: list[tuple[int, str]], floor: float) -> list[_Found]:
+    """Fit each fault, the best first; none where no fit comes near what would explain the misfit, see `_explains`."""
+    aim = max(_STANDS_OUT * optimum.cost, _noise(optimum.problem.records, floor))
+    tried = [_fitted(optimum, run, kind, floor, aim) for run, kind in candidates]
+    found = [f for f in tried if f is not None]
+    if not any(f.cost <= aim for f in found):
+        return []
+    ended = [f if f.cost <= aim or f.optimum.converged else _fitted(optimum, f.run, f.kind, floor) for f in found]
+    return sorted((f for f in ended if f is not None), key=lambda f: f.cost)
+
+
+def _noise(records: Records, floor: float) -> float:
+    """Cost of a fit that leaves nothing but noise, at most [m²]."""
+    samples = _samples(records)
+    return float(((_REACHED + 3.0 / np.sqrt(2.0 * samples)) * floor) ** 2 * samples)
 
 
 def _samples(records: Records) -> float:
@@ -128,14 +144,15 @@ def _tolerance(optimum: Optimum, floor: float) -> float:
     return max(_UNIT * floor**2, _SHARP * optimum.cost)
 
 
-def _fitted(optimum: Optimum, run: int, kind: str, floor: float) -> _Found | None:
-    """Fit all runs with one fault in one of them."""
+def _fitted(optimum: Optimum, run: int, kind: str, floor: float, aim: float = np.inf) -> _Found | None:
+    """Fit all runs with one fault in one of them; `aim` as in `minimize`."""
     if kind == DRIFT:
         return _drifted(optimum, run, floor)
     problem = with_fault(optimum.problem, run, kind)
     row = problem.layout.deviation(kind)
     tolerance = _tolerance(optimum, floor)
-    found = minimize(problem, optimum.shared, optimum.local, tolerance=tolerance)
+    aim = np.inf if kind == "gain" else aim  # a round factor may come from a rough one
+    found = minimize(problem, optimum.shared, optimum.local, tolerance=tolerance, aim=aim)
     if found is None:
         return None
     size = float(found.local[row, run])
@@ -263,7 +280,7 @@ def _explains(found: _Found, optimum: Optimum, others: list[_Found], floor: floa
     """
     records = optimum.problem.records
     samples = _samples(records)
-    at_floor = found.cost <= ((_REACHED + 3.0 / np.sqrt(2.0 * samples)) * floor) ** 2 * samples
+    at_floor = found.cost <= _noise(records, floor)
     round_ = found.kind == "gain" and any(abs((1 + found.size) / r - 1) < _NEAR for r in ROUND)
     if found.kind != DRIFT and not round_ and _extreme(records, found.run):
         hard = found.kind not in ("gain", "damping") and optimum.cost > (_GROSS * floor) ** 2 * samples
