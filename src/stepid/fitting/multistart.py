@@ -234,8 +234,8 @@ class CandidateFit:
             self.best, self.polished, self._tolerance = moved, None, tolerance
         return better
 
-    def polish(self, *, laps: int, tolerance: float = 0.0, aim: float = np.inf) -> None:
-        """Fit all samples, from the best fit of the race or the end of the last polish; `aim` as in `minimize`."""
+    def polish(self, *, laps: int, tolerance: float = 0.0) -> None:
+        """Fit all samples, from the best fit of the race or from where the last polish ended."""
         last = self.polished
         if self.best is None or (last is not None and last.converged):
             return
@@ -246,7 +246,6 @@ class CandidateFit:
             begin.local,
             tolerance=max(self.context.tolerance, tolerance),
             iterations=laps,
-            aim=aim,
         )
         if found is not None:
             self.polished = found
