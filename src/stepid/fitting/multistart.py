@@ -24,6 +24,7 @@ from stepid.simulation.records import Records
 from stepid.simulation.simulator import COARSE
 
 _SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
+_SAME = 0.01  # share of what is left above the floor, by which two ends are one
 _POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
 
 
@@ -131,6 +132,7 @@ class CandidateFit:
         self.coarse, self.fine = (with_deviations(problem, deviations) for problem in (coarse, fine))
         self.best: Optimum | None = None
         self.polished: Optimum | None = None  # on all samples
+        self.rested: tuple[Optimum, Optimum] | None = None  # a polished fit, and the better of it and the one at rest
         self._resettled: Optimum | None = None  # where other patterns of sticking led last
         self._tolerance = 0.0  # with which the best fit so far ended, m²
 
@@ -190,11 +192,12 @@ class CandidateFit:
         """Run a few steps from a start; True at the floor, or where a start before it ended, better than `like`."""
         context = self.context
         tolerance = max(context.tolerance, _SLIGHT * (min(self.cost, like.cost) - context.noise_cost))
-        found = minimize(problem, shared, local, tolerance=tolerance, iterations=laps)
+        aim = self.cost + _SAME * self.excess + context.unit  # what ends above that is no better start
+        found = minimize(problem, shared, local, tolerance=tolerance, iterations=laps, aim=aim)
         if found is None:
             return False
-        gained = like.cost - found.cost > 0.01 * (like.cost - context.noise_cost) + context.unit
-        again = gained and self.best is not None and abs(found.cost - self.cost) < 0.01 * self.excess + context.unit
+        gained = like.cost - found.cost > _SAME * (like.cost - context.noise_cost) + context.unit
+        again = gained and self.best is not None and abs(found.cost - self.cost) < _SAME * self.excess + context.unit
         if found.cost < self.cost:
             self.best, self._tolerance = found, tolerance
         return found.converged and (again or found.cost < 1.02 * context.noise_cost)

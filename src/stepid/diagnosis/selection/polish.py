@@ -23,7 +23,11 @@ def polished(context: FitContext, fitted: CandidateFit, effort: Effort) -> Optim
         if fitted.polished is None or fitted.polished.converged:
             break
     best = fitted.polished
-    return None if best is None else _at_rest(context, best, effort)
+    if best is None:
+        return None
+    if fitted.rested is None or fitted.rested[0] is not best:
+        fitted.rested = best, _at_rest(context, best, effort)
+    return fitted.rested[1]
 
 
 def _at_rest(context: FitContext, best: Optimum, effort: Effort) -> Optimum:
