@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections import Counter
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from pydantic import BeforeValidator, model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive, Vector
+from stepid.core.collection import Runs
 from stepid.core.frames import make_frame, tidy_frame
 from stepid.core.mass_offset import WEIGHT as WEIGHT
 from stepid.core.mass_offset import WEIGHT_UNCERTAINTY as WEIGHT_UNCERTAINTY
 from stepid.core.mass_offset import MassOffset as MassOffset
+from stepid.core.mass_offset import chained
 from stepid.core.samples import CLOSE, InputBetween, Starts, check_samples, off_even_clock
 from stepid.core.slices import stretch
 from stepid.core.tidy import run_fields
 from stepid.core.units import record
-from stepid.errors import InputError
 
 if TYPE_CHECKING:
     from stepid.core.frames import DataFrame
@@ -123,7 +123,8 @@ class Experiment(Model):
         stepid.errors.InputError
             If a bound is given twice or is no number, or fewer than 8 samples are left.
         """
-        return type(self)(**stretch(self, first, last, after=after, until=until, name=name))
+        fields = stretch(self, first, last, after=after, until=until, name=name)
+        return type(self)(**fields)._bearing(self.provenance)
 
     @classmethod
     def from_dataframe(
@@ -196,8 +197,11 @@ def _as_tuple(value: object) -> object:
     return tuple(value) if isinstance(value, list) else value
 
 
-class Campaign(Model):
-    """Runs of one plant under known changes of mass, spring and damper.
+class Campaign(Runs):
+    """Runs of one plant under known changes of mass, spring and damper: a collection of them.
+
+    ``len(campaign)``, ``for run in campaign``, ``campaign["case 4"]``, ``campaign[0]``, ``campaign[1:]``,
+    ``campaign[["case 4", "case 6"]]``, ``campaign + run`` and ``"case 4" in campaign`` do what they do elsewhere.
 
     Parameters
     ----------
@@ -206,6 +210,8 @@ class Campaign(Model):
         Names are unique. A list is taken, too.
     weight_uncertainty : float
         kg, standard uncertainty of one 0.5 kg weight; grows with the square root of the mass added.
+    scale_uncertainty : float
+        Relative standard uncertainty of the scale of all positions (counts per meter), one error shared by all runs.
 
     Raises
     ------
@@ -216,6 +222,7 @@ class Campaign(Model):
     name: Label
     experiments: Annotated[tuple[Experiment, ...], BeforeValidator(_as_tuple)]
     weight_uncertainty: Positive = WEIGHT_UNCERTAINTY
+    scale_uncertainty: NonNegative = 0.0
 
     @model_validator(mode="after")
     def _unique(self) -> Self:
@@ -232,16 +239,7 @@ class Campaign(Model):
 
         Runs of equal added mass keep the campaign's order and are joined by an exact constraint.
         """
-        offsets = []
-        for base in dict.fromkeys(e.base for e in self.experiments):
-            runs = sorted((e for e in self.experiments if e.base == base), key=lambda e: e.added_mass)
-            for one, two in pairwise(runs):
-                difference = two.added_mass - one.added_mass
-                spread = self.weight_uncertainty * float(np.sqrt(abs(difference) / WEIGHT))
-                offsets.append(
-                    MassOffset(from_run=one.name, to_run=two.name, difference=difference, uncertainty=spread)
-                )
-        return tuple(offsets)
+        return chained([(e.name, e.base, e.added_mass) for e in self.experiments], self.weight_uncertainty)
 
     @classmethod
     def from_dataframe(
@@ -250,6 +248,7 @@ class Campaign(Model):
         *,
         name: str,
         weight_uncertainty: float = WEIGHT_UNCERTAINTY,
+        scale_uncertainty: float = 0.0,
         time_scale: float = 1.0,
         position_scale: float = 1.0,
         input_scale: float = 1.0,
@@ -262,9 +261,8 @@ class Campaign(Model):
             One row a sample; columns `run`, `time`, `position`, `input`, `added_mass`, `spring`, `damper`
             and, where they differ from the defaults of `Experiment`, `base`, `counts_per_meter`, `input_before`,
             `input_between` and `starts`.
-        name : str
-        weight_uncertainty : float
-            kg.
+        name, weight_uncertainty, scale_uncertainty
+            Fields of `Campaign`.
         time_scale, position_scale, input_scale : float
             s, m and V per unit of those columns, as in `read_table`.
 
@@ -275,7 +273,12 @@ class Campaign(Model):
         """
         scales = {"time": time_scale, "position": position_scale, "input": input_scale}
         runs = [Experiment(**fields) for fields in run_fields(frame, scales, f"campaign {name!r}")]
-        return cls(name=name, experiments=tuple(runs), weight_uncertainty=weight_uncertainty)
+        return cls(
+            name=name,
+            experiments=tuple(runs),
+            weight_uncertainty=weight_uncertainty,
+            scale_uncertainty=scale_uncertainty,
+        )
 
     def to_dataframe(self) -> DataFrame:
         """Return all records as one tidy pandas DataFrame, one row a sample.
@@ -289,11 +292,3 @@ class Campaign(Model):
             If pandas is not installed.
         """
         return tidy_frame(self.experiments)
-
-    def __getitem__(self, name: str) -> Experiment:
-        """Return the run called `name`; InputError names the runs there are."""
-        for experiment in self.experiments:
-            if experiment.name == name:
-                return experiment
-        names = ", ".join(repr(e.name) for e in self.experiments)
-        raise InputError(f"campaign {self.name!r} has no run {name!r}", f"Its runs are {names}.")

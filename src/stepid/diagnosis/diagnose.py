@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.experiment import Campaign
+from stepid.core.recorded import recorded
 from stepid.diagnosis.answer import report
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
@@ -38,6 +39,7 @@ def _silent(_: Progress) -> None:
     return None
 
 
+@recorded(criteria=Criteria, effort=Effort)
 @single_threaded
 def diagnose(
     campaign: Campaign,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stepid.core.arguments import as_experiment
 from stepid.core.experiment import Experiment
+from stepid.core.recorded import recorded
 from stepid.errors import IdentificationError
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
 from stepid.identification.free_response import release_characteristics
@@ -38,6 +39,7 @@ __all__ = [
 ]
 
 
+@recorded(peak=InterpolatedPeak)
 def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Characteristics:
     """Read the characteristics of the first step of a record, or of a hand release where there is no input.
 
@@ -72,6 +74,7 @@ def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Charact
     return step_characteristics(experiment, find_steps(experiment)[0], peak=how)
 
 
+@recorded(peak=InterpolatedPeak)
 def characterize_each(
     experiment: Experiment, *, peak: Peak | None = None
 ) -> tuple[Characteristics | IdentificationError, ...]:
@@ -105,6 +108,7 @@ def characterize_each(
     return tuple(found)
 
 
+@recorded(peak=InterpolatedPeak)
 def characterize_all(experiment: Experiment, *, peak: Peak | None = None) -> tuple[Characteristics, ...]:
     """Read the characteristics of every step of a record: up, back, and any more.
 

@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from stepid.core.arguments import as_campaign
 from stepid.core.experiment import Campaign, Experiment, MassOffset
+from stepid.core.recorded import recorded
 from stepid.core.samples import CLOSE, off_even_clock
 from stepid.core.units import check_speed
 from stepid.errors import IdentificationError, UndeterminedError
 from stepid.identification.characteristics import characterize_each
 from stepid.identification.characteristics_model import Characteristics
 from stepid.identification.parameters import IdentifiedParameters, StackedSystem
-from stepid.identification.peak import Peak
+from stepid.identification.peak import InterpolatedPeak, Peak
 from stepid.identification.pooling import pool_steps
+from stepid.identification.remainder import remainder, warning
 from stepid.identification.solve import solve
-from stepid.identification.solvers import Solver
+from stepid.identification.solvers import Solver, WeightedLeastSquares
 from stepid.identification.stacked import assemble, undetermined_springs
+from stepid.identification.tightness import tighter_by_fit
 
 _VAGUE = 0.1  # relative uncertainty of the natural frequency beyond which a run says nothing
 _LEAST_OVERSHOOT = 0.01  # below it the peak is so flat that the smallest departure from the model moves it far
 
 
+@recorded(peak=InterpolatedPeak, solver=WeightedLeastSquares)
 def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | None = None) -> IdentifiedParameters:
     """Identify masses, stiffnesses and damping constants of a campaign by the paper's method.
 
@@ -80,7 +84,9 @@ def identify_with_system(
     found = solve(system, solver=solver)
     order = [run.name for run in campaign.experiments]
     left_out = dict(sorted(excluded.items(), key=lambda item: order.index(item[0])))
-    fields = found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out}
+    said = (_not_linear(campaign, used), tighter_by_fit(kept, found, campaign.weight_uncertainty))
+    notes = (*found.notes, *(note for note in said if note is not None))
+    fields = found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out, "notes": notes}
     return system, IdentifiedParameters(**fields)
 
 
@@ -145,6 +151,13 @@ def _readable(experiment: Experiment, peak: Peak | None) -> Characteristics:
     return Characteristics(**found.model_dump() | {"uncertainty": found.uncertainty, "notes": notes})
 
 
+def _not_linear(campaign: Campaign, used: dict[str, Characteristics]) -> str | None:
+    """Say that the runs are not those of a linear plant, where they are not."""
+    return warning(
+        remainder(campaign[name], damped_frequency=found.damped_frequency, damping_ratio=found.damping_ratio)
+        for name, found in used.items()
+    )
+
+
 def _join(campaign: Campaign, kept: list[Experiment]) -> tuple[MassOffset, ...]:
-    part = Campaign(name=campaign.name, experiments=tuple(kept), weight_uncertainty=campaign.weight_uncertainty)
-    return part.mass_offsets
+    return campaign.model_copy(update={"experiments": tuple(kept)}).mass_offsets

@@ -10,6 +10,7 @@ from typing import Any
 from stepid.core.arguments import as_campaign
 from stepid.core.atomic_write import staged
 from stepid.core.experiment import WEIGHT_UNCERTAINTY, Campaign, Experiment
+from stepid.core.recorded import recorded
 from stepid.errors import InputError
 from stepid.io.ecp_write import render_export
 from stepid.io.manifest import parse_manifest, render_manifest
@@ -21,6 +22,7 @@ READERS: dict[str, Reader] = {"ecp": EcpReader(), "table": TableReader()}
 """Formats of records by the name that a manifest gives them; the first is the default. Add your own."""
 
 
+@recorded()
 def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     """Read a campaign from its manifest and the records that it names.
 
@@ -42,26 +44,39 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
 
     Notes
     -----
-    Keys of the campaign: ``name`` and, optionally, ``weight_uncertainty`` (kg). Keys of a run (``[[experiment]]``):
+    Keys of the campaign: ``name`` and, optionally, ``weight_uncertainty`` (kg) and ``scale_uncertainty`` (relative).
+    Keys of a run (``[[experiment]]``):
     ``name``, ``file``, ``added_mass`` (kg), ``spring``, ``damper``, ``counts_per_meter``; optionally ``base``,
     ``encoder``, ``sample_time`` (s), ``step = { level = 0.5, start = 0.0 }`` (V, s) where the file has no Control
     Effort, ``input_before`` (V), ``input_between`` (``"held"``, ``"lines"``, ``"smooth"``), ``starts`` (``"auto"``,
     ``"rest"``, ``"motion"``), ``columns`` and ``effort_scale``, as in `read_ecp`. With ``format = "table"``:
     ``file`` or ``files``, ``position`` and, optionally, ``time``, ``input``, ``position_scale``, ``time_scale``,
-    ``input_scale``, ``delimiter``, ``decimal``, ``skiprows``, ``start`` and ``stop``, as in `read_table`, and ``run``,
-    one of several side by side, as in `read_tables`. Any key of a run but ``name``, ``file`` and ``files`` may stand
-    above the runs instead, for all of them; a run's own key wins.
+    ``input_scale``, ``delimiter``, ``decimal``, ``skiprows``, ``encoding``, ``sheet``, ``start`` and ``stop``, as in
+    `read_table`, and ``run``, one of several side by side, as in `read_tables`. Any key of a run but ``name``,
+    ``file`` and ``files`` may stand above the runs instead, for all of them; a run's own key wins.
     """
     manifest = as_path(path)
     if os.path.isdir(manifest):  # pathlib's is_dir raises on names that the system refuses
         manifest = manifest / MANIFEST
     where = str(manifest)
-    keys, runs = parse_manifest(decode(read_bytes(manifest), where), where, READERS)
+    return campaign_of(decode(read_bytes(manifest), where), manifest)
+
+
+def campaign_of(text: str, manifest: Path) -> Campaign:
+    """Read a campaign from the text of its manifest; files are looked for beside `manifest`, which need not exist."""
+    where = str(manifest)
+    keys, runs = parse_manifest(text, where, READERS)
     experiments = tuple(_read_run(kind, run, manifest) for kind, run in runs)
     try:
         return Campaign(experiments=experiments, **keys)
     except InputError as error:
         raise InputError(f"{where}: {error.cause}", error.remedy) from None
+
+
+@recorded()
+def read_as(text: str, manifest: Path) -> Campaign:
+    """Read a campaign like `campaign_of`; it knows the files that it comes from."""
+    return campaign_of(text, manifest)
 
 
 def _read_run(kind: str, run: dict[str, Any], manifest: Path) -> Experiment:
@@ -123,6 +138,8 @@ def _render(campaign: Campaign) -> dict[str, bytes]:
         keys["counts_per_meter"] = shared
     if campaign.weight_uncertainty != WEIGHT_UNCERTAINTY:
         keys["weight_uncertainty"] = campaign.weight_uncertainty
+    if campaign.scale_uncertainty:
+        keys["scale_uncertainty"] = campaign.scale_uncertainty
     files: dict[str, bytes] = {}
     runs = []
     for number, experiment in enumerate(campaign.experiments, 1):

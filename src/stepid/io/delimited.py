@@ -13,7 +13,8 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.units import NO_COLUMN
 from stepid.errors import InputError
-from stepid.io.textfile import common_width, is_name, is_number, parse_numbers, read_lines
+from stepid.io.textfile import common_width, decode_as, is_name, is_number, parse_numbers, read_bytes, split_lines
+from stepid.io.workbook import is_workbook, workbook_lines
 
 _REPAIR = (
     "Restore the line, or remove it if it holds no readings: one line of names may come first, skiprows = … leaves out "
@@ -31,13 +32,26 @@ class Layout:
     """How delimited text is laid out.
 
     `delimiter` None is the first found of tab, semicolon, comma and blanks; `decimal` is the decimal mark, `skiprows`
-    the number of lines to leave out above the header, `used` the columns that are read, by name or index.
+    the number of lines to leave out above the header, `used` the columns that are read, by name or index; `encoding`
+    None is UTF-8, `sheet` None the first of a workbook; what stands below row `stop` is not looked at.
     """
 
     delimiter: str | None
     decimal: str
     skiprows: int
     used: Sequence[object]
+    encoding: str | None = None
+    sheet: str | None = None
+    stop: int | None = None
+
+    def lines(self, file: Path) -> list[str]:
+        """Read a file; the rows of a workbook come with tabs between their cells."""
+        raw = read_bytes(file)
+        if is_workbook(raw):
+            return workbook_lines(raw, str(file), self.sheet)
+        if self.sheet is not None:
+            raise InputError(f"{file}: is no workbook, so it has no sheet {self.sheet!r}", "Leave sheet out.")
+        return split_lines(decode_as(raw, str(file), self.encoding))
 
     def check(self, where: str) -> None:
         """Refuse a layout that cannot be; InputError names the argument."""
@@ -47,6 +61,9 @@ class Layout:
             raise InputError(f"{where}: decimal is {self.decimal!r}", 'Give "." or ",".')
         if self.decimal == self.delimiter:
             raise InputError(f"{where}: delimiter and decimal are both {self.decimal!r}", "Correct one of them.")
+        for label, text in (("encoding", self.encoding), ("sheet", self.sheet)):
+            if text is not None and (not isinstance(text, str) or not text):
+                raise InputError(f"{where}: {label} is {text!r}", "Give its name as text.")
         if type(self.skiprows) is not int or self.skiprows < 0:
             raise InputError(f"{where}: skiprows is {self.skiprows!r}", "Give the number of lines above the header.")
 
@@ -97,7 +114,7 @@ def parse_table(file: Path, layout: Layout) -> Table:
         Naming file, line and column.
     """
     where = str(file)
-    lines = list(enumerate(read_lines(file), 1))[layout.skiprows :]
+    lines = list(enumerate(layout.lines(file), 1))[layout.skiprows :]
     kept = [(i, text) for i, line in lines if (text := line.strip(" ")) and text.strip()]
     body = [(i, text) for i, text in kept if not text.lstrip().startswith(("#", "%"))]
     if not body:
@@ -111,6 +128,9 @@ def parse_table(file: Path, layout: Layout) -> Table:
         names, rows, body = tuple(rows[0]), rows[1:], body[1:]
     if not rows:
         raise InputError(f"{where}: holds a header and no rows", "Export the record again.")
+    if layout.stop is not None and layout.stop > 0:
+        last = _last_row(rows, layout.stop, layout.decimal)
+        rows, body = rows[:last], body[:last]
     labels = names
     if not names or not any(len(row) == len(names) for row in rows):
         width = common_width(rows)
@@ -144,7 +164,7 @@ def parse_table(file: Path, layout: Layout) -> Table:
 
 def header(file: Path, layout: Layout) -> tuple[str, ...]:
     """Names of a file's columns, () where it has no header; InputError where it has no line."""
-    lines = [line for line in read_lines(file)[layout.skiprows :] if line.strip()]
+    lines = [line for line in layout.lines(file)[layout.skiprows :] if line.strip()]
     body = [line.strip(" ") for line in lines if not line.lstrip().startswith(("#", "%"))]
     if not body:
         raise InputError(f"{file}: holds no rows of numbers", "Export the record again.")
@@ -176,6 +196,13 @@ def _own_rows(rows: Sequence[Sequence[str]], own: Sequence[int]) -> int:
             return last
         last -= 1
     return last or len(rows)
+
+
+def _last_row(rows: Sequence[Sequence[str]], stop: int, decimal: str) -> int:
+    """Where the first line below row `stop` is none of the table, such as a mean or a remark."""
+    width = common_width(rows)
+    below = range(stop, len(rows))
+    return next((i for i in below if len(rows[i]) != width or not _is_reading(rows[i][0], decimal)), len(rows))
 
 
 def _cells(text: str, separator: str | None) -> list[str]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.recorded import recorded
 from stepid.core.samples import InputBetween, Starts
 from stepid.core.units import check_number
 from stepid.errors import InputError
@@ -24,6 +25,7 @@ FEWEST = 8  # rows
 MANY = 12  # more levels of effort than an operator steps through
 
 
+@recorded()
 def read_ecp(
     path: str | os.PathLike[str],
     *,

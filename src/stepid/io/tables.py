@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from stepid.core.experiment import Experiment
+from stepid.core.recorded import recorded
 from stepid.errors import InputError
 from stepid.io.delimited import Layout, header
 from stepid.io.side_by_side import columns_of_runs, run_name
@@ -16,6 +17,7 @@ from stepid.io.table import as_files, read_table
 T = TypeVar("T")
 
 
+@recorded()
 def read_tables(
     paths: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
     *,
@@ -31,6 +33,8 @@ def read_tables(
     delimiter: str | None = None,
     decimal: str = ".",
     skiprows: int = 0,
+    encoding: str | None = None,
+    sheet: str | None = None,
     **shared: Any,
 ) -> tuple[Experiment, ...]:
     """Read all runs of a table that holds several side by side, told apart by the names of its columns.
@@ -51,7 +55,7 @@ def read_tables(
         kg, of all runs, or by the name of the run.
     spring, damper, base : str or mapping
         Labels of all runs, or by the name of the run.
-    delimiter, decimal, skiprows
+    delimiter, decimal, skiprows, encoding, sheet
         As in `read_table`.
     **shared
         All else that `read_table` takes: ``position_scale``, ``sample_time``, ….
@@ -68,7 +72,7 @@ def read_tables(
     """
     files = as_files(paths)
     where = str(files[0])
-    layout = Layout(delimiter, decimal, skiprows, ())
+    layout = Layout(delimiter, decimal, skiprows, (), encoding, sheet)
     layout.check(where)
     stems: dict[str, object] = {"position": position, "time": time, "input": input if isinstance(input, str) else None}
     for role, stem in stems.items():
@@ -96,6 +100,8 @@ def read_tables(
             delimiter=delimiter,
             decimal=decimal,
             skiprows=skiprows,
+            encoding=encoding,
+            sheet=sheet,
             **{field: _of(given, title, titles, field, where) for field, given in by_run.items()},
             **shared,
         )
