@@ -48,6 +48,7 @@ class PowerDamping(Effect):
     seen = "neither a straight nor an exponential envelope"
     advice = "find what the cart moves through (oil, air, a brush); keep it in the model"
     reverses: ClassVar[bool] = True
+    power: ClassVar[tuple[int, int] | None] = (0, 1)
     contains = ("coulomb_friction", "quadratic_damping")  # the first as the limit p → 0
 
     def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
