@@ -38,6 +38,9 @@ CampaignFile = Annotated[
 Out = Annotated[
     Path | None, typer.Option("--out", metavar="DIR", help="Folder for report and figures.", show_default=False)
 ]
+Outside = Annotated[
+    bool, typer.Option("--allow-outside", metavar="", help="Read files outside of the manifest's folder, too.")
+]
 Json = Annotated[bool, typer.Option("--json", metavar="", help="Print JSON instead of text.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", metavar="", help="Show no progress on standard error.")]
 
@@ -131,7 +134,9 @@ def paper(out: Out = None, as_json: Json = False) -> None:
     epilog=_examples("stepid identify lab/campaign.toml --out results", "stepid identify lab/campaign.toml --json")
 )
 @_showing_a_manifest
-def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> None:
+def identify(
+    campaign: CampaignFile, out: Out = None, allow_outside: Outside = False, as_json: Json = False
+) -> None:
     """Find masses, stiffness and damping by the paper's method, and verify them against the records."""
     from stepid.core.atomic_write import staged
     from stepid.identification.identify import characterize_campaign
@@ -139,7 +144,7 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
     from stepid.report.file_names import file_names
     from stepid.report.json_values import identify_values
 
-    read = stepid.read_campaign(campaign)
+    read = stepid.read_campaign(campaign, allow_outside=allow_outside)
     parameters = stepid.identify(read)
     verified = stepid.verify(parameters, read)
     trends = stepid.find_trends(characterize_campaign(read)[0].values())
@@ -175,6 +180,7 @@ def diagnose(
     campaign: CampaignFile,
     out: Out = None,
     effort: Hard = EffortName.default,
+    allow_outside: Outside = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -186,7 +192,7 @@ def diagnose(
     from stepid.report.provenance import of_files
     from stepid.report.write import write_all
 
-    read = stepid.read_campaign(campaign)
+    read = stepid.read_campaign(campaign, allow_outside=allow_outside)
     if not (quiet or as_json):
         _console(stderr=True).print(_runs(read), markup=False)
     with _progress(lines=not (quiet or as_json), status=not quiet) as tell:
@@ -213,7 +219,7 @@ def diagnose(
             (folder / "diagnosis.txt").write_text(as_text(sections), encoding="utf-8")
             _write_json(folder / "diagnosis.json", found.to_dict())
             plot.save(plot.diagnosis(found)["gap"], folder / "diagnosis.png")
-            write_all(found, of_files(campaign), folder)
+            write_all(found, of_files(campaign, allow_outside=allow_outside), folder)
             written = sorted(out / path.name for path in folder.iterdir())
     if not as_json:
         _show((), written)

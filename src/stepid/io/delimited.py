@@ -13,7 +13,17 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.units import NO_COLUMN
 from stepid.errors import InputError
-from stepid.io.textfile import common_width, is_name, is_number, parse_numbers, read_lines
+from stepid.io.plain_table import Places, parse_plain
+from stepid.io.textfile import (
+    common_width,
+    decode,
+    is_name,
+    is_number,
+    parse_numbers,
+    read_bytes,
+    read_lines,
+    split_lines,
+)
 
 _REPAIR = (
     "Restore the line, or remove it if it holds no readings: one line of names may come first, skiprows = … leaves out "
@@ -23,6 +33,7 @@ _OTHER_MARK = {
     ".": 'Give decimal = "," if its numbers have decimal commas.',
     ",": 'Leave out decimal = "," if its numbers have decimal points.',
 }
+_HEAD = 64  # lines above which a file is large: from there on it may be read as plain numbers
 _WITH_COMMA = re.compile(r"[+-]?\d+(,\d+)?(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 
 
@@ -66,7 +77,7 @@ class Table:
 
     names: tuple[str, ...]  # empty without a header
     values: Array
-    places: Sequence[str]  # "file, line n" of each row
+    places: Places
 
     @property
     def listed(self) -> str:
@@ -97,9 +108,48 @@ def parse_table(file: Path, layout: Layout) -> Table:
         Naming file, line and column.
     """
     where = str(file)
-    lines = list(enumerate(read_lines(file), 1))[layout.skiprows :]
-    kept = [(i, text) for i, line in lines if (text := line.strip(" ")) and text.strip()]
-    body = [(i, text) for i, text in kept if not text.lstrip().startswith(("#", "%"))]
+    raw = read_bytes(file)
+    plain = _plain(raw, layout, where)
+    return _parse(split_lines(decode(raw, where)), layout, where) if plain is None else plain
+
+
+def _plain(raw: bytes, layout: Layout, where: str) -> Table | None:
+    """Parse a file of which all but the first lines are rows of plain numbers, fast; None where it is another."""
+    end = 0
+    for _ in range(layout.skiprows + _HEAD):
+        end = raw.find(b"\n", end) + 1
+        if end == 0:
+            return None
+    try:
+        lines = split_lines(decode(raw[:end], where))
+        head = _parse(lines, layout, where)
+    except InputError:  # of the whole file it says more
+        return None
+    first = layout.skiprows + _HEAD + 1
+    body = _body(lines, layout)
+    if len(lines) != first or head.places[-1] != f"{where}, line {body[-1][0]}":
+        return None
+    last = len(raw)
+    while raw[last - 1] in b" \r\n":
+        last -= 1
+    width = head.values.shape[1]
+    separator = layout.separator(body[-1][1])
+    values = parse_plain(memoryview(raw)[end:last], width=width, separator=separator, decimal=layout.decimal)
+    if values is None:
+        return None
+    rest = Places([(where, range(first, first + len(values)))])
+    return Table(head.names, np.concatenate([head.values, values]), Places([*head.places.pieces, *rest.pieces]))
+
+
+def _body(lines: Sequence[str], layout: Layout) -> list[tuple[int, str]]:
+    """Lines that are neither blank nor comments, each with its number."""
+    kept = list(enumerate(lines, 1))[layout.skiprows :]
+    texts = [(i, text) for i, line in kept if (text := line.strip(" ")) and text.strip()]
+    return [(i, text) for i, text in texts if not text.lstrip().startswith(("#", "%"))]
+
+
+def _parse(lines: Sequence[str], layout: Layout, where: str) -> Table:
+    body = _body(lines, layout)
     if not body:
         below = f" below line {layout.skiprows}" if layout.skiprows else ""
         raise InputError(f"{where}: holds no rows of numbers{below}", "Export the record again.")
@@ -139,7 +189,7 @@ def parse_table(file: Path, layout: Layout) -> Table:
         decimal=layout.decimal,
         other_mark=_OTHER_MARK[layout.decimal],
     )
-    return Table(names, values, [f"{where}, line {i}" for i in numbers])
+    return Table(names, values, Places([(where, numbers)]))
 
 
 def header(file: Path, layout: Layout) -> tuple[str, ...]:
@@ -160,7 +210,10 @@ def join_tables(tables: Sequence[Table]) -> Table:
             raise InputError(
                 f"{table.places[0]}: has other columns than {first.places[0]}", "Join files of one layout only."
             )
-    return Table(first.names, np.concatenate([t.values for t in tables]), [place for t in tables for place in t.places])
+    if len(tables) == 1:
+        return first
+    places = Places([piece for table in tables for piece in table.places.pieces])
+    return Table(first.names, np.concatenate([t.values for t in tables]), places)
 
 
 def _any_is(used: Sequence[object], index: int, name: str) -> bool:

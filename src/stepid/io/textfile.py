@@ -12,6 +12,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.errors import InputError
+from stepid.io.safe_read import LARGEST, read_regular
 
 _FOREIGN = re.compile(r"[^0-9eE+\-.]")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -38,14 +39,20 @@ def read_lines(path: Path) -> list[str]:
     stepid.errors.InputError
         If the file is missing, unreadable, empty, binary or not UTF-8.
     """
-    text = decode(read_bytes(path), str(path))
+    return split_lines(decode(read_bytes(path), str(path)))
+
+
+def split_lines(text: str) -> list[str]:
+    """Split text at CR LF, LF or CR alone."""
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
-def read_bytes(path: Path) -> bytes:
-    """Read a file whole; whatever the operating system objects to becomes an InputError."""
+def read_bytes(path: Path, *, largest: int = LARGEST) -> bytes:
+    """Read a regular file whole; whatever the operating system objects to becomes an InputError."""
     try:
-        return path.read_bytes()
+        return read_regular(path, largest=largest)
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file", "Check the path, and the folder it starts from.") from None
     except IsADirectoryError:
@@ -71,7 +78,7 @@ def decode(raw: bytes, where: str) -> str:
             f"{where}, line {line}: byte 0x{raw[start]:02x} is not UTF-8 text",
             "Save the file as UTF-8 or ASCII (it may be Latin-1), or remove the accented letters.",
         ) from None
-    if not text.strip():
+    if not text or text.isspace():
         raise InputError(f"{where}: is empty", "Export the record again.")
     return text
 

@@ -12,8 +12,9 @@ import numpy as np
 
 from stepid.core.base import Label, Model
 from stepid.diagnosis.result import Diagnosis
-from stepid.io.campaign_files import MANIFEST, READERS
+from stepid.io.campaign_files import MANIFEST, READERS, named_files
 from stepid.io.manifest import parse_manifest
+from stepid.io.safe_read import inside
 from stepid.io.textfile import as_path, decode, read_bytes
 
 _PACKAGES = ("stepid", "numpy", "scipy", "control")
@@ -54,12 +55,13 @@ class Provenance(Model):
     written: Label
 
 
-def of_files(manifest: str | os.PathLike[str]) -> Provenance:
+def of_files(manifest: str | os.PathLike[str], *, allow_outside: bool = False) -> Provenance:
     """Hash the manifest of a campaign and every file that it names.
 
     Parameters
     ----------
     manifest : path-like
+    allow_outside : bool
         As for `stepid.read_campaign`.
 
     Returns
@@ -69,17 +71,18 @@ def of_files(manifest: str | os.PathLike[str]) -> Provenance:
     Raises
     ------
     stepid.errors.InputError
-        If a file cannot be read.
+        If a file cannot be read, or lies outside of the manifest's folder.
     """
     path = as_path(manifest)
     if os.path.isdir(path):
         path = path / MANIFEST
     raw = read_bytes(path)
     _, runs = parse_manifest(decode(raw, str(path)), str(path), READERS)
-    names = [str(name) for _, run in runs for name in run.get("files", ()) or (run["file"],)]
+    names = [name for _, run in runs for name in named_files(run)]
     sources = [Source(name=path.name, sha256=hashlib.sha256(raw).hexdigest())]
     for name in dict.fromkeys(names):  # several runs may come from one table
-        sources.append(Source(name=name, sha256=hashlib.sha256(read_bytes(path.parent / name)).hexdigest()))
+        file = inside(path.parent, name, str(path), allow_outside=allow_outside)
+        sources.append(Source(name=name, sha256=hashlib.sha256(read_bytes(file)).hexdigest()))
     return _today(tuple(sources), of_files=True)
 
 
