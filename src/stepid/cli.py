@@ -134,9 +134,7 @@ def paper(out: Out = None, as_json: Json = False) -> None:
     epilog=_examples("stepid identify lab/campaign.toml --out results", "stepid identify lab/campaign.toml --json")
 )
 @_showing_a_manifest
-def identify(
-    campaign: CampaignFile, out: Out = None, allow_outside: Outside = False, as_json: Json = False
-) -> None:
+def identify(campaign: CampaignFile, out: Out = None, allow_outside: Outside = False, as_json: Json = False) -> None:
     """Find masses, stiffness and damping by the paper's method, and verify them against the records."""
     from stepid.core.atomic_write import staged
     from stepid.identification.identify import characterize_campaign

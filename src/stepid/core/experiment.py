@@ -17,6 +17,7 @@ from stepid.core.mass_offset import WEIGHT_UNCERTAINTY as WEIGHT_UNCERTAINTY
 from stepid.core.mass_offset import MassOffset as MassOffset
 from stepid.core.samples import CLOSE, InputBetween, Starts, check_samples, off_even_clock
 from stepid.core.slices import stretch
+from stepid.core.takes import described
 from stepid.core.tidy import run_fields
 from stepid.core.units import record
 from stepid.errors import InputError
@@ -293,7 +294,7 @@ class Campaign(Model):
     def __getitem__(self, name: str) -> Experiment:
         """Return the run called `name`; InputError names the runs there are."""
         for experiment in self.experiments:
-            if experiment.name == name:
+            if isinstance(name, str) and experiment.name == name:
                 return experiment
         names = ", ".join(repr(e.name) for e in self.experiments)
-        raise InputError(f"campaign {self.name!r} has no run {name!r}", f"Its runs are {names}.")
+        raise InputError(f"campaign {self.name!r} has no run {described(name)}", f"Its runs are {names}.")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepid.core.takes import described
 from stepid.errors import InputError, MissingPackageError
 
 if TYPE_CHECKING:
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
     from stepid.core.base import Array
 
+_MOST, _LETTERS = 50, 60  # columns that a message lists, and letters of each
 Row = tuple[str, float, float | None, str]
 """One parameter: name, value, standard uncertainty (None where undetermined), unit."""
 
@@ -91,13 +93,25 @@ def numbers(frame: Any, column: str, *, field: str) -> Array:
 
 def column_of(frame: Any, column: str, *, field: str) -> Any:
     """Return a column; InputError names it and the columns there are."""
+    if isinstance(frame, str | bytes | type) or not (hasattr(frame, "__getitem__") and hasattr(frame, "__iter__")):
+        raise InputError(f"a data frame is needed, not {described(frame)}", "Give one, or a mapping of columns.")
     try:
-        return frame[column]
-    except (KeyError, IndexError, ValueError):
+        values = frame[column]
+    except (KeyError, IndexError, ValueError, TypeError):
         raise InputError(
-            f"the data frame has no column {column!r} for {field}",
-            f"Name the column with {field}=…; there are: {', '.join(map(str, frame))}.",
+            f"the data frame has no column {described(column)} for {field}",
+            f"Name the column with {field}=…; there are: {_columns(frame)}.",
         ) from None
+    if isinstance(values, np.ma.MaskedArray):
+        raise InputError(f"column {described(column)} for {field} is a masked array", "Leave out what is masked.")
+    return values
+
+
+def _columns(frame: Any) -> str:
+    try:
+        return ", ".join(str(name)[:_LETTERS] for name, _ in zip(frame, range(_MOST), strict=False))
+    except TypeError:  # an array without dimension
+        return "none"
 
 
 def split_runs(frame: Any, column: str) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from stepid.core.frames import constant, split_runs
+from stepid.core.takes import described
 from stepid.core.units import record
 from stepid.errors import InputError
 
@@ -14,6 +15,8 @@ _OPTIONAL = ("base", "counts_per_meter", "input_before", "input_between", "start
 
 def run_fields(frame: Any, scales: Mapping[str, float], where: str) -> list[dict[str, Any]]:
     """Fields of the experiment of every run; see `stepid.Campaign.from_dataframe`."""
+    if isinstance(frame, str | bytes | type) or not (hasattr(frame, "__contains__") and hasattr(frame, "__iter__")):
+        raise InputError(f"{where}: a data frame is needed, not {described(frame)}", "Give one row a sample.")
     fields = ["added_mass", "spring", "damper"]
     needed = ["run", "time", "position", "input", *fields]
     if missing := [field for field in needed if field not in frame]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.frames import numbers
+from stepid.core.takes import described
 from stepid.errors import InputError
 
 FARTHEST = 100.0  # m; no teaching plant travels so far, but counts taken for meters do
@@ -64,7 +65,7 @@ def check_number(label: str, value: object, where: str) -> None:
     except OverflowError:  # an integer beyond all floats
         good = False
     if not good:
-        raise InputError(f"{where}: {label} is {value!r}", "Give a finite number.")
+        raise InputError(f"{where}: {label} is {described(value)}", "Give a finite number.")
 
 
 def check_scales(columns: Mapping[str, object], scales: Mapping[str, float], where: str) -> None:

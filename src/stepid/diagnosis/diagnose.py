@@ -7,6 +7,7 @@ from concurrent.futures import Executor
 from functools import partial
 from typing import NamedTuple
 
+from stepid.core.takes import a, able, each, optional, takes
 from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.experiment import Campaign
 from stepid.diagnosis.answer import report
@@ -19,7 +20,7 @@ from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.verdict import judge
 from stepid.diagnosis.wording import length
-from stepid.effects import CATALOGUE, Effect, among_themselves
+from stepid.effects import CATALOGUE, Effect, a_catalogue, among_themselves
 from stepid.errors import UndeterminedError
 from stepid.fitting.eccentricity import find_eccentricity
 from stepid.fitting.fit import prepare
@@ -38,6 +39,14 @@ def _silent(_: Progress) -> None:
     return None
 
 
+_how = {
+    "catalogue": a_catalogue,
+    "criteria": optional(a(Criteria, "stepid.Criteria(…)")),
+    "effort": optional(a(Effort, "stepid.Effort(), Effort.quick() or Effort.thorough()")),
+}
+
+
+@takes(**_how, progress=optional(able("__call__", "a function that takes a stepid.Progress")))
 @single_threaded
 def diagnose(
     campaign: Campaign,
@@ -136,6 +145,11 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
     return report(campaign, evidence, judge(evidence))
 
 
+@takes(
+    **_how,
+    campaigns=each(as_campaign, "campaigns in a list"),
+    executor=optional(able("map", "an executor of concurrent.futures")),
+)
 def diagnose_many(
     campaigns: Iterable[Campaign],
     *,

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from stepid.core.arguments import as_experiment
 from stepid.core.experiment import Experiment
+from stepid.core.takes import takes
 from stepid.errors import IdentificationError
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
 from stepid.identification.free_response import release_characteristics
-from stepid.identification.peak import InterpolatedPeak, Peak, SampledPeak
+from stepid.identification.peak import InterpolatedPeak, Peak, SampledPeak, a_peak
 from stepid.identification.second_order import (
     damped_frequency,
     damping_ratio,
@@ -38,6 +39,7 @@ __all__ = [
 ]
 
 
+@takes(peak=a_peak)
 def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Characteristics:
     """Read the characteristics of the first step of a record, or of a hand release where there is no input.
 
@@ -72,6 +74,7 @@ def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Charact
     return step_characteristics(experiment, find_steps(experiment)[0], peak=how)
 
 
+@takes(peak=a_peak)
 def characterize_each(
     experiment: Experiment, *, peak: Peak | None = None
 ) -> tuple[Characteristics | IdentificationError, ...]:
@@ -105,6 +108,7 @@ def characterize_each(
     return tuple(found)
 
 
+@takes(peak=a_peak)
 def characterize_all(experiment: Experiment, *, peak: Peak | None = None) -> tuple[Characteristics, ...]:
     """Read the characteristics of every step of a record: up, back, and any more.
 

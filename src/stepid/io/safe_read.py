@@ -10,6 +10,8 @@ from stepid.errors import InputError
 
 LARGEST = 500_000_000
 """Bytes of a file. Ten million rows of three short numbers; 20 GB would fill the memory before anything is said."""
+LARGEST_NOTE = 20_000_000
+"""Bytes of a file that holds no record."""
 LONGEST_LINE = 1_000_000
 """Bytes of a line. A table of 1,000 runs side by side has lines of 50,000."""
 _PIECE = 1 << 20  # bytes read at once
@@ -79,9 +81,10 @@ def _pieces(path: Path, file: object, largest: int) -> bytes:
 
 
 def _too_large(path: Path, largest: int, size: str) -> InputError:
+    split = "Split a table into several files, which a run may join; leave out columns, or export fewer samples."
     return InputError(
-        f"{path}: holds {size}; files of up to {largest / 1e6:,.0f} MB are read",
-        "Split a table into several files, which a run may join; leave out columns, or export fewer samples.",
+        f"{path}: holds {size}; files of up to {largest / 1e6:,.0f} MB are read here",
+        split if largest >= LARGEST else "Check that it is the file that you mean.",
     )
 
 
@@ -101,7 +104,10 @@ def inside(folder: Path, name: str, who: str, *, allow_outside: bool) -> Path:
     path = folder / name
     if allow_outside:
         return path
-    remedy = "Put the file beside the manifest, or allow it: --allow-outside, in Python read_campaign(…, allow_outside=True)."
+    remedy = (
+        "Put the file beside the manifest, or allow it: --allow-outside on the command line, "
+        "read_campaign(…, allow_outside=True) in Python."
+    )
     if os.path.isabs(name) or Path(name).anchor:
         raise InputError(f"{who}: the file {name!r} is an absolute path", remedy)
     if ".." in Path(name).parts:

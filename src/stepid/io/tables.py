@@ -6,6 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
+from stepid.core.takes import each, taken, text
 from stepid.core.experiment import Experiment
 from stepid.errors import InputError
 from stepid.io.delimited import Layout, header
@@ -74,6 +75,8 @@ def read_tables(
     for role, stem in stems.items():
         if stem is not None and (not isinstance(stem, str) or not stem.strip()):
             raise InputError(f"{where}: {role} is {stem!r}", 'Give what the columns have in common: "x" for x1, x2, ….')
+    if runs is not None:
+        runs = taken("read_tables", "runs", runs, each(text(), 'names of runs, as ("1", "2")', least=1))
     names = header(files[0], layout)
     if not names:
         raise InputError(

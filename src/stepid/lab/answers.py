@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive
 from stepid.core.tables import html_table, text_table
+from stepid.core.takes import a
 from stepid.errors import InputError
 from stepid.lab.hashes import answer_digest
 
@@ -117,3 +118,7 @@ class Answers(Model):
 
     def _repr_html_(self) -> str:
         return html_table(_HEADER, self._rows(), title=_TITLE)
+
+
+an_answer = a(Answer, "an Answer: answers[group] of stepid.lab.open_answers")
+"""Check of an argument `answer`."""

@@ -13,10 +13,12 @@ from pydantic import model_validator
 from stepid.core.atomic_write import staged
 from stepid.core.base import Model
 from stepid.core.experiment import Campaign
+from stepid.core.takes import takes
 from stepid.errors import InputError
 from stepid.io.campaign_files import read_campaign, write_campaign
+from stepid.io.safe_read import LARGEST_NOTE
 from stepid.io.textfile import as_path, decode, read_bytes
-from stepid.lab.answers import Answer, Answers
+from stepid.lab.answers import Answer, Answers, an_answer
 from stepid.lab.hashes import digest
 from stepid.lab.seal import seal, unseal
 
@@ -133,9 +135,12 @@ def open_answers(path: str | os.PathLike[str], *, passphrase: str) -> Answers:
     file = as_path(path)
     if os.path.isdir(file):
         file = file / SEALED
-    return Answers.model_validate_json(unseal(read_bytes(file), passphrase=passphrase, where=str(file)))
+    return Answers.model_validate_json(
+        unseal(read_bytes(file, largest=LARGEST_NOTE), passphrase=passphrase, where=str(file))
+    )
 
 
+@takes(answer=an_answer)
 def confirm(answer: Answer, folder: str | os.PathLike[str]) -> None:
     """Show that an answer is the one that a group's folder was handed out with.
 
@@ -153,7 +158,7 @@ def confirm(answer: Answer, folder: str | os.PathLike[str]) -> None:
     """
     where = as_path(folder)
     note = where / COMMITMENT
-    found = re.search(r"^[0-9a-f]{64}$", decode(read_bytes(note), str(note)), re.MULTILINE)
+    found = re.search(r"^[0-9a-f]{64}$", decode(read_bytes(note, largest=LARGEST_NOTE), str(note)), re.MULTILINE)
     if found is None:
         raise InputError(f"{note}: holds no SHA-256", "Take the file as it was handed out.")
     if found[0] != answer.commitment:

@@ -10,10 +10,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from stepid.core.takes import a, optional, takes
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
 from stepid.core.noise import rms
-from stepid.effects import CATALOGUE, Effect
+from stepid.effects import CATALOGUE, Effect, a_catalogue
 from stepid.errors import InputError
 from stepid.fitting.covariance import estimates
 from stepid.fitting.levenberg_marquardt import Optimum
@@ -29,10 +30,14 @@ from stepid.simulation.records import lay_out
 from stepid.simulation.simulate import pack
 
 _NAME = re.compile(r"\w(?:[\w .+-]{0,38}\w)?")  # of a group: also a folder's
+_choice = a(
+    (Draw, Sequence, Mapping), 'a Draw, effects in a sequence as ("coulomb_friction",), or a mapping of group to those'
+)
 _UNITS = ("kg", "N/m", "N·s/m", "N/V")
 _ZERO = 50  # counts by which a record's zero may be off
 
 
+@takes(catalogue=a_catalogue, rig=optional(a(Rig, "stepid.lab.Rig(…)")), effects=optional(_choice))
 def make(
     *,
     seed: int | str,

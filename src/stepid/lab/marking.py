@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from difflib import get_close_matches
 
+from stepid.core.takes import takes
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import InputError
-from stepid.lab.answers import Answer, in_words
+from stepid.lab.answers import Answer, an_answer, in_words
 from stepid.lab.checks import Check, Naming, ParameterCheck
-from stepid.lab.submission import Submission
+from stepid.lab.submission import Submission, a_submission
 
 _REACH = 3.0  # attainable standard uncertainties within which a value is close
 
 
+@takes(answer=an_answer, submission=a_submission)
 def check(
     answer: Answer, submission: Submission, *, tolerance: float = 0.05, catalogue: tuple[Effect, ...] = CATALOGUE
 ) -> Check:
