@@ -23,6 +23,7 @@ import matplotlib.pyplot as plt
 
 import stepid
 from stepid import lab, plot
+from stepid.core.takes import described
 from stepid.effects import resolve
 from stepid.errors import StepidError
 
@@ -60,7 +61,7 @@ def wrong_values(own: Any) -> list[Any]:
         "../x", b"x", (), [], {}, [None], ["x"], (1, 2), {"a": 1}, {"case 1": None}, set(), frozenset({1}), object(),
         type, int, len, lambda: 1, iter(()), np.array(1.0), np.zeros(300), np.full(300, np.nan), np.zeros((3, 3)), masked,
         np.array(["a"]), np.float32(1), np.int64(-3), Path("nowhere"), stepid.WeightedLeastSquares,
-        stepid.InterpolatedPeak, stepid.StepInput(level=1.0), slice(3), range(3), ValueError("x"), own,
+        stepid.InterpolatedPeak, stepid.StepInput(level=1.0), slice(3), range(3), ValueError("x"), 10**5000, own,
     ]  # fmt: skip
 
 
@@ -190,7 +191,7 @@ def attack(folder: Path, count: int, seed: int, *, only: str = "") -> tuple[Coun
     foreign = []
     for function, arguments, name, i in chosen:
         value = wrong_values(arguments[name])[i]
-        who = f"{getattr(function, '__qualname__', function)}({name}={str(value)[:40]!r} {type(value).__name__})"
+        who = f"{getattr(function, '__qualname__', function)}({name}={described(value)})"
         began = time.process_time()
         by_place = function.__name__ in ("__getitem__",)
         try:

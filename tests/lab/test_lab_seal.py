@@ -25,7 +25,7 @@ RIG = lab.Rig(
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    made = lab.make(seed=1, groups=("A", "B"), effects=(), rig=RIG)
+    made = lab.make(seed="a sentence for tests", groups=("A", "B"), effects=(), rig=RIG)
     return made.write(tmp_path / "class", passphrase=PASSPHRASE).parent
 
 
@@ -136,7 +136,7 @@ def test_the_commitment_is_to_the_records_too(folder, tmp_path):
 
 
 def test_opened_answers_speak():
-    answers = lab.make(seed=1, groups=("A", "B"), effects=(), rig=RIG).answers
+    answers = lab.make(seed="a sentence for tests", groups=("A", "B"), effects=(), rig=RIG).answers
     text = answers.summary()
     assert "nothing" in text
     assert f"base_mass = {answers['B'].parameters['base_mass']:.4g} kg" in text

@@ -168,7 +168,7 @@ class Experiment(Model):
         """
         columns = {"time": time, "position": position, "input": input}
         scales = {"time": time_scale, "position": position_scale, "input": input_scale}
-        arrays: dict[str, Any] = record(frame, columns, scales, f"run {name!r}")
+        arrays: dict[str, Any] = record(frame, columns, scales, f"run {described(name)}")
         return cls(
             **arrays,
             name=name,
@@ -275,7 +275,7 @@ class Campaign(Model):
             If a column is missing or not numeric, or what belongs to a whole run changes within it.
         """
         scales = {"time": time_scale, "position": position_scale, "input": input_scale}
-        runs = [Experiment(**fields) for fields in run_fields(frame, scales, f"campaign {name!r}")]
+        runs = [Experiment(**fields) for fields in run_fields(frame, scales, f"campaign {described(name)}")]
         return cls(name=name, experiments=tuple(runs), weight_uncertainty=weight_uncertainty)
 
     def to_dataframe(self) -> DataFrame:

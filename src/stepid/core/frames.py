@@ -93,25 +93,25 @@ def numbers(frame: Any, column: str, *, field: str) -> Array:
 
 def column_of(frame: Any, column: str, *, field: str) -> Any:
     """Return a column; InputError names it and the columns there are."""
-    if isinstance(frame, str | bytes | type) or not (hasattr(frame, "__getitem__") and hasattr(frame, "__iter__")):
-        raise InputError(f"a data frame is needed, not {described(frame)}", "Give one, or a mapping of columns.")
+    names = column_names(frame)
     try:
         values = frame[column]
     except (KeyError, IndexError, ValueError, TypeError):
+        there = ", ".join(name[:_LETTERS] for name in names[:_MOST]) or "none"
         raise InputError(
             f"the data frame has no column {described(column)} for {field}",
-            f"Name the column with {field}=…; there are: {_columns(frame)}.",
+            f"Name the column with {field}=…; there are: {there}.",
         ) from None
     if isinstance(values, np.ma.MaskedArray):
         raise InputError(f"column {described(column)} for {field} is a masked array", "Leave out what is masked.")
     return values
 
 
-def _columns(frame: Any) -> str:
-    try:
-        return ", ".join(str(name)[:_LETTERS] for name, _ in zip(frame, range(_MOST), strict=False))
-    except TypeError:  # an array without dimension
-        return "none"
+def column_names(frame: Any) -> tuple[str, ...]:
+    """Names of the columns of a data frame, or of anything indexed by them; InputError where it is none."""
+    if hasattr(frame, "keys") or (hasattr(frame, "__getitem__") and hasattr(frame, "columns")):
+        return tuple(map(str, frame))
+    raise InputError(f"a data frame is needed, not {described(frame)}", "Give one, or a mapping of columns.")
 
 
 def split_runs(frame: Any, column: str) -> dict[str, Any]:

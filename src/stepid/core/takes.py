@@ -15,6 +15,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 Check = Callable[[Any], Any]
 """Returns the value that the function gets, or raises `WantedError`."""
+_FEW = 8  # items of a value in a message
 _SHOWN = 60  # letters of a value in a message
 
 
@@ -60,7 +61,8 @@ def described(value: object) -> str:
     """What a value is, in a few words."""
     if isinstance(value, type):
         return f"the class {value.__name__}"
-    if value is None or isinstance(value, str | bytes | bool | int | float | complex):
+    several = isinstance(value, list | tuple | dict) and len(value) <= _FEW
+    if several or value is None or isinstance(value, str | bytes | bool | int | float | complex):
         try:
             text = repr(value)
         except ValueError:  # Python writes no numbers of more than 4,300 digits
@@ -87,6 +89,23 @@ def able(method: str, words: str) -> Check:
     def check(value: object) -> object:
         if isinstance(value, type) or not callable(getattr(value, method, None)):
             raise WantedError(words)
+        return value
+
+    return check
+
+
+def caller(words: str) -> Check:
+    """Check of a function that can be called with one argument."""
+
+    def check(value: object) -> object:
+        if not callable(value):
+            raise WantedError(words)
+        try:
+            inspect.signature(value).bind(None)
+        except TypeError:
+            raise WantedError(words) from None
+        except ValueError:  # some functions written in C do not say what they take
+            pass
         return value
 
     return check
@@ -126,7 +145,12 @@ def number(words: str = "a finite number", *, above: float = -math.inf) -> Check
 
     def check(value: object) -> object:
         try:
-            good = not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value) and value > above
+            good = (
+                not isinstance(value, bool)
+                and isinstance(value, Real)
+                and math.isfinite(value)
+                and float(value) > above
+            )
         except (OverflowError, TypeError):  # an integer beyond all floats
             good = False
         if not good:
@@ -140,7 +164,7 @@ def count(words: str = "a whole number, 1 or more", *, most: int = 10**6) -> Che
     """Check of a whole number from 1 to `most`."""
 
     def check(value: object) -> int:
-        if isinstance(value, bool) or not isinstance(value, Integral) or not 1 <= value <= most:
+        if isinstance(value, bool) or not isinstance(value, Integral) or not 1 <= int(value) <= most:
             raise WantedError(words)
         return int(value)
 

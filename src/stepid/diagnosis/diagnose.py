@@ -7,9 +7,9 @@ from concurrent.futures import Executor
 from functools import partial
 from typing import NamedTuple
 
-from stepid.core.takes import a, able, each, optional, takes
 from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.experiment import Campaign
+from stepid.core.takes import a, able, caller, each, optional, takes
 from stepid.diagnosis.answer import report
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
@@ -46,7 +46,7 @@ _how = {
 }
 
 
-@takes(**_how, progress=optional(able("__call__", "a function that takes a stepid.Progress")))
+@takes(**_how, progress=optional(caller("a function that takes one argument, a stepid.Progress")))
 @single_threaded
 def diagnose(
     campaign: Campaign,

@@ -11,6 +11,7 @@ from typing import Any
 from stepid.core.arguments import as_campaign
 from stepid.core.atomic_write import staged
 from stepid.core.experiment import WEIGHT_UNCERTAINTY, Campaign, Experiment
+from stepid.core.takes import described
 from stepid.errors import InputError
 from stepid.io.ecp_write import render_export
 from stepid.io.manifest import parse_manifest, render_manifest
@@ -63,7 +64,7 @@ def read_campaign(path: str | os.PathLike[str], *, allow_outside: bool = False) 
     if os.path.isdir(manifest):  # pathlib's is_dir raises on names that the system refuses
         manifest = manifest / MANIFEST
     if not isinstance(allow_outside, bool):
-        raise InputError(f"allow_outside is {allow_outside!r}", "Give True or False.")
+        raise InputError(f"allow_outside is {described(allow_outside)}", "Give True or False.")
     where = str(manifest)
     keys, runs = parse_manifest(decode(read_bytes(manifest, largest=LARGEST_MANIFEST), where), where, READERS)
     experiments = tuple(_read_run(kind, run, manifest, allow_outside=allow_outside) for kind, run in runs)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.takes import described
 from stepid.core.units import NO_COLUMN
 from stepid.errors import InputError
 from stepid.io.plain_table import Places, parse_plain
@@ -53,13 +54,17 @@ class Layout:
     def check(self, where: str) -> None:
         """Refuse a layout that cannot be; InputError names the argument."""
         if self.delimiter is not None and (not isinstance(self.delimiter, str) or not self.delimiter):
-            raise InputError(f"{where}: delimiter is {self.delimiter!r}", "Give the text that separates columns.")
-        if self.decimal not in (".", ","):
-            raise InputError(f"{where}: decimal is {self.decimal!r}", 'Give "." or ",".')
+            raise InputError(
+                f"{where}: delimiter is {described(self.delimiter)}", "Give the text that separates columns."
+            )
+        if not isinstance(self.decimal, str) or self.decimal not in (".", ","):
+            raise InputError(f"{where}: decimal is {described(self.decimal)}", 'Give "." or ",".')
         if self.decimal == self.delimiter:
             raise InputError(f"{where}: delimiter and decimal are both {self.decimal!r}", "Correct one of them.")
         if type(self.skiprows) is not int or self.skiprows < 0:
-            raise InputError(f"{where}: skiprows is {self.skiprows!r}", "Give the number of lines above the header.")
+            raise InputError(
+                f"{where}: skiprows is {described(self.skiprows)}", "Give the number of lines above the header."
+            )
 
     def separator(self, text: str) -> str | None:
         """Return what separates the columns of a line, None for blanks."""
@@ -94,7 +99,7 @@ class Table:
             index = which
         else:
             remedy = f"Correct {role}=…{', or give ' + NO_COLUMN if role == 'input' else ''}."
-            raise InputError(f"{where}: has no column {which!r} for {role} ({self.listed})", remedy)
+            raise InputError(f"{where}: has no column {described(which)} for {role} ({self.listed})", remedy)
         values: Array = self.values[:, index]
         return values
 

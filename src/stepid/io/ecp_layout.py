@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepid.core.takes import described
 from stepid.core.base import Array
+from stepid.core.takes import described
 from stepid.errors import InputError
 from stepid.io.textfile import common_width, is_number, parse_numbers
 

@@ -6,8 +6,8 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
-from stepid.core.takes import each, taken, text
 from stepid.core.experiment import Experiment
+from stepid.core.takes import described, each, taken, text
 from stepid.errors import InputError
 from stepid.io.delimited import Layout, header
 from stepid.io.side_by_side import columns_of_runs, run_name
@@ -71,6 +71,8 @@ def read_tables(
     where = str(files[0])
     layout = Layout(delimiter, decimal, skiprows, ())
     layout.check(where)
+    if not isinstance(position, str):
+        raise InputError(f"{where}: position is {described(position)}", 'Give what the columns have in common: "x".')
     stems: dict[str, object] = {"position": position, "time": time, "input": input if isinstance(input, str) else None}
     for role, stem in stems.items():
         if stem is not None and (not isinstance(stem, str) or not stem.strip()):

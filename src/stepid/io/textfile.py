@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.takes import described
 from stepid.errors import InputError
 from stepid.io.safe_read import LARGEST, read_regular
 
@@ -24,10 +25,12 @@ _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)|-?1\.#\w+", re.IGNORECASE)
 def as_path(path: object) -> Path:
     """Return `path` as a `Path`; InputError where it is neither text nor path-like."""
     if not isinstance(path, str | os.PathLike):
-        raise InputError(f"{path!r} is not a path", "Give the file's path as text or pathlib.Path.")
+        raise InputError(f"{described(path)} is not a path", "Give the file's path as text or pathlib.Path.")
     spelled = os.fspath(path)
     if not isinstance(spelled, str) or not spelled:
         raise InputError(f"{path!r} is not a path", "Give the file's path as text or pathlib.Path.")
+    if "\0" in spelled:
+        raise InputError(f"{path!r} cannot be read or written: it holds a zero byte", "Correct the path.")
     return Path(spelled)
 
 

@@ -23,7 +23,14 @@ from stepid.lab.hashes import digest
 from stepid.lab.seal import seal, unseal
 
 SEALED, COMMITMENT = "answers.sealed", "commitment.txt"
+_SAFE = 12  # letters or digits of a seed: to try 10^12 numbers takes a core more than a year
+LONG_ENOUGH = f"Take a sentence that nobody else knows, or a number nobody has seen, of {_SAFE} characters or more."
 _PADDED = 8192  # bytes a group: more than any answer, so that the sealed file's length tells nothing
+
+
+def guessable(seed: int | str) -> bool:
+    """Tell whether a program that tries all seeds would soon come to this one."""
+    return len(str(seed)) < _SAFE
 
 
 class Assignment(Model):
@@ -81,11 +88,13 @@ class Assignment(Model):
         Raises
         ------
         stepid.errors.InputError
-            If the folder exists or cannot be written, or the passphrase is too short.
+            If the folder exists or cannot be written, the passphrase is too short, or so is the seed.
         """
         target = as_path(folder)
         if os.path.lexists(target):
             raise InputError(f"{target}: exists already", "Choose a new folder, or move it away.")
+        if guessable(self.answers.seed):
+            raise InputError(f"seed {self.answers.seed!r} can be guessed, and with it all answers", LONG_ENOUGH)
         sealed = seal(self.answers.model_dump_json(), passphrase=passphrase, padded=_PADDED * max(len(self.groups), 1))
         with staged(target.parent) as scratch:
             whole = scratch / target.name

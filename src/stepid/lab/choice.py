@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated
 
 import numpy as np
-from stepid.core.takes import described
 from pydantic import Field
 
 from stepid.core.base import Model
+from stepid.core.takes import described
 from stepid.effects import Effect, resolve
 from stepid.errors import InputError
 from stepid.simulation.model import EffectModel

@@ -6,11 +6,11 @@ import math
 from typing import Annotated, NamedTuple, Self
 
 import numpy as np
-from stepid.core.takes import number, taken
 from pydantic import Field, model_validator
 
 from stepid.core.base import Array, Finite, Label, Model, NonNegative, Positive
 from stepid.core.experiment import Experiment
+from stepid.core.takes import number, taken
 from stepid.identification.second_order import overshoot_of
 
 _FEWEST = 20  # samples before and after the step back

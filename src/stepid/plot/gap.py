@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 
-from stepid.core.takes import a, number, optional, takes
+from stepid.core.takes import a, described, number, optional, takes
 from stepid.diagnosis.result import Diagnosis, RunGap
 from stepid.diagnosis.wording import length
 from stepid.errors import InputError
@@ -21,10 +21,10 @@ a_diagnosis = a(Diagnosis, "a Diagnosis, as stepid.diagnose returns it")
 
 def _run(d: Diagnosis, name: str) -> RunGap:
     for run in d.runs:
-        if run.name == name:
+        if isinstance(name, str) and run.name == name:
             return run
     raise InputError(
-        f"the diagnosis of {d.campaign!r} has no run {name!r}",
+        f"the diagnosis of {d.campaign!r} has no run {described(name)}",
         f"Its runs are {', '.join(repr(run.name) for run in d.runs)}.",
     )
 

@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from stepid.core.arguments import as_experiment
 from stepid.core.base import Array
-from stepid.core.takes import able, described, takes
 from stepid.core.experiment import Experiment
 from stepid.core.samples import InputBetween, Starts
+from stepid.core.takes import able, described, takes
 from stepid.errors import InputError
 
 if TYPE_CHECKING:

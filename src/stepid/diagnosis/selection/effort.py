@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from stepid.core.takes import number, taken
 from pydantic import Field
 
 from stepid.core.base import Model
+from stepid.core.takes import number, taken
 
 Count = Annotated[int, Field(ge=1)]
 Share = Annotated[float, Field(gt=0, le=1)]
