@@ -61,7 +61,7 @@ class Layout:
             raise InputError(f"{where}: decimal is {described(self.decimal)}", 'Give "." or ",".')
         if self.decimal == self.delimiter:
             raise InputError(f"{where}: delimiter and decimal are both {self.decimal!r}", "Correct one of them.")
-        if type(self.skiprows) is not int or self.skiprows < 0:
+        if type(self.skiprows) is not int or not 0 <= self.skiprows < 10**9:
             raise InputError(
                 f"{where}: skiprows is {described(self.skiprows)}", "Give the number of lines above the header."
             )

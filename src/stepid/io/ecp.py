@@ -185,7 +185,7 @@ def export_experiment(
 def _encoder(export: Export, encoder: object, where: str) -> str:
     there = [name for name in export.columns if name.startswith("Encoder ")]
     listed = ", ".join(there) or "none"
-    if isinstance(encoder, bool) or not isinstance(encoder, Integral) or encoder < 1:
+    if isinstance(encoder, bool) or not isinstance(encoder, Integral) or not 1 <= encoder < 10**9:
         raise InputError(
             f"{where}: encoder is {described(encoder)}", f"Give the number of an encoder; the file has {listed}."
         )

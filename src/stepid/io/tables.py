@@ -76,7 +76,9 @@ def read_tables(
     stems: dict[str, object] = {"position": position, "time": time, "input": input if isinstance(input, str) else None}
     for role, stem in stems.items():
         if stem is not None and (not isinstance(stem, str) or not stem.strip()):
-            raise InputError(f"{where}: {role} is {stem!r}", 'Give what the columns have in common: "x" for x1, x2, ….')
+            raise InputError(
+                f"{where}: {role} is {described(stem)}", 'Give what the columns have in common: "x" for x1, x2, ….'
+            )
     if runs is not None:
         runs = taken("read_tables", "runs", runs, each(text(), 'names of runs, as ("1", "2")', least=1))
     names = header(files[0], layout)
