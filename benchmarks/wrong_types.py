@@ -87,6 +87,7 @@ def wrong_values(own: Any) -> list[Any]:
 
 def calls(folder: Path) -> list[Call]:
     """Each public function with arguments that are right."""
+    folder.mkdir(exist_ok=True)
     m = made(folder)
     return [*of_models(m), *of_methods(m), *of_readers(m), *of_bridges(m), *of_classes(m), *of_pictures(m)]
 

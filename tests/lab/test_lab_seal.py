@@ -146,3 +146,14 @@ def test_opened_answers_speak():
     with pytest.raises(InputError, match="no answer for group 'C'"):
         answers["C"]
     assert stepid.lab.Answers.model_validate_json(answers.model_dump_json()) == answers
+
+
+def test_seeds_that_can_be_guessed_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"seed 'autumn' can be guessed. Take a sentence .* 12 characters"):
+        lab.make(seed="autumn", groups=("A",))
+    with pytest.raises(InputError, match=r"a number of thousands of digits. Give a whole number of up to 1000 digits"):
+        lab.make(seed=10**5000, groups=("A",))
+    tried = lab.make(seed=1, groups=("A",), effects=(), rig=RIG)  # to try things out
+    with pytest.raises(InputError, match="seed 1 can be guessed, and with it all answers"):
+        tried.write(tmp_path / "class", passphrase=PASSPHRASE)
+    assert not (tmp_path / "class").exists()

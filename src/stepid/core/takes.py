@@ -15,6 +15,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 Check = Callable[[Any], Any]
 """Returns the value that the function gets, or raises `WantedError`."""
+_PLAIN = (str, bytes, bool, int, float, complex, type(None))
 _FEW = 8  # items of a value in a message
 _SHOWN = 60  # letters of a value in a message
 
@@ -61,8 +62,10 @@ def described(value: object) -> str:
     """What a value is, in a few words."""
     if isinstance(value, type):
         return f"the class {value.__name__}"
-    several = isinstance(value, list | tuple | dict) and len(value) <= _FEW
-    if several or value is None or isinstance(value, str | bytes | bool | int | float | complex):
+    several = (
+        isinstance(value, list | tuple | dict) and len(value) <= _FEW and all(isinstance(v, _PLAIN) for v in value)
+    )
+    if several or isinstance(value, _PLAIN):
         try:
             text = repr(value)
         except ValueError:  # Python writes no numbers of more than 4,300 digits
