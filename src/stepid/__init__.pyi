@@ -41,6 +41,7 @@ from .io.ecp import read_ecp as read_ecp
 from .io.step_input import StepInput as StepInput
 from .io.table import read_table as read_table
 from .io.tables import read_tables as read_tables
+from .saved import load as load
 from .simulation.model import EffectModel as EffectModel
 from .simulation.model import PlantModel as PlantModel
 from .simulation.model import RunState as RunState

@@ -187,7 +187,7 @@ def diagnose(
     from stepid.diagnosis.progress import stage_line
     from stepid.report import as_text, diagnosis_report
     from stepid.report.json_values import diagnosis_values
-    from stepid.report.provenance import of_files
+    from stepid.report.provenance import of_campaign
     from stepid.report.write import write_all
 
     read = stepid.read_campaign(campaign, allow_outside=allow_outside)
@@ -217,7 +217,7 @@ def diagnose(
             (folder / "diagnosis.txt").write_text(as_text(sections), encoding="utf-8")
             _write_json(folder / "diagnosis.json", found.to_dict())
             plot.save(plot.diagnosis(found)["gap"], folder / "diagnosis.png")
-            write_all(found, of_files(campaign, allow_outside=allow_outside), folder)
+            write_all(found, of_campaign(read), folder)
             written = sorted(out / path.name for path in folder.iterdir())
     if not as_json:
         _show((), written)

@@ -11,6 +11,7 @@ import numpy as np
 import diagnosis_example as example
 import stepid
 from diagnosis_example import changed
+from stepid.core.provenance import made_now
 from stepid.diagnosis.result import RunGap
 from stepid.report import provenance, story
 from stepid.report.story import tell
@@ -37,11 +38,13 @@ def test_thinning_keeps_the_extremes_and_is_said() -> None:
 
 def test_hashes_are_those_of_the_files(tmp_path: Path) -> None:
     manifest = stepid.write_campaign(example.campaign(), tmp_path / "lab")
+    d = changed(example.named())
     for given in (manifest, manifest.parent):
-        found = provenance.of_files(given)
-        files = sorted(manifest.parent.iterdir())
-        assert {s.name for s in found.sources} == {f.name for f in files}
-        assert {s.sha256 for s in found.sources} == {hashlib.sha256(f.read_bytes()).hexdigest() for f in files}
+        files = {f.name: hashlib.sha256(f.read_bytes()).hexdigest() for f in sorted(manifest.parent.iterdir())}
+        read = stepid.read_campaign(given)
+        found = provenance.of_diagnosis(d._bearing(made_now("diagnose", data=[read])))
+        assert {s.name: s.sha256 for s in found.sources} == files
+        assert found.of_files
     assert dict(found.versions)["stepid"] == stepid.__version__
     assert {"Python", "numpy", "scipy", "control"} < dict(found.versions).keys()
 

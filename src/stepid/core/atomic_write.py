@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import os
-import shutil
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
+from stepid.core.folder_lock import locked
+from stepid.core.journal import clear, make_scratch, move_all, settle, settle_locked
 from stepid.errors import InputError
 
 
 @contextmanager
 def staged(out: Path) -> Iterator[Path]:
-    """Offer an empty folder beside `out`, and move what is in it into `out` only if nothing went wrong.
+    """Offer an empty folder inside `out`, and move what is in it into `out` only if nothing went wrong.
 
-    Where moving fails halfway, what was moved is taken back and what it replaced is restored.
+    Where moving fails halfway, what was moved is taken back and what it replaced is restored. Every file is whole at
+    any moment; what a killed process left in `out` is completed or taken back first, and cleared away.
 
     Parameters
     ----------
@@ -42,37 +43,44 @@ def staged(out: Path) -> Iterator[Path]:
         raise _refused(out, error) from None
     if blocked:
         raise InputError(f"{out} is a file, not a folder", "Name a folder, on the command line with --out.")
-    anchor = next(p for p in (out, *out.absolute().parents) if p.is_dir())  # on the file system of `out`
-    try:
-        with TemporaryDirectory(dir=anchor, prefix=".stepid-") as scratch:
-            new, replaced = Path(scratch, "new"), Path(scratch, "replaced")
-            new.mkdir()
-            replaced.mkdir()
-            yield new
-            _move(new, out, replaced)
-    except OSError as error:
-        raise _refused(out, error) from error
-
-
-def _move(new: Path, out: Path, replaced: Path) -> None:
     made = [path for path in (out, *out.parents) if not path.exists()]
-    names = sorted(path.name for path in new.iterdir())
+    done = False
     try:
         out.mkdir(parents=True, exist_ok=True)
-        for name in names:
-            if (out / name).is_file():
-                shutil.copy2(out / name, replaced / name)
-            (new / name).replace(out / name)
-    except BaseException:
-        for name in reversed(names):
-            if not os.path.lexists(new / name):  # so it is in `out`
-                saved = os.path.lexists(replaced / name)
-                with suppress(OSError):
-                    os.replace(*((replaced / name, out / name) if saved else (out / name, new / name)))
-        for path in made:
+        with _scratch(out) as scratch:
+            yield scratch / "new"
+            with locked(out):
+                move_all(scratch, out)
+        done = True
+    except OSError as error:
+        raise _refused(out, error) from error
+    finally:
+        for path in () if done else made:
             with suppress(OSError):
                 path.rmdir()
-        raise
+
+
+@contextmanager
+def _scratch(out: Path) -> Iterator[Path]:
+    """Make a scratch folder in `out` and hold it, so that no other process takes it for a leftover."""
+    with locked(out):
+        settle_locked(out)
+        scratch = make_scratch(out)
+        hold = locked(scratch)
+        hold.__enter__()
+    try:
+        yield scratch
+    finally:
+        clear(scratch)
+        hold.__exit__(None, None, None)
+
+
+def tidied(folder: Path) -> None:
+    """Complete or take back what a killed process left in a folder; before one looks what is in it."""
+    try:
+        settle(folder)
+    except OSError as error:
+        raise _refused(folder, error) from error
 
 
 def _refused(out: Path, error: Exception) -> InputError:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
@@ -15,6 +17,7 @@ from pydantic import (
     ConfigDict,
     Field,
     PlainSerializer,
+    PrivateAttr,
     ValidationError,
     WithJsonSchema,
 )
@@ -23,6 +26,8 @@ from stepid.errors import InputError
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass as _PydanticMeta
+
+    from stepid.core.provenance import Provenance
 else:
     _PydanticMeta = type(BaseModel)
 
@@ -152,6 +157,42 @@ class Model(BaseModel, metaclass=_Meta):
         ser_json_inf_nan="constants",
         hide_input_in_errors=True,
     )
+    _provenance: Any = PrivateAttr(default=None)
+
+    @property
+    def provenance(self) -> Provenance | None:
+        """Where it comes from: files with their hashes, settings, versions; None for what was made by hand.
+
+        It takes no part in equality, `to_dict` and JSON; `save` keeps it.
+        """
+        found: Provenance | None = self._provenance
+        return found
+
+    def _bearing(self, provenance: Provenance | None) -> Self:
+        self._provenance = provenance
+        return self
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write it as one JSON file with its provenance, which `stepid.load` reads, also in later versions.
+
+        Parameters
+        ----------
+        path : path-like
+            An older file of this name is replaced, at once and whole.
+
+        Returns
+        -------
+        pathlib.Path
+            Where it was written.
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If the file cannot be written.
+        """
+        from stepid.core.saving import save
+
+        return save(self, path)
 
     @classmethod
     def model_validate(cls, obj: Any, **options: Any) -> Self:

@@ -124,7 +124,8 @@ class Experiment(Model):
         stepid.errors.InputError
             If a bound is given twice or is no number, or fewer than 8 samples are left.
         """
-        return type(self)(**stretch(self, first, last, after=after, until=until, name=name))
+        fields = stretch(self, first, last, after=after, until=until, name=name)
+        return type(self)(**fields)._bearing(self.provenance)
 
     @classmethod
     def from_dataframe(

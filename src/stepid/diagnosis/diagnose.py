@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.experiment import Campaign
+from stepid.core.recorded import recorded
 from stepid.core.takes import a, able, caller, each, optional, takes
 from stepid.diagnosis.answer import report
 from stepid.diagnosis.criteria import Criteria
@@ -47,6 +48,7 @@ _how = {
 
 
 @takes(**_how, progress=optional(caller("a function that takes one argument, a stepid.Progress")))
+@recorded(criteria=Criteria, effort=Effort)
 @single_threaded
 def diagnose(
     campaign: Campaign,

@@ -13,6 +13,7 @@ from stepid.core.estimate import Estimate
 from stepid.core.experiment import Campaign
 from stepid.core.frames import parameter_frame
 from stepid.core.noise import rms
+from stepid.core.recorded import recorded
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
 from stepid.fitting.covariance import estimates
@@ -124,6 +125,7 @@ def _begun(campaign: Campaign, wrong: Mapping[str, Mask], workers: int) -> tuple
     return records, linear, floor
 
 
+@recorded()
 @single_threaded
 def fit(
     campaign: Campaign,

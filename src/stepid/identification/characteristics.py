@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stepid.core.arguments import as_experiment
 from stepid.core.experiment import Experiment
+from stepid.core.recorded import recorded
 from stepid.core.takes import takes
 from stepid.errors import IdentificationError
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
@@ -40,6 +41,7 @@ __all__ = [
 
 
 @takes(peak=a_peak)
+@recorded(peak=InterpolatedPeak)
 def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Characteristics:
     """Read the characteristics of the first step of a record, or of a hand release where there is no input.
 
@@ -75,6 +77,7 @@ def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Charact
 
 
 @takes(peak=a_peak)
+@recorded(peak=InterpolatedPeak)
 def characterize_each(
     experiment: Experiment, *, peak: Peak | None = None
 ) -> tuple[Characteristics | IdentificationError, ...]:
@@ -109,6 +112,7 @@ def characterize_each(
 
 
 @takes(peak=a_peak)
+@recorded(peak=InterpolatedPeak)
 def characterize_all(experiment: Experiment, *, peak: Peak | None = None) -> tuple[Characteristics, ...]:
     """Read the characteristics of every step of a record: up, back, and any more.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stepid.core.arguments import as_campaign
 from stepid.core.experiment import Campaign, Experiment, MassOffset
+from stepid.core.recorded import recorded
 from stepid.core.samples import CLOSE, off_even_clock
 from stepid.core.takes import takes
 from stepid.core.units import check_speed
@@ -11,10 +12,10 @@ from stepid.errors import IdentificationError, UndeterminedError
 from stepid.identification.characteristics import characterize_each
 from stepid.identification.characteristics_model import Characteristics
 from stepid.identification.parameters import IdentifiedParameters, StackedSystem
-from stepid.identification.peak import Peak, a_peak
+from stepid.identification.peak import InterpolatedPeak, Peak, a_peak
 from stepid.identification.pooling import pool_steps
 from stepid.identification.solve import a_solver, solve
-from stepid.identification.solvers import Solver
+from stepid.identification.solvers import Solver, WeightedLeastSquares
 from stepid.identification.stacked import assemble, undetermined_springs
 
 _VAGUE = 0.1  # relative uncertainty of the natural frequency beyond which a run says nothing
@@ -22,6 +23,7 @@ _LEAST_OVERSHOOT = 0.01  # below it the peak is so flat that the smallest depart
 
 
 @takes(peak=a_peak, solver=a_solver)
+@recorded(peak=InterpolatedPeak, solver=WeightedLeastSquares)
 def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | None = None) -> IdentifiedParameters:
     """Identify masses, stiffnesses and damping constants of a campaign by the paper's method.
 

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.experiment import WEIGHT, WEIGHT_UNCERTAINTY
+from stepid.core.recorded import recorded
 from stepid.core.takes import a, able, optional, takes
 from stepid.identification.characteristics_model import Characteristics
 from stepid.identification.parameters import IdentifiedParameters, ParameterUncertainty, StackedSystem
@@ -43,6 +44,7 @@ a_solver = optional(able("unknowns", "a solver with its brackets, as WeightedLea
 
 
 @takes(system=a(StackedSystem, "a StackedSystem from stepid.assemble"), solver=a_solver)
+@recorded(solver=WeightedLeastSquares)
 def solve(system: StackedSystem, *, solver: Solver | None = None) -> IdentifiedParameters:
     """Solve the stacked system for masses and stiffnesses, then for the damping constants.
 

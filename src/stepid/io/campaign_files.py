@@ -11,6 +11,7 @@ from typing import Any
 from stepid.core.arguments import as_campaign
 from stepid.core.atomic_write import staged
 from stepid.core.experiment import WEIGHT_UNCERTAINTY, Campaign, Experiment
+from stepid.core.recorded import recorded
 from stepid.core.takes import described
 from stepid.errors import InputError
 from stepid.io.ecp_write import render_export
@@ -26,6 +27,7 @@ READERS: dict[str, Reader] = {"ecp": EcpReader(), "table": TableReader()}
 """Formats of records by the name that a manifest gives them; the first is the default. Add your own."""
 
 
+@recorded()
 def read_campaign(path: str | os.PathLike[str], *, allow_outside: bool = False) -> Campaign:
     """Read a campaign from its manifest and the records that it names.
 

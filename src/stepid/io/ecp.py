@@ -10,6 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.recorded import recorded
 from stepid.core.samples import InputBetween, Starts
 from stepid.core.takes import described, taken
 from stepid.core.takes import number as a_number
@@ -26,6 +27,7 @@ FEWEST = 8  # rows
 MANY = 12  # more levels of effort than an operator steps through
 
 
+@recorded()
 def read_ecp(
     path: str | os.PathLike[str],
     *,
@@ -185,7 +187,7 @@ def export_experiment(
 def _encoder(export: Export, encoder: object, where: str) -> str:
     there = [name for name in export.columns if name.startswith("Encoder ")]
     listed = ", ".join(there) or "none"
-    if isinstance(encoder, bool) or not isinstance(encoder, Integral) or not 1 <= encoder < 10**9:
+    if isinstance(encoder, bool) or not isinstance(encoder, Integral) or not 1 <= int(encoder) < 10**9:
         raise InputError(
             f"{where}: encoder is {described(encoder)}", f"Give the number of an encoder; the file has {listed}."
         )

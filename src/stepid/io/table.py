@@ -10,6 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.recorded import recorded
 from stepid.core.samples import InputBetween, Starts
 from stepid.core.takes import described
 from stepid.core.units import check_number, check_release, check_scales, in_si
@@ -22,6 +23,7 @@ from stepid.io.textfile import as_path
 Column = str | int
 
 
+@recorded()
 def read_table(
     paths: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
     *,

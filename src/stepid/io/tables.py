@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from stepid.core.experiment import Experiment
+from stepid.core.recorded import recorded
 from stepid.core.takes import described, each, taken, text
 from stepid.errors import InputError
 from stepid.io.delimited import Layout, header
@@ -17,6 +18,7 @@ from stepid.io.table import as_files, read_table
 T = TypeVar("T")
 
 
+@recorded()
 def read_tables(
     paths: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
     *,

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.recorded import note_read
 from stepid.core.takes import described
 from stepid.errors import InputError
 from stepid.io.safe_read import LARGEST, read_regular
@@ -53,7 +54,9 @@ def split_lines(text: str) -> list[str]:
 def read_bytes(path: Path, *, largest: int = LARGEST) -> bytes:
     """Read a regular file whole; whatever the operating system objects to becomes an InputError."""
     try:
-        return read_regular(path, largest=largest)
+        raw = read_regular(path, largest=largest)
+        note_read(path, raw)
+        return raw
     except InputError:
         raise
     except FileNotFoundError:

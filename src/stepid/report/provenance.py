@@ -3,36 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-import os
-import platform
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
 from stepid.core.base import Label, Model
+from stepid.core.experiment import Campaign
+from stepid.core.provenance import Source, sources_of, versions
 from stepid.diagnosis.result import Diagnosis
-from stepid.io.campaign_files import MANIFEST, READERS, named_files
-from stepid.io.manifest import parse_manifest
-from stepid.io.safe_read import inside
-from stepid.io.textfile import as_path, decode, read_bytes
 
-_PACKAGES = ("stepid", "numpy", "scipy", "control")
-
-
-class Source(Model):
-    """What was read: a file, or a run of which only the numbers are known.
-
-    Parameters
-    ----------
-    name : str
-        File name, relative to the manifest's folder, or run.
-    sha256 : str
-        Of the file's bytes, or of the run's numbers.
-    """
-
-    name: Label
-    sha256: Label
+_PACKAGES = ("Python", "stepid", "numpy", "scipy", "control")
 
 
 class Provenance(Model):
@@ -55,35 +35,35 @@ class Provenance(Model):
     written: Label
 
 
-def of_files(manifest: str | os.PathLike[str], *, allow_outside: bool = False) -> Provenance:
-    """Hash the manifest of a campaign and every file that it names.
+def of_campaign(campaign: Campaign) -> Provenance:
+    """Say which files a campaign was read from, as they were then.
 
     Parameters
     ----------
-    manifest : path-like
-    allow_outside : bool
-        As for `stepid.read_campaign`.
+    campaign : Campaign
 
     Returns
     -------
     Provenance
-
-    Raises
-    ------
-    stepid.errors.InputError
-        If a file cannot be read, or lies outside of the manifest's folder.
     """
-    path = as_path(manifest)
-    if os.path.isdir(path):
-        path = path / MANIFEST
-    raw = read_bytes(path)
-    _, runs = parse_manifest(decode(raw, str(path)), str(path), READERS)
-    names = [name for _, run in runs for name in named_files(run)]
-    sources = [Source(name=path.name, sha256=hashlib.sha256(raw).hexdigest())]
-    for name in dict.fromkeys(names):  # several runs may come from one table
-        file = inside(path.parent, name, str(path), allow_outside=allow_outside)
-        sources.append(Source(name=name, sha256=hashlib.sha256(read_bytes(file)).hexdigest()))
-    return _today(tuple(sources), of_files=True)
+    return _today(sources_of(campaign), of_files=True)
+
+
+def of_diagnosis(diagnosis: Diagnosis) -> Provenance:
+    """Say where a diagnosis comes from: the files as they were read, or its records where it came from none.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+
+    Returns
+    -------
+    Provenance
+    """
+    known = diagnosis.provenance
+    if known is None or not known.sources:
+        return of_data(diagnosis)
+    return _today(known.sources, of_files=True)
 
 
 def of_data(diagnosis: Diagnosis) -> Provenance:
@@ -106,15 +86,9 @@ def of_data(diagnosis: Diagnosis) -> Provenance:
 
 
 def _today(sources: tuple[Source, ...], *, of_files: bool) -> Provenance:
-    found = [("Python", platform.python_version())]
-    for package in _PACKAGES:
-        try:
-            found.append((package, version(package)))
-        except PackageNotFoundError:  # run from a copy that was never installed
-            found.append((package, "unknown"))
     return Provenance(
         sources=sources,
         of_files=of_files,
-        versions=tuple(found),
+        versions=tuple((package, versions()[package]) for package in _PACKAGES),
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
     )

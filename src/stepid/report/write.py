@@ -15,7 +15,7 @@ from stepid.errors import StepidError
 from stepid.io.textfile import as_path
 from stepid.report.hand import Hand, by_hand, pictured
 from stepid.report.markdown import markdown
-from stepid.report.provenance import Provenance, of_data
+from stepid.report.provenance import Provenance, of_diagnosis
 
 _EXTRAS = {"jinja2": "report", "markupsafe": "report", "plotly": "report", "matplotlib": "plot"}
 
@@ -24,7 +24,7 @@ def write_html(diagnosis: Diagnosis, path: str | os.PathLike[str]) -> Path:
     """Write a diagnosis as one self-contained page; see `stepid.Diagnosis.to_html`."""
     target = as_path(path)
     with staged(target.parent) as folder, _installed():
-        _put(diagnosis, of_data(diagnosis), html=folder / target.name)
+        _put(diagnosis, of_diagnosis(diagnosis), html=folder / target.name)
     return target
 
 
@@ -32,7 +32,7 @@ def write_markdown(diagnosis: Diagnosis, path: str | os.PathLike[str]) -> Path:
     """Write a diagnosis as Markdown with pictures beside it; see `stepid.Diagnosis.to_markdown`."""
     target = as_path(path)
     with staged(target.parent) as folder, _installed():
-        _put(diagnosis, of_data(diagnosis), note=folder / target.name)
+        _put(diagnosis, of_diagnosis(diagnosis), note=folder / target.name)
     return target
 
 
