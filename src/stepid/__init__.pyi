@@ -9,6 +9,10 @@ from .core.experiment import Experiment as Experiment
 from .core.experiment import MassOffset as MassOffset
 from .core.releases import split_releases as split_releases
 from .datasets.replication import rebuild_paper as rebuild_paper
+from .design.candidate import Design as Design
+from .design.check import PlanCheck as PlanCheck
+from .design.plan import plan as plan
+from .design.result import Plan as Plan
 from .diagnosis.criteria import Criteria as Criteria
 from .diagnosis.diagnose import diagnose as diagnose
 from .diagnosis.diagnose import diagnose_many as diagnose_many

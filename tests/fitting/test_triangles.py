@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,11 +10,12 @@ import pytest
 
 from hidden.campaigns import make_campaign
 from stepid.effects import resolve
-from stepid.fitting.covariance import covariance
+from stepid.fitting.correlation import autocorrelations
+from stepid.fitting.covariance import uncertain
 from stepid.fitting.fit import prepare
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, _Columns, _Linearized, minimize
 from stepid.fitting.problem import build, start_local
-from stepid.simulation.simulator import Solved
+from stepid.simulation.simulator import Simulator, Solved
 
 CASES = [
     pytest.param((), "nine", id="no parameter of a run"),
@@ -59,18 +61,20 @@ def test_a_damped_step_is_that_of_the_whole_jacobian(names: tuple[str, ...], kin
     np.testing.assert_allclose(own, step[n:], rtol=1e-9, atol=1e-12 * np.abs(step).max())
 
 
-def dense_covariance(jacobian: np.ndarray, residual: np.ndarray, pieces: list[slice], floor: float) -> np.ndarray:
-    """The same by a singular value decomposition of all samples."""
+def dense_covariance(optimum: Optimum, floor: float) -> np.ndarray:
+    """The same by a singular value decomposition of all samples, and the residual's covariance written out."""
+    problem = optimum.problem
+    jacobian, residual = problem.jacobian(optimum.solved), problem.residual(optimum.solved)
     scale = np.linalg.norm(jacobian, axis=0)
     scale[scale == 0] = 1.0
     u, s, vt = np.linalg.svd(jacobian / scale, full_matrices=False)
     inverse = vt.T * np.where(s > 1e-6 * s[0], 1 / np.maximum(s, 1e-300), 0.0) / scale[:, None]
-    level = max(floor**2, float(residual @ residual) / (residual.size - s.size))
-    total, square = np.ones(s.size), float(residual @ residual)
-    for lag in range(1, 25):
-        share = sum(float(residual[p][lag:] @ residual[p][:-lag]) for p in pieces) / square
-        if abs(share) >= 2.5 / np.sqrt(residual.size):
-            total += 2 * (1 - lag / 25) * share * sum(np.sum(u[p][lag:] * u[p][:-lag], axis=0) for p in pieces)
+    left = residual - u @ (u.T @ residual)
+    level = max(floor**2, float(left @ left) / (residual.size - s.size))
+    total = np.ones(s.size)
+    for piece, shares in zip(problem.records.pieces(), autocorrelations(optimum, residual), strict=True):
+        for lag, share in enumerate(shares, 1):
+            total += 2 * share * np.sum(u[piece][lag:] * u[piece][:-lag], axis=0)
     found: np.ndarray = (inverse * (level * np.maximum(total, 1.0))) @ inverse.T
     return found
 
@@ -78,9 +82,11 @@ def dense_covariance(jacobian: np.ndarray, residual: np.ndarray, pieces: list[sl
 @pytest.mark.parametrize(("names", "kind"), CASES)
 def test_uncertainties_are_those_of_the_whole_jacobian(names: tuple[str, ...], kind: str) -> None:
     problem, solved, shared, local = started(names, kind)
-    found, _ = covariance(Optimum(problem, shared, local, solved, 1.0, True, 0), 1e-6)
-    jacobian, residual = problem.jacobian(solved), problem.residual(solved)
-    whole = dense_covariance(jacobian, residual, problem.records.pieces(), 1e-6)
+    exact = replace(problem.records, weight_uncertainty=0.0)
+    simulator = Simulator(exact, problem.simulator.effects)
+    optimum = Optimum(replace(problem, simulator=simulator), shared, local, solved, 1.0, True, 0)
+    floor = 1e-1  # a far larger one than is left: the runs' disagreement does not count
+    found, whole = uncertain(optimum, floor).noise, dense_covariance(optimum, floor)
     sigma = np.sqrt(np.maximum(np.diag(whole), 1e-300))
     np.testing.assert_allclose(found / np.outer(sigma, sigma), whole / np.outer(sigma, sigma), atol=1e-6)
 

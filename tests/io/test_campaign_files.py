@@ -191,7 +191,7 @@ BAD = {
     "unknown key above the runs": (
         "counts_per_meter = 56000\n",
         "counts_per_meter = 56000\nzzzz = 1\n",
-        r"campaign.toml: unknown key 'zzzz'. Known keys: name, weight_uncertainty, format, .*position_scale",
+        r"campaign.toml: unknown key 'zzzz'. Known keys: name, .*_uncertainty, scale_uncertainty, .*position_scale",
     ),
     "key of the campaign in a run": (
         "added_mass = 0.5",

@@ -16,8 +16,8 @@ ONE_ROOM = {
     "control": "transfer",
     "pandas": "core",
     "matplotlib": "plot",
-    "typer": "cli.py",
-    "rich": "cli.py",
+    "typer": "cli",
+    "rich": "cli",
     "jinja2": "report",
     "plotly": "report",
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from stepid.core.base import Finite, Model, NonNegative
 
@@ -44,17 +45,26 @@ class Estimate(Model):
         Standard uncertainty (one standard deviation), same unit; None where the data do not determine the value.
     unit : str
         SI unit, empty for a pure number.
+    parts : mapping
+        What the uncertainty is made of, same unit: ``"noise"``, ``"weights"`` (the known added masses), ``"scale"``
+        (counts per meter). Their squares add up to its square. Empty where that is not known.
+    limits : (float, float) or None
+        Ends of the 95 % interval where it is not symmetric, same unit.
     """
 
     value: Finite
     uncertainty: NonNegative | None = None
     unit: str = ""
+    parts: Mapping[str, NonNegative] = {}
+    limits: tuple[Finite, Finite] | None = None
 
     @property
     def interval(self) -> tuple[float, float] | None:
-        """The 95 % interval, value ± 1.96 standard uncertainties, or None where undetermined."""
+        """The 95 % interval: `limits`, else value ± 1.96 standard uncertainties, or None where undetermined."""
         if self.uncertainty is None:
             return None
+        if self.limits is not None:
+            return self.limits
         return self.value - 1.96 * self.uncertainty, self.value + 1.96 * self.uncertainty
 
     def __str__(self) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
@@ -15,6 +14,7 @@ from stepid.core.frames import make_frame, tidy_frame
 from stepid.core.mass_offset import WEIGHT as WEIGHT
 from stepid.core.mass_offset import WEIGHT_UNCERTAINTY as WEIGHT_UNCERTAINTY
 from stepid.core.mass_offset import MassOffset as MassOffset
+from stepid.core.mass_offset import chained
 from stepid.core.samples import CLOSE, InputBetween, Starts, check_samples, off_even_clock
 from stepid.core.slices import stretch
 from stepid.core.takes import described
@@ -208,6 +208,8 @@ class Campaign(Model):
         Names are unique. A list is taken, too.
     weight_uncertainty : float
         kg, standard uncertainty of one 0.5 kg weight; grows with the square root of the mass added.
+    scale_uncertainty : float
+        Relative standard uncertainty of the scale of all positions (counts per meter), one error shared by all runs.
 
     Raises
     ------
@@ -218,6 +220,7 @@ class Campaign(Model):
     name: Label
     experiments: Annotated[tuple[Experiment, ...], BeforeValidator(_as_tuple)]
     weight_uncertainty: Positive = WEIGHT_UNCERTAINTY
+    scale_uncertainty: NonNegative = 0.0
 
     @model_validator(mode="after")
     def _unique(self) -> Self:
@@ -234,16 +237,7 @@ class Campaign(Model):
 
         Runs of equal added mass keep the campaign's order and are joined by an exact constraint.
         """
-        offsets = []
-        for base in dict.fromkeys(e.base for e in self.experiments):
-            runs = sorted((e for e in self.experiments if e.base == base), key=lambda e: e.added_mass)
-            for one, two in pairwise(runs):
-                difference = two.added_mass - one.added_mass
-                spread = self.weight_uncertainty * float(np.sqrt(abs(difference) / WEIGHT))
-                offsets.append(
-                    MassOffset(from_run=one.name, to_run=two.name, difference=difference, uncertainty=spread)
-                )
-        return tuple(offsets)
+        return chained([(e.name, e.base, e.added_mass) for e in self.experiments], self.weight_uncertainty)
 
     @classmethod
     def from_dataframe(
@@ -252,6 +246,7 @@ class Campaign(Model):
         *,
         name: str,
         weight_uncertainty: float = WEIGHT_UNCERTAINTY,
+        scale_uncertainty: float = 0.0,
         time_scale: float = 1.0,
         position_scale: float = 1.0,
         input_scale: float = 1.0,
@@ -264,9 +259,8 @@ class Campaign(Model):
             One row a sample; columns `run`, `time`, `position`, `input`, `added_mass`, `spring`, `damper`
             and, where they differ from the defaults of `Experiment`, `base`, `counts_per_meter`, `input_before`,
             `input_between` and `starts`.
-        name : str
-        weight_uncertainty : float
-            kg.
+        name, weight_uncertainty, scale_uncertainty
+            Fields of `Campaign`.
         time_scale, position_scale, input_scale : float
             s, m and V per unit of those columns, as in `read_table`.
 
@@ -277,7 +271,12 @@ class Campaign(Model):
         """
         scales = {"time": time_scale, "position": position_scale, "input": input_scale}
         runs = [Experiment(**fields) for fields in run_fields(frame, scales, f"campaign {described(name)}")]
-        return cls(name=name, experiments=tuple(runs), weight_uncertainty=weight_uncertainty)
+        return cls(
+            name=name,
+            experiments=tuple(runs),
+            weight_uncertainty=weight_uncertainty,
+            scale_uncertainty=scale_uncertainty,
+        )
 
     def to_dataframe(self) -> DataFrame:
         """Return all records as one tidy pandas DataFrame, one row a sample.

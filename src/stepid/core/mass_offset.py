@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
 from stepid.core.base import Finite, Label, Model, NonNegative
 
 WEIGHT = 0.5  # kg, one lab weight
@@ -25,3 +29,28 @@ class MassOffset(Model):
     to_run: Label
     difference: Finite
     uncertainty: NonNegative = WEIGHT_UNCERTAINTY
+
+
+def weight_spread(mass: float, weight_uncertainty: float) -> float:
+    """Standard uncertainty of an added mass made of weights with independent errors, kg.
+
+    Parameters
+    ----------
+    mass : float
+        kg.
+    weight_uncertainty : float
+        kg, of one weight of 0.5 kg.
+    """
+    return weight_uncertainty * math.sqrt(abs(mass) / WEIGHT)
+
+
+def chained(runs: Sequence[tuple[str, str, float]], weight_uncertainty: float) -> tuple[MassOffset, ...]:
+    """Differences of runs (name, base, added mass [kg]) of one base sorted by added mass, each to the next."""
+    out = []
+    for base in dict.fromkeys(base for _, base, _ in runs):
+        own = sorted(((name, mass) for name, of, mass in runs if of == base), key=lambda run: run[1])
+        for (one, lighter), (two, heavier) in pairwise(own):
+            difference = heavier - lighter
+            spread = weight_spread(difference, weight_uncertainty)
+            out.append(MassOffset(from_run=one, to_run=two, difference=difference, uncertainty=spread))
+    return tuple(out)

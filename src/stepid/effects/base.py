@@ -26,12 +26,16 @@ class Parameter(NamedTuple):
         SI, empty for a pure number.
     lower, upper : float
         Bounds, in `unit`.
+    length : float, optional
+        Power of a length that it is measured by, where its unit does not tell: a share of the weight's force is
+        measured by one.
     """
 
     name: str
     unit: str
     lower: float = 0.0
     upper: float = np.inf
+    length: float | None = None
 
 
 class Moment(NamedTuple):

@@ -52,7 +52,7 @@ class LoadProportionalFriction(_DryFriction):
     """Coulomb friction with F_c = μ m g, m the moving mass of the run."""
 
     name = "load_proportional_friction"
-    parameters = (Parameter("coefficient", ""),)
+    parameters = (Parameter("coefficient", "", length=1.0),)
     law = "−μ m g sign(v)"
     formula = r"-\mu\, m g\,\mathrm{sign}(v)"
     symbols = (r"\mu",)

@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
-from stepid.effects.base import Effect
+from stepid.effects.base import Effect, Parameter
+from stepid.fitting.added_masses import WeightErrors, moved, weight_errors, with_added_masses
+from stepid.fitting.correlation import autocorrelations, disagreement, inflation
 from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.simulation.magnitudes import lengths
 from stepid.simulation.records import Index
+
+_STEPS = 6
+_BELIEVED = 4.0  # standard deviations of a weight's error
+_MISFIT = 1.2  # times the floor, beyond which what is left is not noise
+_ENOUGH = 0.01  # in 2 ln L, below which a step is not worth a simulation
 
 
 def parameter_names(optimum: Optimum, effects: tuple[Effect, ...]) -> tuple[tuple[str, str], ...]:
@@ -25,68 +37,160 @@ def parameter_names(optimum: Optimum, effects: tuple[Effect, ...]) -> tuple[tupl
     return tuple(out)
 
 
-def covariance(optimum: Optimum, floor: float) -> tuple[Array, Array]:
-    """Covariance of the free parameters, shape (n, n), and which directions the data leave open, shape (n,).
+class Uncertain(NamedTuple):
+    """A fit to first order about its optimum: n free parameters, K independent parts of the added masses' errors.
 
-    The noise is taken as white of size `floor` or the residual's RMS, whichever is larger, inflated by the residual's
-    own correlation: J⁺ Ω J⁺ᵀ with Ω from the residual's autocovariance over one swing at most (a sandwich).
+    Parameters
+    ----------
+    noise, weights : array, shape (n, n)
+        Covariances of the free parameters that come from the readings' noise and from the added masses.
+    open : array of bool, shape (n,)
+        Parameters that the data leave open.
+    step : array, shape (n,)
+        From the optimum to the most likely parameters, the added masses free within their uncertainty.
+    errors : array, shape (K,)
+        The most likely parts of the added masses' errors; see `stepid.fitting.added_masses`.
+    gain : float
+        What the step promises, in 2 ln L.
+    level : float
+        m, of the noise, or of what the fit leaves.
+    """
+
+    noise: Array
+    weights: Array
+    open: npt.NDArray[np.bool_]
+    step: Array
+    errors: Array
+    gain: float
+    level: float
+
+
+def uncertain(optimum: Optimum, floor: float) -> Uncertain:
+    """Covariances of the free parameters, by their causes, and how far the most likely ones are.
+
+    The added masses are nuisance parameters with a prior: where runs say more of them than is known beforehand, what is
+    left of their uncertainty is less than propagation would give, and so is the misfit. The noise is taken as white of
+    size `floor` or the residual's RMS, whichever is larger, inflated by the residual's own correlation: J⁺ Ω J⁺ᵀ with Ω
+    from the residual's autocovariance over one swing at most (a sandwich). Where more than noise is left, what the runs
+    say one by one is counted, too.
     """
     problem = optimum.problem
-    size = int(problem.free.sum() + problem.active.sum())
-    square = np.zeros(size)
-    for _, columns, rows in _finite_blocks(optimum):
+    prior = weight_errors(problem.records)
+    n, k = int(problem.free.sum() + problem.active.sum()), prior.found.size
+    square = np.zeros(n + k)
+    for _, columns, rows in _finite_blocks(optimum, prior):
         square[columns] += np.sum(rows**2, axis=1)
     scale = np.where(square > 0, np.sqrt(square), 1.0)
-    _, s, vt = np.linalg.svd(_triangle(optimum, scale))
+    residual = problem.residual(optimum.solved)
+    matrix, pull, left = _triangle(optimum, prior, scale, residual)
+    level = math.sqrt(max(floor**2, left / max(residual.size - n - k, 1)))
+    longer = np.append(np.ones(n), np.hypot(1.0, level / scale[n:]))  # the prior's rows are of length one at most
+    scale = scale * longer
+    rows_of_prior = np.eye(n + k)[n:] * level / scale
+    _, s, vt = np.linalg.svd(np.concatenate([matrix / longer, rows_of_prior]), full_matrices=False)
     usable = s > 1e-6 * s[0]  # the sensitivities are no better than that
     inverse = (vt.T * np.where(usable, 1 / np.where(usable, s, 1.0), 0.0)) / scale[:, None]
-    residual = problem.residual(optimum.solved)
-    level = max(floor**2, float(residual @ residual) / max(residual.size - s.size, 1))
-    inflation = _inflation(optimum, inverse, residual)
-    out: Array = (inverse * (level * inflation)) @ inverse.T
+    known = level * inverse[n:]
+    of_prior = known.T @ known
+    share = 1.0 - np.diag(of_prior)
+    excess = inflation(_finite_blocks(optimum, prior), autocorrelations(optimum, residual), inverse, share)
+    if level > _MISFIT * floor:
+        excess = np.maximum(excess, disagreement(_finite_blocks(optimum, prior), residual, inverse, share, level))
+    root = np.sqrt(excess)
+    of_noise = root[:, None] * (np.diag(usable.astype(float)) - of_prior) * root
+    noise, weights = (level**2 * inverse @ part @ inverse.T for part in (of_noise, of_prior))
     open_ = np.abs(vt.T * ~usable).max(axis=1) > 1e-3 if not usable.all() else np.zeros(s.size, dtype=bool)
-    return out, open_
+    held = _at_bound(optimum, k)
+    target = np.concatenate([pull, -level * prior.found])
+    slope = np.concatenate([matrix / longer, rows_of_prior])[:, ~held]
+    step = np.zeros(n + k)
+    step[~held] = np.linalg.lstsq(slope, target, rcond=1e-6)[0]
+    gain = float(np.sum((slope @ step[~held]) ** 2)) / level**2
+    step /= scale
+    return Uncertain(noise[:n, :n], weights[:n, :n], open_[:n], step[:n], prior.found + step[n:], gain, level)
 
 
-def _finite_blocks(optimum: Optimum) -> Iterator[tuple[slice, Index, Array]]:
-    """The blocks of the Jacobian, zero at a runaway's edge."""
-    for piece, columns, rows in optimum.problem.blocks(optimum.solved):
-        yield piece, columns, np.nan_to_num(rows, copy=False, posinf=0.0, neginf=0.0)
+def _at_bound(optimum: Optimum, more: int) -> npt.NDArray[np.bool_]:
+    """Free parameters that sit at a bound; `more` without bounds at the end."""
+    problem = optimum.problem
+    shared = optimum.shared
+    out = ((shared <= problem.lower) | (shared >= problem.upper))[problem.free]
+    return np.concatenate([out, np.zeros(int(problem.active.sum()) + more, dtype=bool)])
 
 
-def _triangle(optimum: Optimum, scale: Array) -> Array:
-    """Square matrix with the products of the Jacobian, its columns scaled: each run's own parameters are set aside."""
-    n = int(optimum.problem.free.sum())
-    out, common, at = np.zeros((scale.size, scale.size)), [np.zeros((n, n))], 0
-    for _, columns, rows in _finite_blocks(optimum):
-        r: Array = np.asarray(np.linalg.qr((rows / scale[columns, None]).T, mode="r"))
-        own = columns.size - n
-        out[at : at + len(r[:own]), columns] = r[:own]
+def _finite_blocks(optimum: Optimum, prior: WeightErrors) -> Iterator[tuple[slice, Index, Array]]:
+    """The blocks of the Jacobian, the added masses' last, zero at a runaway's edge."""
+    problem = optimum.problem
+    n, k = int(problem.free.sum() + problem.active.sum()), prior.found.size
+    for run, (piece, columns, rows) in enumerate(problem.blocks(optimum.solved)):
+        rows = np.nan_to_num(rows, copy=False, posinf=0.0, neginf=0.0)
+        if k:
+            mass = rows[np.flatnonzero(columns == problem.records.base[run])[0]]
+            rows = np.concatenate([rows, prior.spread[run][:, None] * mass])
+            columns = np.append(columns, n + np.arange(k))
+        yield piece, columns, rows
+
+
+def _triangle(optimum: Optimum, prior: WeightErrors, scale: Array, residual: Array) -> tuple[Array, Array, float]:
+    """Square matrix with the products of the Jacobian, its columns scaled, the residual's share, and what is beyond.
+
+    Each run's own parameters are set aside.
+    """
+    n, k = int(optimum.problem.free.sum()), prior.found.size
+    shared = np.append(np.arange(n), scale.size - k + np.arange(k))
+    out, pull = np.zeros((scale.size, scale.size)), np.zeros(scale.size)
+    common, at = [np.zeros((n + k + 1, n + k + 1))], 0
+    for piece, columns, rows in _finite_blocks(optimum, prior):
+        scaled = np.concatenate([rows / scale[columns, None], residual[None, piece]])
+        r: Array = np.asarray(np.linalg.qr(scaled.T, mode="r"))
+        own = columns.size - n - k
+        some = r[:own]
+        out[at : at + len(some), columns], pull[at : at + len(some)] = some[:, :-1], some[:, -1]
         common.append(r[own:, own:])
         at += own
-    out[at:, :n] = np.linalg.qr(np.concatenate(common), mode="r")
-    return out
+    rest = np.asarray(np.linalg.qr(np.concatenate(common), mode="r"))
+    out[at:, shared], pull[at:] = rest[:-1, :-1], rest[:-1, -1]
+    return out, pull, float(rest[-1, -1] ** 2)
 
 
-def _inflation(optimum: Optimum, inverse: Array, residual: Array) -> Array:
-    """Variance of each direction's coefficient over that of white noise, at least 1; Bartlett lags."""
-    pieces = optimum.problem.records.pieces()
-    lags = 24
-    square = float(residual @ residual)
-    correlation = np.zeros(lags + 1)
-    for piece in pieces:
-        y = residual[piece]
-        for lag in range(1, min(lags, y.size - 2) + 1):
-            correlation[lag] += float(y[lag:] @ y[:-lag])
-    correlation = correlation / square if square > 0 else correlation
-    correlation[np.abs(correlation) < 2.5 / np.sqrt(residual.size)] = 0.0
-    products = np.zeros((len(inverse), len(inverse)))
-    for _, columns, rows in _finite_blocks(optimum):
-        for lag in np.flatnonzero(correlation[: rows.shape[1] - 1]).tolist():
-            taper = 1 - lag / (lags + 1)
-            products[np.ix_(columns, columns)] += taper * correlation[lag] * (rows[:, lag:] @ rows[:, :-lag].T)
-    out: Array = np.maximum(1.0 + 2.0 * np.sum(inverse * (products @ inverse), axis=0), 1.0)
-    return out
+def most_likely(optimum: Optimum, floor: float) -> Optimum:
+    """Move an optimum to the most likely parameters, the added masses free within their uncertainty.
+
+    The records of the answer hold the added masses that were found. What was fitted with exact masses is near: a few
+    Gauss–Newton steps do it. Where a weight would have to be off by more than its uncertainty allows, something else is
+    wrong, and the optimum stays as it is.
+    """
+    given, fresh = optimum, True
+    for _ in range(_STEPS):
+        near = uncertain(optimum, floor)
+        if near.errors.size == 0 or np.abs(near.errors).max() > _BELIEVED:
+            return given
+        if near.gain < _ENOUGH:
+            return optimum
+        records = with_added_masses(optimum.problem.records, near.errors)
+        n = int(optimum.problem.free.sum())
+        shared, local = optimum.shared.copy(), optimum.local.copy()
+        shared[optimum.problem.free] += near.step[:n]
+        local[optimum.problem.active] += near.step[n:]
+        there = moved(optimum, records, shared, local)
+        better = there is not None and _loss(there, near.level) < _loss(optimum, near.level)
+        if there is not None and better:
+            optimum, fresh = there, False
+            continue
+        solved = None if fresh else optimum.problem.solve(optimum.shared, optimum.local)
+        if solved is None:
+            return optimum
+        optimum, fresh = replace(optimum, solved=solved), True
+    return optimum
+
+
+def _loss(optimum: Optimum, level: float) -> float:
+    return optimum.cost / level**2 + float(np.sum(weight_errors(optimum.problem.records).found ** 2))
+
+
+def _parameters(names: tuple[tuple[str, str], ...], effects: tuple[Effect, ...]) -> tuple[Parameter, ...]:
+    own = tuple(q for e in effects for q in e.parameters)
+    return (*(Parameter(name, unit) for name, unit in names[: len(names) - len(own)]), *own)
 
 
 def estimates(optimum: Optimum, effects: tuple[Effect, ...], floor: float) -> tuple[dict[str, Estimate], Array]:
@@ -95,17 +199,22 @@ def estimates(optimum: Optimum, effects: tuple[Effect, ...], floor: float) -> tu
     A parameter that was held fixed (no mass difference, no input) or that the data leave open has no uncertainty.
     """
     problem = optimum.problem
-    cov, open_ = covariance(optimum, floor)
-    n = int(problem.free.sum())
-    sigma = np.sqrt(np.maximum(np.diag(cov), 0.0))
+    near = uncertain(optimum, floor)
     names = parameter_names(optimum, effects)
+    n = int(problem.free.sum())
+    longer = lengths(_parameters(names, effects), optimum.shared)[problem.free]
+    scaled = problem.records.scale_uncertainty * longer
+    cov = {"noise": near.noise[:n, :n], "weights": near.weights[:n, :n], "scale": np.outer(scaled, scaled)}
+    sigma = {cause: np.sqrt(np.maximum(np.diag(part), 0.0)) for cause, part in cov.items()}
+    whole = np.sqrt(sum(part**2 for part in sigma.values()))
     out: dict[str, Estimate] = {}
     column = 0
     for index, (name, unit) in enumerate(names):
-        uncertainty = None
-        if problem.free[index]:
-            uncertainty = None if open_[column] else float(sigma[column])
-            column += 1
-        out[name] = Estimate(value=float(optimum.shared[index]), uncertainty=uncertainty, unit=unit)
-    safe = np.where(sigma[:n] > 0, sigma[:n], 1.0)
-    return out, cov[:n, :n] / safe[:, None] / safe[None, :]
+        value = float(optimum.shared[index])
+        out[name] = Estimate(value=value, unit=unit)
+        if problem.free[index] and not near.open[column]:
+            parts = {cause: float(part[column]) for cause, part in sigma.items() if part[column] > 0}
+            out[name] = Estimate(value=value, uncertainty=float(whole[column]), unit=unit, parts=parts)
+        column += int(problem.free[index])
+    safe = np.where(whole > 0, whole, 1.0)
+    return out, sum(cov.values()) / safe[:, None] / safe[None, :]

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stepid.core.arguments import as_campaign, as_workers
-from stepid.core.base import Matrix, Model, NonNegative
-from stepid.core.estimate import Estimate
 from stepid.core.experiment import Campaign
-from stepid.core.frames import parameter_frame
 from stepid.core.noise import rms
 from stepid.core.recorded import recorded
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
-from stepid.fitting.covariance import estimates
+from stepid.fitting.covariance import estimates, most_likely
 from stepid.fitting.eccentricity import find_eccentricity
+from stepid.fitting.fit_result import Fit as Fit
 from stepid.fitting.hum import find_hum, without_hum
 from stepid.fitting.input_fault import find_input_fault
+from stepid.fitting.left_over import left_over
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import CandidateFit, FitContext, Start, race_starts
 from stepid.fitting.multistart_cogging import well_starts
@@ -36,51 +34,11 @@ from stepid.simulation.model import EffectModel, PlantModel, RunState
 from stepid.simulation.records import Records, lay_out
 from stepid.simulation.threads import single_threaded
 
-if TYPE_CHECKING:
-    from stepid.core.frames import DataFrame
-
 _NOISY = 0.05  # of the cost of noise, within which a start need not be bettered
 _AGREE = 2  # further starts that end at the same cost, for it to be taken as the least
 _SAME = 1e-3  # relative difference of costs that are the same
 _MISFIT = 1.1  # times the floor, beyond which a run may be to blame
 NOT_CONVERGED = "The fit did not converge; what is shown is the best so far."
-
-
-class Fit(Model):
-    """A joint fit.
-
-    Parameters
-    ----------
-    parameters : mapping
-        Name to Estimate: ``"base_mass"``, ``"stiffness[medium]"``, ``"force_gain"``, ``"coulomb_friction.level"``, …
-    model : PlantModel
-        Ready for `stepid.simulate`.
-    rms : float
-        m, of measured minus simulated over all samples.
-    noise : float
-        m, noise floor.
-    run_rms : mapping
-        Run name to RMS [m].
-    correlation : array, shape (n, n)
-        Of the free shared parameters, in the order of `parameters`.
-    converged : bool
-    notes : tuple of str
-        What was left out, which run disagrees with the others, whose input is not what the record says, that the fit
-        did not converge.
-    """
-
-    parameters: Mapping[str, Estimate]
-    model: PlantModel
-    rms: NonNegative
-    noise: NonNegative
-    run_rms: Mapping[str, NonNegative]
-    correlation: Matrix
-    converged: bool
-    notes: tuple[str, ...] = ()
-
-    def to_dataframe(self) -> DataFrame:
-        """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""
-        return parameter_frame((n, e.value, e.uncertainty, e.unit) for n, e in self.parameters.items())
 
 
 def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
@@ -172,7 +130,8 @@ def fit(
             f"linear fit leaves {context.linear.rms * 1e6:.3g} µm",
             "Try fewer effects, or look at the records for what the model cannot say.",
         )
-    return report(optimum, wanted, context.floor, notes=_remarks(campaign, context, optimum))
+    found = most_likely(optimum, context.floor)
+    return report(found, wanted, context.floor, notes=_remarks(campaign, context, optimum, found))
 
 
 def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | None:
@@ -214,7 +173,8 @@ def _raced(context: FitContext, effects: tuple[Effect, ...], starts: list[Start]
     return best
 
 
-def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum) -> tuple[str, ...]:
+def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum, found: Optimum) -> tuple[str, ...]:
+    """What to say of a fit: `optimum` with the added masses as they are given, `found` with the most likely ones."""
     out = [
         *screen(campaign).notes,
         *(f.words for f in context.faults if f.run == ALL_RUNS),
@@ -225,13 +185,16 @@ def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum) -> tuple
     fault = find_input_fault(context)
     if fault is not None:
         out.append(fault.words)
-    wrong = fault is None and optimum.rms > _MISFIT * context.floor
+    wrong = fault is None and found.rms > _MISFIT * context.floor
     eccentric = find_eccentricity(optimum, context.floor) if wrong else None
     if eccentric is not None:
         out.append(eccentric.fault.words)
     suspect = find_fault(optimum, context.floor) if wrong and eccentric is None else None
     if suspect is not None:
         out.append(suspect.words)
+    left = left_over(found, context)
+    if left is not None:
+        out.append(left)
     if not optimum.converged:
         out.append(NOT_CONVERGED)
     return tuple(out)
@@ -266,6 +229,8 @@ def unpack(optimum: Optimum, effects: tuple[Effect, ...]) -> PlantModel:
     square = r.weight**2
     keys = [f"{e.name}.{q.name}" for e in effects for q in e.run_parameters]
     own_keys = own_state_names(effects)
+    differs = optimum.local[of.deviations].copy()
+    differs[of.deviation("added_mass") - of.deviations.start] += r.added_mass - [run.added_mass for run in r.runs]
     runs = {}
     for i, (run, piece) in enumerate(zip(r.runs, r.pieces(), strict=True)):
         own = optimum.local[:, i]
@@ -275,7 +240,7 @@ def unpack(optimum: Optimum, effects: tuple[Effect, ...]) -> PlantModel:
             velocity=float(own[1]),
             phases=dict(zip(keys, map(float, own[2 : of.own_states.start]), strict=True)),
             states=dict(zip(own_keys, map(float, own[of.own_states]), strict=True)) if r.moving[i] else {},
-            deviations={q.name: float(d) for q, d in zip(DEVIATIONS, own[of.deviations], strict=True) if d},
+            deviations={q.name: float(d) for q, d in zip(DEVIATIONS, differs[:, i], strict=True) if d},
         )
 
     def by_label(labels: tuple[str, ...], place: slice) -> dict[str, float]:

@@ -150,5 +150,4 @@ def _readable(experiment: Experiment, peak: Peak | None) -> Characteristics:
 
 
 def _join(campaign: Campaign, kept: list[Experiment]) -> tuple[MassOffset, ...]:
-    part = Campaign(name=campaign.name, experiments=tuple(kept), weight_uncertainty=campaign.weight_uncertainty)
-    return part.mass_offsets
+    return campaign.model_copy(update={"experiments": tuple(kept)}).mass_offsets

@@ -52,7 +52,8 @@ def read_campaign(path: str | os.PathLike[str], *, allow_outside: bool = False) 
 
     Notes
     -----
-    Keys of the campaign: ``name`` and, optionally, ``weight_uncertainty`` (kg). Keys of a run (``[[experiment]]``):
+    Keys of the campaign: ``name`` and, optionally, ``weight_uncertainty`` (kg) and ``scale_uncertainty`` (relative).
+    Keys of a run (``[[experiment]]``):
     ``name``, ``file``, ``added_mass`` (kg), ``spring``, ``damper``, ``counts_per_meter``; optionally ``base``,
     ``encoder``, ``sample_time`` (s), ``step = { level = 0.5, start = 0.0 }`` (V, s) where the file has no Control
     Effort, ``input_before`` (V), ``input_between`` (``"held"``, ``"lines"``, ``"smooth"``), ``starts`` (``"auto"``,
@@ -140,6 +141,8 @@ def _render(campaign: Campaign) -> dict[str, bytes]:
         keys["counts_per_meter"] = shared
     if campaign.weight_uncertainty != WEIGHT_UNCERTAINTY:
         keys["weight_uncertainty"] = campaign.weight_uncertainty
+    if campaign.scale_uncertainty:
+        keys["scale_uncertainty"] = campaign.scale_uncertainty
     files: dict[str, bytes] = {}
     runs = []
     for number, experiment in enumerate(campaign.experiments, 1):

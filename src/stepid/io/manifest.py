@@ -17,6 +17,7 @@ from stepid.io.manifest_values import (
     check_number,
     check_positive,
     check_scale,
+    check_share,
     check_starts,
     check_step,
     check_text,
@@ -25,7 +26,11 @@ from stepid.io.readers import Reader
 
 T = TypeVar("T")
 Readers = Mapping[str, Reader]
-CAMPAIGN: Mapping[str, Check] = {"name": check_text, "weight_uncertainty": check_positive}
+CAMPAIGN: Mapping[str, Check] = {
+    "name": check_text,
+    "weight_uncertainty": check_positive,
+    "scale_uncertainty": check_share,
+}
 SHARED: Mapping[str, Check] = {
     "name": check_text,
     "format": check_text,

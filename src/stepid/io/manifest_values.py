@@ -51,6 +51,14 @@ def check_mass(value: object) -> float:
     return number
 
 
+def check_share(value: object) -> float:
+    """A share, 0 or more."""
+    number = check_number(value)
+    if number < 0:
+        raise WantedError("0 or more")
+    return number
+
+
 def check_scale(value: object) -> float:
     """A number other than zero."""
     number = check_number(value)

@@ -35,3 +35,26 @@ def magnitudes(powers: Array, *, mass: float, stiffness: float, gain: float, tra
     base = np.array([force, travel, np.sqrt(mass / stiffness), mass, volts])
     out: Array = np.exp(powers @ np.log(np.maximum(base, 1e-12)))
     return out
+
+
+def lengths(parameters: tuple[Parameter, ...], values: Array) -> Array:
+    """By how much each parameter changes where all lengths are measured longer, shape (n,): its change over theirs.
+
+    A plant's laws know no length but those of its parameters: with positions λ times as long a force, N = kg·m/s², is
+    fitted λ times as large, a stiffness the same, a cubic coefficient λ⁻² times.
+
+    Parameters
+    ----------
+    parameters : tuple of Parameter
+    values : array, shape (n,)
+        Of the parameters, each in its unit; an exponent p stands beside what has it in its unit.
+    """
+    powers = exponents(parameters)
+    power = powers[:, 0] + powers[:, 1]
+    for i, parameter in enumerate(parameters):
+        if parameter.length is not None:
+            power[i] = parameter.length
+        elif "^p" in parameter.unit:  # N·(s/m)^p
+            power[i] = 1.0 - values[i + 1]
+    out: Array = power * values
+    return out

@@ -30,6 +30,8 @@ class Records:
     a parameter. `begin` is the index within the experiment at which each run's samples begin. `weight` (S,) are the
     square roots of the samples' weights. `coefficients` (S, 1), (S, 2) or (S, 4) are the polynomial of the input [V]
     from each sample to the next: held, straight or cubic. Where samples were left out, these are the samples `at` (S,).
+    `added_mass` may differ from what the experiments say, by what a fit found; `weight_uncertainty` [kg] and
+    `scale_uncertainty` are the campaign's.
     """
 
     runs: tuple[Experiment, ...]
@@ -52,6 +54,8 @@ class Records:
     weight: Array
     coefficients: Array
     at: Index | None = None
+    weight_uncertainty: float = 0.0
+    scale_uncertainty: float = 0.0
 
     @property
     def size(self) -> int:
@@ -114,12 +118,18 @@ class Records:
         index = list(keep)
         weight = np.concatenate([self.weight[self.pieces()[i]] for i in index])
         runs = [self.runs[i] for i in index]
-        return _lay(runs, self.moving[index], (self.bases, self.springs, self.dampers), self.begin[index], weight)
+        laid = _lay(runs, self.moving[index], (self.bases, self.springs, self.dampers), self.begin[index], weight)
+        return replace(self._known(laid), added_mass=self.added_mass[index])
 
     def like(self, runs: Sequence[Experiment]) -> Records:
         """Lay out other runs under the same labels."""
         none = np.zeros(len(runs))
-        return _lay(list(runs), none > 0, (self.bases, self.springs, self.dampers), none.astype(np.intp), None)
+        laid = _lay(list(runs), none > 0, (self.bases, self.springs, self.dampers), none.astype(np.intp), None)
+        return self._known(laid)
+
+    def _known(self, laid: Records) -> Records:
+        """Give other records what is known of this campaign's weights and scale."""
+        return replace(laid, weight_uncertainty=self.weight_uncertainty, scale_uncertainty=self.scale_uncertainty)
 
     def repeated(self, count: int) -> Records:
         """Return the same records several times over, as runs of their own."""
@@ -160,7 +170,8 @@ def lay_out(campaign: Campaign) -> Records:
     labels = tuple(tuple(dict.fromkeys(getattr(e, field) for e in runs)) for field in ("base", "spring", "damper"))
     moving = np.array([starts_in_motion(e) for e in runs])
     begin = np.array([release_index(e) if m else 0 for e, m in zip(runs, moving, strict=True)], dtype=np.intp)
-    return _lay(runs, moving, (labels[0], labels[1], labels[2]), begin, None)
+    laid = _lay(runs, moving, (labels[0], labels[1], labels[2]), begin, None)
+    return replace(laid, weight_uncertainty=campaign.weight_uncertainty, scale_uncertainty=campaign.scale_uncertainty)
 
 
 def _coefficients(runs: Sequence[Experiment], begin: Index) -> Array:

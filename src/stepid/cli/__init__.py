@@ -15,6 +15,7 @@ from rich.console import Console
 from rich.text import Text
 
 import stepid  # what takes long to load is loaded by the command that needs it: completion and help are quick
+from stepid.cli.plan import EXAMPLES, plan
 from stepid.errors import IdentificationError, StepidError
 
 if TYPE_CHECKING:
@@ -221,6 +222,9 @@ def diagnose(
             written = sorted(out / path.name for path in folder.iterdir())
     if not as_json:
         _show((), written)
+
+
+app.command(epilog=_examples(*EXAMPLES))(plan)
 
 
 def _effort(name: EffortName) -> Effort:

@@ -1,0 +1,110 @@
+"""`stepid plan`: which runs a guessed plant needs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+import typer
+
+import stepid
+from stepid.errors import InputError
+
+_Value = TypeVar("_Value", int, float)
+EXAMPLES = (
+    "stepid plan -m 0.95 -k 216 -c 12 -g 7.8 --noise 2e-5 --out plan",
+    "stepid plan -m 1 -k 200 -c 9 -g 8 --noise 1e-4 --runs 2,4,6 --check 200",
+)
+
+
+def plan(
+    base_mass: Annotated[float, typer.Option("--base-mass", "-m", help="Guess, kg.", show_default=False)],
+    stiffness: Annotated[float, typer.Option("--stiffness", "-k", help="Guess, N/m.", show_default=False)],
+    damping: Annotated[float, typer.Option("--damping", "-c", help="Guess, N·s/m.", show_default=False)],
+    force_gain: Annotated[float, typer.Option("--force-gain", "-g", help="Guess, N/V.", show_default=False)],
+    noise: Annotated[float, typer.Option("--noise", help="Of the sensor, m.", show_default=False)],
+    masses: Annotated[str, typer.Option("--masses", help="Weights that can be added, kg.")] = "0,0.5,1,1.5,2",
+    levels: Annotated[str, typer.Option("--levels", help="Steps that can be made, V.")] = "0.5,-0.5,0.25",
+    sample_times: Annotated[str, typer.Option("--sample-times", help="s.")] = "0.002,0.005,0.01",
+    runs: Annotated[str, typer.Option("--runs", help="How many one would make.")] = "2,3,4,6,8,12",
+    effects: Annotated[str, typer.Option("--effects", help="That are there, too.", show_default=False)] = "",
+    want: Annotated[
+        str, typer.Option("--want", help="Largest relative standard uncertainties.")
+    ] = "base_mass=0.02,stiffness=0.02,damping=0.02",
+    separate: Annotated[
+        str, typer.Option("--separate", help="Two effects that are to be told apart.", show_default=False)
+    ] = "",
+    duration: Annotated[float | None, typer.Option("--duration", help="Of a record, s.", show_default=False)] = None,
+    travel: Annotated[float | None, typer.Option("--travel", help="Of the cart, m.", show_default=False)] = None,
+    noise_time: Annotated[float, typer.Option("--noise-time", help="Correlation time of the noise, s.")] = 0.0,
+    weight_uncertainty: Annotated[float, typer.Option("--weight-uncertainty", help="Of a 0.5 kg weight, kg.")] = 0.005,
+    check: Annotated[
+        int, typer.Option("--check", metavar="N", help="Simulate the advice so many times, and compare.")
+    ] = 0,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder for text, numbers and picture.", show_default=False),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", metavar="", help="Print JSON instead of text.")] = False,
+) -> None:
+    """Say which runs to make: masses, how many, sample time, size and direction of the steps."""
+    found = stepid.plan(
+        {"base_mass": base_mass, "stiffness": stiffness, "damping": damping, "force_gain": force_gain},
+        noise=noise,
+        masses=_several("--masses", masses, float),
+        levels=_several("--levels", levels, float),
+        sample_times=_several("--sample-times", sample_times, float),
+        runs=_several("--runs", runs, int),
+        effects=_names(effects),
+        wanted=_wants(want),
+        separate=_names(separate) if separate else None,
+        duration=duration,
+        travel=travel,
+        noise_time=noise_time,
+        weight_uncertainty=weight_uncertainty,
+    )
+    values = {"format": 1, "stepid": stepid.__version__, **found.to_dict()}
+    text = found.summary()
+    if check:
+        checked = found.check(check)
+        text = f"{text}\n\n{checked.summary()}"
+        values["check"] = checked.to_dict()
+    typer.echo(json.dumps(values, indent=2, ensure_ascii=False) if as_json else text)
+    if out is not None:
+        _write(found, text, values, out)
+        if not as_json:
+            typer.echo(f"wrote {out}")
+
+
+def _write(found: stepid.Plan, text: str, values: dict[str, object], out: Path) -> None:
+    from stepid import plot
+    from stepid.core.atomic_write import staged
+
+    with staged(out) as folder:
+        (folder / "plan.txt").write_text(text + "\n", encoding="utf-8")
+        (folder / "plan.json").write_text(json.dumps(values, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        plot.save(next(iter(found.plot().values())), folder / "plan.png")
+
+
+def _names(given: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in given.split(",") if name.strip())
+
+
+def _several(flag: str, given: str, kind: Callable[[str], _Value]) -> tuple[_Value, ...]:
+    try:
+        return tuple(kind(part) for part in _names(given))
+    except ValueError:
+        raise InputError(f"{flag} {given!r} is no list of numbers", f"Give for example {flag} 1,2,4.") from None
+
+
+def _wants(given: str) -> dict[str, float]:
+    out = {}
+    for part in _names(given):
+        name, _, share = part.partition("=")
+        try:
+            out[name.strip()] = float(share)
+        except ValueError:
+            raise InputError(f"--want {part!r} says no number", "Give for example --want base_mass=0.02.") from None
+    return out

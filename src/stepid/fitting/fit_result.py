@@ -1,0 +1,102 @@
+"""What a joint fit found: parameters, the model, what is left, and how sure it is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from html import escape
+from typing import TYPE_CHECKING
+
+from stepid.core.base import Matrix, Model, NonNegative
+from stepid.core.estimate import Estimate, format_value
+from stepid.core.frames import parameter_frame
+from stepid.core.tables import html_table, text_table
+from stepid.simulation.model import PlantModel
+
+if TYPE_CHECKING:
+    from stepid.core.frames import DataFrame
+
+
+class Fit(Model):
+    """A joint fit.
+
+    Parameters
+    ----------
+    parameters : mapping
+        Name to Estimate: ``"base_mass"``, ``"stiffness[medium]"``, ``"force_gain"``, ``"coulomb_friction.level"``, …
+    model : PlantModel
+        Ready for `stepid.simulate`.
+    rms : float
+        m, of measured minus simulated over all samples.
+    noise : float
+        m, noise floor.
+    run_rms : mapping
+        Run name to RMS [m].
+    correlation : array, shape (n, n)
+        Of the free shared parameters, in the order of `parameters`.
+    converged : bool
+    notes : tuple of str
+        What was left out, which run disagrees with the others, whose input is not what the record says, that the fit
+        did not converge.
+    """
+
+    parameters: Mapping[str, Estimate]
+    model: PlantModel
+    rms: NonNegative
+    noise: NonNegative
+    run_rms: Mapping[str, NonNegative]
+    correlation: Matrix
+    converged: bool
+    notes: tuple[str, ...] = ()
+
+    def to_dataframe(self) -> DataFrame:
+        """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""
+        return parameter_frame((n, e.value, e.uncertainty, e.unit) for n, e in self.parameters.items())
+
+    def summary(self) -> str:
+        """Return a table: each value ± standard uncertainty, its 95 % interval, and what the uncertainty comes from."""
+        parts = [text_table(*self._table(), title=self._title()), *self.notes]
+        return "\n\n".join(parts)
+
+    def __repr__(self) -> str:
+        named = ", ".join(effect.name for effect in self.model.effects) or "linear"
+        return f"Fit({named}, {len(self.parameters)} parameters, rms {1e6 * self.rms:.4g} µm)"
+
+    __str__ = summary
+
+    def _repr_html_(self) -> str:
+        notes = "".join(f"<p>{escape(note)}</p>" for note in self.notes)
+        return html_table(*self._table(), title=self._title()) + notes
+
+    def _title(self) -> str:
+        named = ", ".join(effect.name.replace("_", " ") for effect in self.model.effects)
+        plant = f"Linear plant with {named}" if named else "Linear plant"
+        return f"{plant}: {1e6 * self.rms:.4g} µm are left, the noise is {1e6 * self.noise:.4g} µm"
+
+    def _table(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+        """Header and rows; of the causes those that there are."""
+        every = self.parameters.values()
+        causes = [cause for cause in _CAUSES if any(cause in e.parts for e in every)]
+        header = ("parameter", "value", "95 % interval", *(_CAUSES[cause] for cause in causes), "unit")
+        rows = []
+        for name, e in self.parameters.items():
+            value = format_value(e.value, e.uncertainty)
+            interval = "not determined" if e.interval is None else _span(e.interval)
+            rows.append((name, value, interval, *(_size(e.parts.get(cause)) for cause in causes), e.unit))
+        return header, rows
+
+
+_CAUSES = {"noise": "by noise", "weights": "by weights", "scale": "by scale"}
+
+
+def _span(interval: tuple[float, float]) -> str:
+    low, high = interval
+    half = 0.5 * (high - low)
+    places = max(0, 1 - math.floor(math.log10(half))) if half > 0 else 6
+    if places > 9:
+        return f"{low:.6g} to {high:.6g}"
+    return f"{low:.{places}f} to {high:.{places}f}"
+
+
+def _size(part: float | None) -> str:
+    return "–" if part is None else f"{part:.2g}"
