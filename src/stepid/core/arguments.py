@@ -41,5 +41,5 @@ def _called(given: object) -> str:
     return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
 
 
-a_run = a(Experiment, "an Experiment: campaign[name] of a campaign")
+a_run = a((str, Experiment), "the name of a run, or the run itself: campaign[name]")
 """Check of an argument `run`."""

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepid.core.arguments import a_run
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.samples import InputBetween, course
@@ -22,10 +23,9 @@ if TYPE_CHECKING:
 
 
 _a_source = a((IdentifiedParameters, PlantModel), "what stepid.identify returns, or a PlantModel, as fit.model")
-_a_run = a((str, Experiment), "the name of a run, or the run itself: campaign[name]")
 
 
-@takes(source=_a_source, run=_a_run)
+@takes(source=_a_source, run=a_run)
 def transfer_function(
     source: IdentifiedParameters | PlantModel, run: str | Experiment, *, catalogue: tuple[Effect, ...] = CATALOGUE
 ) -> control.TransferFunction:
@@ -69,7 +69,7 @@ def transfer_function(
     return control.tf(numerator, denominator, name=system_name(name), inputs="voltage", outputs="position")
 
 
-@takes(source=_a_source, run=_a_run)
+@takes(source=_a_source, run=a_run)
 def state_space(
     source: IdentifiedParameters | PlantModel, run: str | Experiment, *, catalogue: tuple[Effect, ...] = CATALOGUE
 ) -> control.StateSpace:
