@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
 from stepid.core.arguments import as_experiment
 from stepid.core.experiment import Experiment
 from stepid.core.recorded import recorded
@@ -40,6 +45,18 @@ __all__ = [
 ]
 
 
+@contextmanager
+def _computable(experiment: Experiment) -> Iterator[None]:
+    """Say of which run the numbers are that divide by zero or leave the range of numbers: no plant's, but a file's."""
+    try:
+        yield
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise IdentificationError(
+            f"run {experiment.name!r}: its numbers cannot be those of a step response ({error})",
+            "Look at the record: scales and columns, and samples far off the others.",
+        ) from None
+
+
 @takes(peak=a_peak)
 @recorded(peak=InterpolatedPeak)
 def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Characteristics:
@@ -71,9 +88,10 @@ def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Charact
     """
     experiment = as_experiment(experiment)
     how = InterpolatedPeak() if peak is None else peak
-    if experiment.is_release:
-        return release_characteristics(experiment, peak=how)
-    return step_characteristics(experiment, find_steps(experiment)[0], peak=how)
+    with _computable(experiment):
+        if experiment.is_release:
+            return release_characteristics(experiment, peak=how)
+        return step_characteristics(experiment, find_steps(experiment)[0], peak=how)
 
 
 @takes(peak=a_peak)
@@ -105,7 +123,8 @@ def characterize_each(
     found: list[Characteristics | IdentificationError] = []
     for step in find_steps(experiment):
         try:
-            found.append(step_characteristics(experiment, step, peak=how))
+            with _computable(experiment):
+                found.append(step_characteristics(experiment, step, peak=how))
         except IdentificationError as error:
             found.append(error)
     return tuple(found)
