@@ -97,3 +97,19 @@ def of_pictures(m: SimpleNamespace) -> list[Call]:
         (plot.verification, {"run": m.verified["case 1"], "axes": None}),
         (plot.verification_grid, {"verified": m.verified, "columns": 3, "axes": None}),
     ]
+
+
+def of_results(m: SimpleNamespace) -> list[Call]:
+    """What lasts, and what comes before the lab."""
+    m.fitted.save(m.folder / "fit.json")
+    guess = {"base_mass": 0.95, "stiffness": 216.0, "damping": 7.0, "force_gain": 7.8}
+    few: dict[str, Any] = {"masses": (0.0, 1.0), "levels": (0.5,), "sample_times": (0.02,), "runs": (2,)}
+    return [
+        (m.fitted.save, {"path": m.folder / "again.json"}),
+        (stepid.load, {"path": m.folder / "fit.json", "kind": stepid.Fit}),
+        (
+            stepid.plan,
+            {"plant": guess, "noise": 5e-5, **few, "effects": (), "wanted": None, "separate": None, "duration": 2.0}
+            | {"travel": None, "noise_time": 0.0, "weight_uncertainty": 0.005, "catalogue": m.catalogue},
+        ),
+    ]

@@ -22,7 +22,7 @@ import matplotlib.pyplot as plt
 
 import stepid
 from public_calls import Call, made, of_methods, of_models, of_readers
-from public_calls_more import of_bridges, of_classes, of_pictures
+from public_calls_more import of_bridges, of_classes, of_pictures, of_results
 from stepid.core.takes import described
 from stepid.errors import StepidError
 
@@ -89,7 +89,15 @@ def calls(folder: Path) -> list[Call]:
     """Each public function with arguments that are right."""
     folder.mkdir(exist_ok=True)
     m = made(folder)
-    return [*of_models(m), *of_methods(m), *of_readers(m), *of_bridges(m), *of_classes(m), *of_pictures(m)]
+    return [
+        *of_models(m),
+        *of_methods(m),
+        *of_readers(m),
+        *of_bridges(m),
+        *of_classes(m),
+        *of_pictures(m),
+        *of_results(m),
+    ]
 
 
 def attack(folder: Path, count: int, seed: int, *, only: str = "") -> tuple[Counter[str], list[str]]:
