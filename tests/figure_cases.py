@@ -42,6 +42,18 @@ def verified(name: str, mass: float) -> VerificationRun:
     )
 
 
+def measured() -> stepid.Campaign:
+    def run(number: int, mass: float) -> stepid.Experiment:
+        level = 0.5 - 0.12 * number
+        given = {"added_mass": mass - 0.95, "spring": "medium", "damper": "1/2 turn"}
+        u = np.where(0.1 + 0.05 * number <= TIME, level, 0.0)
+        return stepid.Experiment(
+            name=f"case {number + 4}", time=TIME, position=2 * level * step(mass, 14.0), input=u, **given
+        )
+
+    return stepid.Campaign(name="cases 4 to 7", experiments=[run(i, m) for i, m in enumerate((0.95, 1.45, 2.45, 2.95))])
+
+
 def verification() -> Verification:
     return Verification(runs=tuple(verified(f"case {i + 4}", m) for i, m in enumerate((0.95, 1.45, 2.45, 2.95))))
 
@@ -166,6 +178,7 @@ COLUMN_CASES: dict[str, Callable[[], Figure]] = {
     "candidates": lambda: column(lambda a: plot.candidates(D, axes=a)),
 }
 PAGE_CASES: dict[str, Callable[[], Figure]] = {
+    "records": lambda: figure_of(plot.records(measured())[0]),
     "verification_grid": lambda: figure_of(plot.verification_grid(verification(), columns=2)[0, 0]),
     "trend": lambda: figure_of(plot.trend(trends().trends[0])[0]),
     "trends": lambda: figure_of(plot.trends(trends())[0, 0]),

@@ -126,3 +126,19 @@ def test_powers_of_a_length_in_parameters() -> None:
     ]
     assert lengths(by_name["power_damping"], np.array([2.0, 1.5])).tolist() == [-1.0, 0.0]
     assert lengths(by_name["load_proportional_friction"], np.array([0.1])).tolist() == [0.1]
+
+
+def test_friction_that_is_not_there_has_an_interval_from_zero_on() -> None:
+    found = stepid.fit(made(), effects=("coulomb_friction",)).parameters["coulomb_friction.level"]
+    assert found.limits == found.interval
+    assert found.interval is not None
+    assert found.uncertainty is not None
+    low, high = found.interval
+    assert low == 0.0
+    assert 0.5 * found.uncertainty < high - found.value < 6 * found.uncertainty
+
+
+def test_an_interval_is_the_limits_where_there_are_any() -> None:
+    assert stepid.Estimate(value=1.0, uncertainty=0.5).interval == pytest.approx((0.02, 1.98))
+    assert stepid.Estimate(value=1.0, uncertainty=0.5, limits=(0.0, 3.0)).interval == (0.0, 3.0)
+    assert stepid.Estimate(value=1.0).interval is None

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.text import Text
 
 import stepid  # what takes long to load is loaded by the command that needs it: completion and help are quick
+from stepid.cli.init import init, read_records
 from stepid.cli.plan import EXAMPLES, plan
+from stepid.cli.said import Said, taking_answers
+from stepid.cli.terminal import console, examples, showing_a_manifest
 from stepid.errors import IdentificationError, StepidError
 
 if TYPE_CHECKING:
@@ -32,9 +33,16 @@ app = typer.Typer(
     rich_markup_mode="rich",
 )
 
-_Command = TypeVar("_Command", bound=Callable[..., None])
 CampaignFile = Annotated[
     Path, typer.Argument(metavar="CAMPAIGN.toml", help="The campaign's manifest, or its folder.", show_default=False)
+]
+Records = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="CAMPAIGN.toml|FILES...",
+        help="The campaign's manifest, or its folder, or recordings.",
+        show_default=False,
+    ),
 ]
 Out = Annotated[
     Path | None, typer.Option("--out", metavar="DIR", help="Folder for report and figures.", show_default=False)
@@ -58,38 +66,6 @@ Hard = Annotated[
     EffortName, typer.Option("--effort", help="How hard to search: quick, default or thorough.", show_choices=False)
 ]
 
-_MANIFEST = """
-
-CAMPAIGN.toml lists the runs; their files lie beside it. For tables, such as CSV:
-
-[dim]name = "my rig"
-format = "table"         # left out: exports of the ECP program
-time = "time_s"          # the columns, by name or by index from 0
-position = "position_mm"
-position_scale = 0.001   # meters per unit
-# also time_scale (s per unit), skiprows = 3, decimal = ","
-input = "voltage_V"
-spring = "medium"        # runs with the same label share a stiffness
-damper = "none"
-[\\[experiment]]
-name = "run 1"
-file = "run1.csv"
-added_mass = 0.0         # kg
-[\\[experiment]]
-name = "run 2"
-file = "run2.csv"
-added_mass = 0.5[/dim]
-"""
-
-
-def _examples(*lines: str) -> str:
-    return "\n\n".join(["Examples:", *(f"[bold]{line}[/bold]" for line in lines)])
-
-
-def _showing_a_manifest(command: _Command) -> _Command:
-    command.__doc__ = f"{command.__doc__}{_MANIFEST}"  # below the first paragraph, which lists of commands show
-    return command
-
 
 def _version(wanted: bool) -> None:
     if wanted:
@@ -106,7 +82,7 @@ def _root(
     """Identify a mass-spring-damper from its step responses."""
 
 
-@app.command(epilog=_examples("stepid paper", "stepid paper --out out"))
+@app.command(epilog=examples("stepid paper", "stepid paper --out out"))
 def paper(out: Out = None, as_json: Json = False) -> None:
     """Rebuild Burchett's Table 2 and Eqs. 12 to 15 beside the printed ones, name the misprints, draw the figures."""
     from stepid.core.atomic_write import staged
@@ -132,9 +108,9 @@ def paper(out: Out = None, as_json: Json = False) -> None:
 
 
 @app.command(
-    epilog=_examples("stepid identify lab/campaign.toml --out results", "stepid identify lab/campaign.toml --json")
+    epilog=examples("stepid identify lab/campaign.toml --out results", "stepid identify lab/campaign.toml --json")
 )
-@_showing_a_manifest
+@showing_a_manifest
 def identify(campaign: CampaignFile, out: Out = None, allow_outside: Outside = False, as_json: Json = False) -> None:
     """Find masses, stiffness and damping by the paper's method, and verify them against the records."""
     from stepid.core.atomic_write import staged
@@ -169,14 +145,17 @@ def identify(campaign: CampaignFile, out: Out = None, allow_outside: Outside = F
 
 
 @app.command(
-    epilog=_examples(
+    epilog=examples(
         "stepid diagnose lab/campaign.toml --out results",
         "stepid diagnose lab/campaign.toml --effort quick --json",
+        "stepid diagnose run*.csv --added-mass 0,0.5,1.5",
     )
 )
-@_showing_a_manifest
+@taking_answers
+@showing_a_manifest
 def diagnose(
-    campaign: CampaignFile,
+    said: Said,
+    campaign: Records,
     out: Out = None,
     effort: Hard = EffortName.default,
     allow_outside: Outside = False,
@@ -191,9 +170,9 @@ def diagnose(
     from stepid.report.provenance import of_campaign
     from stepid.report.write import write_all
 
-    read = stepid.read_campaign(campaign, allow_outside=allow_outside)
+    read = read_records(campaign, said, allow_outside=allow_outside)
     if not (quiet or as_json):
-        _console(stderr=True).print(_runs(read), markup=False)
+        console(stderr=True).print(_runs(read), markup=False)
     with _progress(lines=not (quiet or as_json), status=not quiet) as tell:
         found = stepid.diagnose(
             read, effort=_effort(effort), progress=lambda stage: tell(f"diagnosing: {stage_line(stage)}")
@@ -224,7 +203,10 @@ def diagnose(
         _show((), written)
 
 
-app.command(epilog=_examples(*EXAMPLES))(plan)
+app.command(epilog=examples("stepid init *.csv", "stepid init *.txt --added-mass 0,0.5,1.5 --counts-per-meter 56000"))(
+    init
+)
+app.command(epilog=examples(*EXAMPLES))(plan)
 
 
 def _effort(name: EffortName) -> Effort:
@@ -236,12 +218,12 @@ def _effort(name: EffortName) -> Effort:
 @contextmanager
 def _progress(*, lines: bool, status: bool) -> Iterator[Callable[[str], None]]:
     """Say on standard error what goes on: a line that changes on a terminal, else plain lines, as logs have them."""
-    console = _console(stderr=True)
-    if console.is_terminal and status:
-        with console.status("") as shown:
+    screen = console(stderr=True)
+    if screen.is_terminal and status:
+        with screen.status("") as shown:
             yield lambda words: shown.update(Text(words))
     else:
-        yield (lambda words: console.print(words, markup=False)) if lines else (lambda _: None)
+        yield (lambda words: screen.print(words, markup=False)) if lines else (lambda _: None)
 
 
 def _runs(campaign: Campaign) -> str:
@@ -261,19 +243,13 @@ def _print_json(values: Any) -> None:
     typer.echo(json.dumps(values, indent=2, ensure_ascii=False))
 
 
-def _console(*, stderr: bool = False) -> Console:
-    # soft_wrap: tables keep their lines, also in a pipe; NO_COLOR: no bold either
-    colors: Literal["auto"] | None = None if os.environ.get("NO_COLOR") else "auto"
-    return Console(stderr=stderr, color_system=colors, highlight=False, soft_wrap=True)
-
-
 def _show(sections: Iterable[Section], written: Sequence[Path]) -> None:
-    console = _console()
+    screen = console()
     for section in sections:
-        console.print(section.title, style="bold", markup=False)
-        console.print(f"{section.body}\n", markup=False)
+        screen.print(section.title, style="bold", markup=False)
+        screen.print(f"{section.body}\n", markup=False)
     for path in written:
-        console.print(f"wrote {path}", style="dim", markup=False)
+        screen.print(f"wrote {path}", style="dim", markup=False)
 
 
 def run(arguments: Sequence[str]) -> int:
@@ -294,6 +270,6 @@ def run(arguments: Sequence[str]) -> int:
     except SystemExit as done:
         return done.code if isinstance(done.code, int) else int(done.code is not None)
     except StepidError as error:
-        _console(stderr=True).print(f"stepid: {error}", style="red", markup=False)
+        console(stderr=True).print(f"stepid: {error}", style="red", markup=False)
         return 2
     return 0

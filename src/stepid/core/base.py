@@ -22,6 +22,8 @@ from pydantic import (
     WithJsonSchema,
 )
 
+from stepid.core.show import HEADER, one_line, rows
+from stepid.core.tables import html_table, text_table
 from stepid.errors import InputError
 
 if TYPE_CHECKING:
@@ -209,6 +211,19 @@ class Model(BaseModel, metaclass=_Meta):
             return super().model_validate_json(json_data, **options)
         except ValidationError as error:
             raise _complain(cls.__name__, None, error) from None
+
+    def summary(self) -> str:
+        """Return a table in plain text."""
+        return text_table(HEADER, rows(self), title=type(self).__name__)
+
+    def __repr__(self) -> str:
+        return one_line(self)
+
+    def __str__(self) -> str:
+        return repr(self)
+
+    def _repr_html_(self) -> str:
+        return html_table(HEADER, rows(self), title=type(self).__name__)
 
     def to_dict(self) -> dict[str, Any]:
         """Return all fields as plain dictionaries, lists, strings and numbers, ready for ``json.dumps``."""

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import BeforeValidator, model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive, Vector
+from stepid.core.collection import Runs
 from stepid.core.frames import make_frame, tidy_frame
 from stepid.core.mass_offset import WEIGHT as WEIGHT
 from stepid.core.mass_offset import WEIGHT_UNCERTAINTY as WEIGHT_UNCERTAINTY
@@ -20,7 +21,6 @@ from stepid.core.slices import stretch
 from stepid.core.takes import described
 from stepid.core.tidy import run_fields
 from stepid.core.units import record
-from stepid.errors import InputError
 
 if TYPE_CHECKING:
     from stepid.core.frames import DataFrame
@@ -198,8 +198,11 @@ def _as_tuple(value: object) -> object:
     return tuple(value) if isinstance(value, list) else value
 
 
-class Campaign(Model):
-    """Runs of one plant under known changes of mass, spring and damper.
+class Campaign(Runs):
+    """Runs of one plant under known changes of mass, spring and damper: a collection of them.
+
+    ``len(campaign)``, ``for run in campaign``, ``campaign["case 4"]``, ``campaign[0]``, ``campaign[1:]``,
+    ``campaign[["case 4", "case 6"]]``, ``campaign + run`` and ``"case 4" in campaign`` do what they do elsewhere.
 
     Parameters
     ----------
@@ -290,11 +293,3 @@ class Campaign(Model):
             If pandas is not installed.
         """
         return tidy_frame(self.experiments)
-
-    def __getitem__(self, name: str) -> Experiment:
-        """Return the run called `name`; InputError names the runs there are."""
-        for experiment in self.experiments:
-            if isinstance(name, str) and experiment.name == name:
-                return experiment
-        names = ", ".join(repr(e.name) for e in self.experiments)
-        raise InputError(f"campaign {self.name!r} has no run {described(name)}", f"Its runs are {names}.")

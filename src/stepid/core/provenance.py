@@ -98,6 +98,14 @@ def made_now(
     )
 
 
+def joined(one: Model, other: object) -> Provenance | None:
+    """Say where `one` comes from after something else was added to it."""
+    told = one.provenance
+    if told is None:
+        return None
+    return told.model_copy(update={"sources": tuple(dict.fromkeys((*told.sources, *sources_of(other))))})
+
+
 def sources_of(data: object) -> tuple[Source, ...]:
     """Files that a campaign, an experiment or a result comes from, each once."""
     sources: list[Source] = []

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -12,10 +10,12 @@ import numpy as np
 from stepid.core.base import Finite, Label, Model, NonNegative, Vector
 from stepid.core.estimate import Estimate
 from stepid.core.experiment import Campaign
-from stepid.core.frames import make_frame, parameter_frame
+from stepid.core.frames import Row, make_frame, parameter_frame
+from stepid.core.latex import parameter_table
 from stepid.diagnosis.differences import Scatter
 from stepid.diagnosis.text import as_html, as_text, one_line
 from stepid.diagnosis.wording import length
+from stepid.diagnosis.written import Written
 from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.model import PlantModel
 
@@ -150,7 +150,7 @@ class Ranked(Model):
     probability: NonNegative = 0.0
 
 
-class Diagnosis(Model):
+class Diagnosis(Written):
     """Whether a linear model is adequate, and if not, what is missing.
 
     Parameters
@@ -221,57 +221,18 @@ class Diagnosis(Model):
 
     def to_dataframe(self) -> DataFrame:
         """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""
-        return parameter_frame((n, e.value, e.uncertainty, e.unit) for n, e in self.parameters.items())
+        return parameter_frame(self._parameter_rows())
+
+    def to_latex(self, *, caption: str | None = None, label: str | None = None) -> str:
+        """Return the parameters as a LaTeX table for siunitx, with a caption as a float; see `stepid.core.latex`."""
+        return parameter_table(self._parameter_rows(), caption=caption, label=label)
+
+    def _parameter_rows(self) -> list[Row]:
+        return [(name, e.value, e.uncertainty, e.unit) for name, e in self.parameters.items()]
 
     def summary(self) -> str:
         """Return the answers to the five questions: noise floor, where, which, is it, what next; with tables."""
         return as_text(self)
-
-    def to_html(self, path: str | os.PathLike[str]) -> Path:
-        """Write the whole story as one page with pictures to point into, which needs no network.
-
-        Parameters
-        ----------
-        path : path-like
-
-        Returns
-        -------
-        pathlib.Path
-            Where it was written.
-
-        Raises
-        ------
-        stepid.errors.InputError
-            If the file cannot be written.
-        stepid.errors.StepidError
-            If a package that it needs is not installed.
-        """
-        from stepid.report.write import write_html
-
-        return write_html(self, path)
-
-    def to_markdown(self, path: str | os.PathLike[str]) -> Path:
-        """Write the whole story as Markdown for a lab notebook, with its pictures as PNG files beside it.
-
-        Parameters
-        ----------
-        path : path-like
-
-        Returns
-        -------
-        pathlib.Path
-            Where the text was written.
-
-        Raises
-        ------
-        stepid.errors.InputError
-            If a file cannot be written.
-        stepid.errors.StepidError
-            If a package that it needs is not installed.
-        """
-        from stepid.report.write import write_markdown
-
-        return write_markdown(self, path)
 
     def __repr__(self) -> str:
         return one_line(self)

@@ -54,6 +54,8 @@ class Uncertain(NamedTuple):
         What the step promises, in 2 ln L.
     level : float
         m, of the noise, or of what the fit leaves.
+    excess : array, shape (n,)
+        Variance by noise over that by white noise of this level.
     """
 
     noise: Array
@@ -63,6 +65,7 @@ class Uncertain(NamedTuple):
     errors: Array
     gain: float
     level: float
+    excess: Array
 
 
 def uncertain(optimum: Optimum, floor: float) -> Uncertain:
@@ -99,6 +102,8 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     root = np.sqrt(excess)
     of_noise = root[:, None] * (np.diag(usable.astype(float)) - of_prior) * root
     noise, weights = (level**2 * inverse @ part @ inverse.T for part in (of_noise, of_prior))
+    white = np.sum((inverse @ (np.diag(usable.astype(float)) - of_prior)) * inverse, axis=1)[:n] * level**2
+    ratio = np.maximum(np.diag(noise)[:n] / np.where(white > 0, white, np.inf), 1.0)
     open_ = np.abs(vt.T * ~usable).max(axis=1) > 1e-3 if not usable.all() else np.zeros(s.size, dtype=bool)
     held = _at_bound(optimum, k)
     target = np.concatenate([pull, -level * prior.found])
@@ -107,7 +112,7 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     step[~held] = np.linalg.lstsq(slope, target, rcond=1e-6)[0]
     gain = float(np.sum((slope @ step[~held]) ** 2)) / level**2
     step /= scale
-    return Uncertain(noise[:n, :n], weights[:n, :n], open_[:n], step[:n], prior.found + step[n:], gain, level)
+    return Uncertain(noise[:n, :n], weights[:n, :n], open_[:n], step[:n], prior.found + step[n:], gain, level, ratio)
 
 
 def _at_bound(optimum: Optimum, more: int) -> npt.NDArray[np.bool_]:

@@ -24,6 +24,7 @@ from stepid.fitting.multistart_cogging import well_starts
 from stepid.fitting.noise_color import colored_floor
 from stepid.fitting.noise_floor import bounded_floor, enough, noise_floor, repeat_notes, weights
 from stepid.fitting.problem import fit_linear
+from stepid.fitting.profile import profiled
 from stepid.fitting.reading_faults import Mask, trust
 from stepid.fitting.record_fault import ALL_RUNS
 from stepid.fitting.run_fault import find_fault
@@ -37,6 +38,7 @@ from stepid.simulation.threads import single_threaded
 _NOISY = 0.05  # of the cost of noise, within which a start need not be bettered
 _AGREE = 2  # further starts that end at the same cost, for it to be taken as the least
 _SAME = 1e-3  # relative difference of costs that are the same
+_NOTABLE, _REACHED = 1.02, 1.05  # times the floor, before and after weights are free within their uncertainty
 _MISFIT = 1.1  # times the floor, beyond which a run may be to blame
 NOT_CONVERGED = "The fit did not converge; what is shown is the best so far."
 
@@ -61,6 +63,10 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
     faults = (*screened.faults, *(hum.fault for hum in hums))
     floor, colored = colored_floor(records, records.position - linear.solved.reading)
     floor = bounded_floor(records, floor, linear.rms, int(linear.problem.free.sum() + linear.problem.active.sum()))
+    if linear.rms > _NOTABLE * floor:
+        known = most_likely(linear, floor)
+        if known.rms <= _REACHED * floor:  # the weights' own uncertainty is all that there is
+            records, linear = known.problem.records, known
     return FitContext(records, linear, floor, workers=workers, faults=faults, colored=colored)
 
 
@@ -131,7 +137,8 @@ def fit(
             "Try fewer effects, or look at the records for what the model cannot say.",
         )
     found = most_likely(optimum, context.floor)
-    return report(found, wanted, context.floor, notes=_remarks(campaign, context, optimum, found))
+    out = report(found, wanted, context.floor, notes=_remarks(campaign, context, optimum, found))
+    return out.model_copy(update={"parameters": profiled(out.parameters, found, wanted, context.floor)})
 
 
 def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | None:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from stepid.core.base import Matrix, Model, NonNegative
 from stepid.core.estimate import Estimate, format_value
-from stepid.core.frames import parameter_frame
+from stepid.core.frames import Row, parameter_frame
+from stepid.core.latex import parameter_table
 from stepid.core.tables import html_table, text_table
 from stepid.simulation.model import PlantModel
 
@@ -51,7 +52,14 @@ class Fit(Model):
 
     def to_dataframe(self) -> DataFrame:
         """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""
-        return parameter_frame((n, e.value, e.uncertainty, e.unit) for n, e in self.parameters.items())
+        return parameter_frame(self._parameter_rows())
+
+    def to_latex(self, *, caption: str | None = None, label: str | None = None) -> str:
+        """Return the parameters as a LaTeX table for siunitx, with a caption as a float; see `stepid.core.latex`."""
+        return parameter_table(self._parameter_rows(), caption=caption, label=label)
+
+    def _parameter_rows(self) -> list[Row]:
+        return [(name, e.value, e.uncertainty, e.unit) for name, e in self.parameters.items()]
 
     def summary(self) -> str:
         """Return a table: each value ± standard uncertainty, its 95 % interval, and what the uncertainty comes from."""

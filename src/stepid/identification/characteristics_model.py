@@ -11,6 +11,7 @@ from pydantic import model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive
 from stepid.core.estimate import format_value
+from stepid.core.latex import parameter_table
 from stepid.core.tables import html_table, text_table
 from stepid.identification.second_order import (
     damped_fraction,
@@ -135,6 +136,12 @@ class Characteristics(Model):
         """Return a table of value ± standard uncertainty with units."""
         table = text_table(("quantity", "value", "unit"), self._rows(), title=f"Characteristics of {self.name!r}")
         return "\n".join([table, *(f"note: {note}" for note in self.notes)])
+
+    def to_latex(self, *, caption: str | None = None, label: str | None = None) -> str:
+        """Return them as a LaTeX table for siunitx, with a caption as a float; see `stepid.core.latex`."""
+        given = ((field, getattr(self, field), unit) for field, unit in _UNITS.items())
+        rows = [(f, value, getattr(self.uncertainty, f), unit) for f, value, unit in given if value is not None]
+        return parameter_table(rows, caption=caption, label=label)
 
     def _rows(self) -> list[tuple[str, str, str]]:
         rows = []

@@ -14,9 +14,11 @@ from stepid.identification.characteristics_model import Characteristics
 from stepid.identification.parameters import IdentifiedParameters, StackedSystem
 from stepid.identification.peak import InterpolatedPeak, Peak, a_peak
 from stepid.identification.pooling import pool_steps
+from stepid.identification.remainder import remainder, warning
 from stepid.identification.solve import a_solver, solve
 from stepid.identification.solvers import Solver, WeightedLeastSquares
 from stepid.identification.stacked import assemble, undetermined_springs
+from stepid.identification.tightness import tighter_by_fit
 
 _VAGUE = 0.1  # relative uncertainty of the natural frequency beyond which a run says nothing
 _LEAST_OVERSHOOT = 0.01  # below it the peak is so flat that the smallest departure from the model moves it far
@@ -84,7 +86,9 @@ def identify_with_system(
     found = solve(system, solver=solver)
     order = [run.name for run in campaign.experiments]
     left_out = dict(sorted(excluded.items(), key=lambda item: order.index(item[0])))
-    fields = found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out}
+    said = (_not_linear(campaign, used), tighter_by_fit(kept, found, campaign.weight_uncertainty))
+    notes = (*found.notes, *(note for note in said if note is not None))
+    fields = found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out, "notes": notes}
     return system, IdentifiedParameters(**fields)
 
 
@@ -147,6 +151,14 @@ def _readable(experiment: Experiment, peak: Peak | None) -> Characteristics:
         return found
     notes = (*found.notes, *(f"a step is left out: {error.cause}" for error in errors))
     return Characteristics(**found.model_dump() | {"uncertainty": found.uncertainty, "notes": notes})
+
+
+def _not_linear(campaign: Campaign, used: dict[str, Characteristics]) -> str | None:
+    """Say that the runs are not those of a linear plant, where they are not."""
+    return warning(
+        remainder(campaign[name], damped_frequency=found.damped_frequency, damping_ratio=found.damping_ratio)
+        for name, found in used.items()
+    )
 
 
 def _join(campaign: Campaign, kept: list[Experiment]) -> tuple[MassOffset, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from html import escape
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -12,7 +13,8 @@ from pydantic import Field, model_validator
 from stepid.core.base import Finite, Label, Matrix, Model, NonNegative, Positive, Vector
 from stepid.core.estimate import Estimate, format_value
 from stepid.core.experiment import MassOffset
-from stepid.core.frames import parameter_frame
+from stepid.core.frames import Row, parameter_frame
+from stepid.core.latex import parameter_table
 from stepid.core.tables import html_table, text_table
 from stepid.core.takes import described
 from stepid.errors import InputError
@@ -119,6 +121,8 @@ class IdentifiedParameters(Model):
     misfit : float or None
         Of the weighted solve: root mean square of its rows over what their uncertainties allow. About 1 where plant and
         labels are as assumed; much more says that the plant is not linear or a label or weight is wrong.
+    notes : tuple of str
+        That more than noise is left of the runs, where it is; whether a joint fit would be tighter by much.
     """
 
     masses: Mapping[str, Positive]
@@ -137,6 +141,7 @@ class IdentifiedParameters(Model):
     covariance_labels: tuple[str, ...] = ()
     solver: str = ""
     misfit: NonNegative | None = None
+    notes: tuple[str, ...] = ()
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -224,11 +229,18 @@ class IdentifiedParameters(Model):
         stepid.errors.MissingPackageError
             If pandas is not installed.
         """
-        return parameter_frame(
+        return parameter_frame(self._parameter_rows())
+
+    def to_latex(self, *, caption: str | None = None, label: str | None = None) -> str:
+        """Return the parameters as a LaTeX table for siunitx, with a caption as a float; see `stepid.core.latex`."""
+        return parameter_table(self._parameter_rows(), caption=caption, label=label)
+
+    def _parameter_rows(self) -> list[Row]:
+        return [
             (f"{group}[{label}]", value, getattr(self.uncertainty, group).get(label), unit)
             for group, unit in _UNITS.items()
             for label, value in getattr(self, group).items()
-        )
+        ]
 
     def summary(self) -> str:
         """Return tables of value ± standard uncertainty: by run, then what the runs share, then what was left out."""
@@ -238,13 +250,14 @@ class IdentifiedParameters(Model):
             ),
             text_table(("shared", "value", "unit"), shared_rows(self)),
             *(f"left out: {name}: {why}" for name, why in self.excluded.items()),
+            *self.notes,
         ]
         if self.misfit is not None and self.misfit > _LARGE_MISFIT:
             parts.append(
                 f"The runs contradict each other {self.misfit:.1f} times more than their uncertainties allow: "
                 "the plant is not linear, or a label or added mass is wrong. The uncertainties hold for a linear one."
             )
-        return "\n\n".join(parts)
+        return "\n\n".join([*parts, *self.notes])
 
     def __repr__(self) -> str:
         springs = ", ".join(f"{label!r}: {value:.4g} N/m" for label, value in self.stiffness.items())
@@ -256,7 +269,8 @@ class IdentifiedParameters(Model):
         out = html_table(_RUN_HEADER, self._runs(), title="Identified parameters")
         out += html_table(("shared", "value", "unit"), shared_rows(self))
         left_out = tuple(self.excluded.items())
-        return out + (html_table(("left out", "why"), left_out) if left_out else "")
+        out += html_table(("left out", "why"), left_out) if left_out else ""
+        return out + "".join(f"<p>{escape(note)}</p>" for note in self.notes)
 
 
 _LARGE_MISFIT = 2.0

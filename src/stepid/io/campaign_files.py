@@ -59,9 +59,9 @@ def read_campaign(path: str | os.PathLike[str], *, allow_outside: bool = False) 
     Effort, ``input_before`` (V), ``input_between`` (``"held"``, ``"lines"``, ``"smooth"``), ``starts`` (``"auto"``,
     ``"rest"``, ``"motion"``), ``columns`` and ``effort_scale``, as in `read_ecp`. With ``format = "table"``:
     ``file`` or ``files``, ``position`` and, optionally, ``time``, ``input``, ``position_scale``, ``time_scale``,
-    ``input_scale``, ``delimiter``, ``decimal``, ``skiprows``, ``start`` and ``stop``, as in `read_table`, and ``run``,
-    one of several side by side, as in `read_tables`. Any key of a run but ``name``, ``file`` and ``files`` may stand
-    above the runs instead, for all of them; a run's own key wins.
+    ``input_scale``, ``delimiter``, ``decimal``, ``skiprows``, ``encoding``, ``sheet``, ``start`` and ``stop``, as in
+    `read_table`, and ``run``, one of several side by side, as in `read_tables`. Any key of a run but ``name``,
+    ``file`` and ``files`` may stand above the runs instead, for all of them; a run's own key wins.
     """
     manifest = as_path(path)
     if os.path.isdir(manifest):  # pathlib's is_dir raises on names that the system refuses
@@ -69,12 +69,25 @@ def read_campaign(path: str | os.PathLike[str], *, allow_outside: bool = False) 
     if not isinstance(allow_outside, bool):
         raise InputError(f"allow_outside is {described(allow_outside)}", "Give True or False.")
     where = str(manifest)
-    keys, runs = parse_manifest(decode(read_bytes(manifest, largest=LARGEST_MANIFEST), where), where, READERS)
+    text = decode(read_bytes(manifest, largest=LARGEST_MANIFEST), where)
+    return campaign_of(text, manifest, allow_outside=allow_outside)
+
+
+def campaign_of(text: str, manifest: Path, *, allow_outside: bool = False) -> Campaign:
+    """Read a campaign from the text of its manifest; files are looked for beside `manifest`, which need not exist."""
+    where = str(manifest)
+    keys, runs = parse_manifest(text, where, READERS)
     experiments = tuple(_read_run(kind, run, manifest, allow_outside=allow_outside) for kind, run in runs)
     try:
         return Campaign(experiments=experiments, **keys)
     except InputError as error:
         raise InputError(f"{where}: {error.cause}", error.remedy) from None
+
+
+@recorded()
+def read_as(text: str, manifest: Path) -> Campaign:
+    """Read a campaign like `campaign_of`, from wherever its files are; it knows the files that it comes from."""
+    return campaign_of(text, manifest, allow_outside=True)
 
 
 def named_files(run: Mapping[str, Any]) -> tuple[str, ...]:

@@ -18,13 +18,14 @@ from stepid.io.plain_table import Places, parse_plain
 from stepid.io.textfile import (
     common_width,
     decode,
+    decode_as,
     is_name,
     is_number,
     parse_numbers,
     read_bytes,
-    read_lines,
     split_lines,
 )
+from stepid.io.workbook import is_workbook, workbook_lines
 
 _REPAIR = (
     "Restore the line, or remove it if it holds no readings: one line of names may come first, skiprows = … leaves out "
@@ -43,13 +44,25 @@ class Layout:
     """How delimited text is laid out.
 
     `delimiter` None is the first found of tab, semicolon, comma and blanks; `decimal` is the decimal mark, `skiprows`
-    the number of lines to leave out above the header, `used` the columns that are read, by name or index.
+    the number of lines to leave out above the header, `used` the columns that are read, by name or index; `encoding`
+    None is UTF-8, `sheet` None the first of a workbook; what stands below row `stop` is not looked at.
     """
 
     delimiter: str | None
     decimal: str
     skiprows: int
     used: Sequence[object]
+    encoding: str | None = None
+    sheet: str | None = None
+    stop: int | None = None
+
+    def lines(self, raw: bytes, where: str) -> list[str]:
+        """Lines of a file's bytes; the rows of a workbook come with tabs between their cells."""
+        if is_workbook(raw):
+            return workbook_lines(raw, where, self.sheet)
+        if self.sheet is not None:
+            raise InputError(f"{where}: is no workbook, so it has no sheet {self.sheet!r}", "Leave sheet out.")
+        return split_lines(decode_as(raw, where, self.encoding))
 
     def check(self, where: str) -> None:
         """Refuse a layout that cannot be; InputError names the argument."""
@@ -61,6 +74,9 @@ class Layout:
             raise InputError(f"{where}: decimal is {described(self.decimal)}", 'Give "." or ",".')
         if self.decimal == self.delimiter:
             raise InputError(f"{where}: delimiter and decimal are both {self.decimal!r}", "Correct one of them.")
+        for label, text in (("encoding", self.encoding), ("sheet", self.sheet)):
+            if text is not None and (not isinstance(text, str) or not text or "\0" in text):
+                raise InputError(f"{where}: {label} is {described(text)}", "Give its name as text.")
         if type(self.skiprows) is not int or not 0 <= self.skiprows < 10**9:
             raise InputError(
                 f"{where}: skiprows is {described(self.skiprows)}", "Give the number of lines above the header."
@@ -115,12 +131,14 @@ def parse_table(file: Path, layout: Layout) -> Table:
     where = str(file)
     raw = read_bytes(file)
     plain = _plain(raw, layout, where)
-    return _parse(split_lines(decode(raw, where)), layout, where) if plain is None else plain
+    return _parse(layout.lines(raw, where), layout, where) if plain is None else plain
 
 
 def _plain(raw: bytes, layout: Layout, where: str) -> Table | None:
     """Parse a file of which all but the first lines are rows of plain numbers, fast; None where it is another."""
     end = 0
+    if layout.encoding is not None or layout.sheet is not None or layout.stop is not None or is_workbook(raw):
+        return None
     for _ in range(layout.skiprows + _HEAD):
         end = raw.find(b"\n", end) + 1
         if end == 0:
@@ -166,6 +184,9 @@ def _parse(lines: Sequence[str], layout: Layout, where: str) -> Table:
         names, rows, body = tuple(rows[0]), rows[1:], body[1:]
     if not rows:
         raise InputError(f"{where}: holds a header and no rows", "Export the record again.")
+    if layout.stop is not None and layout.stop > 0:
+        last = _last_row(rows, layout.stop, layout.decimal)
+        rows, body = rows[:last], body[:last]
     labels = names
     if not names or not any(len(row) == len(names) for row in rows):
         width = common_width(rows)
@@ -199,7 +220,7 @@ def _parse(lines: Sequence[str], layout: Layout, where: str) -> Table:
 
 def header(file: Path, layout: Layout) -> tuple[str, ...]:
     """Names of a file's columns, () where it has no header; InputError where it has no line."""
-    lines = [line for line in read_lines(file)[layout.skiprows :] if line.strip()]
+    lines = [line for line in layout.lines(read_bytes(file), str(file))[layout.skiprows :] if line.strip()]
     body = [line.strip(" ") for line in lines if not line.lstrip().startswith(("#", "%"))]
     if not body:
         raise InputError(f"{file}: holds no rows of numbers", "Export the record again.")
@@ -234,6 +255,13 @@ def _own_rows(rows: Sequence[Sequence[str]], own: Sequence[int]) -> int:
             return last
         last -= 1
     return last or len(rows)
+
+
+def _last_row(rows: Sequence[Sequence[str]], stop: int, decimal: str) -> int:
+    """Where the first line below row `stop` is none of the table, such as a mean or a remark."""
+    width = common_width(rows)
+    below = range(stop, len(rows))
+    return next((i for i in below if len(rows[i]) != width or not _is_reading(rows[i][0], decimal)), len(rows))
 
 
 def _cells(text: str, separator: str | None) -> list[str]:

@@ -198,11 +198,14 @@ def render_manifest(campaign: Mapping[str, object], experiments: Sequence[Mappin
 
 
 def _lines(keys: Mapping[str, object]) -> str:
-    return "".join(f"{key} = {_toml(value)}\n" for key, value in keys.items())
+    return "".join(f"{key} = {toml_value(value)}\n" for key, value in keys.items())
 
 
-def _toml(value: object) -> str:
+def toml_value(value: object) -> str:
+    """Write a text, a number or a table of such as TOML."""
     if isinstance(value, str):
         # JSON's escapes are TOML's, except that TOML wants DEL escaped, too
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {toml_value(one)}" for key, one in value.items()) + " }"
     return repr(value)

@@ -102,6 +102,8 @@ class TableReader:
             "delimiter": check_text,
             "decimal": check_decimal,
             "skiprows": check_whole,
+            "encoding": check_text,
+            "sheet": check_text,
             "start": check_whole,
             "stop": check_whole,
             "run": check_text,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -46,10 +47,12 @@ def read_table(
     delimiter: str | None = None,
     decimal: str = ".",
     skiprows: int = 0,
+    encoding: str | None = None,
+    sheet: str | None = None,
     start: int = 0,
     stop: int | None = None,
 ) -> Experiment:
-    """Read a record from delimited text.
+    """Read a record from delimited text, or from a sheet of a workbook.
 
     Lines that start with ``#`` or ``%`` are comments. A first line that holds anything but numbers names the columns.
 
@@ -95,6 +98,11 @@ def read_table(
         The decimal mark, ``"."`` or ``","``, as pandas has it.
     skiprows : int
         Lines to leave out at the start of each file, above its header or first row.
+    encoding : str, optional
+        Of the text, as Python names it: ``"utf-16"``, ``"cp1252"``; UTF-8 by default.
+    sheet : str, optional
+        Of a workbook (``.xlsx``), the first by default. Its cells are read as they are stored: decimal marks do not
+        matter.
     start, stop : int
         Rows to keep, counted from 0 over the joined files, `stop` not included: for stretches in which the plant
         was switched off.
@@ -121,8 +129,10 @@ def read_table(
         check_number(label, number, where)
     scales = {"position": position_scale, "time": time_scale, "input": input_scale}
     check_scales({"position": position, "time": time, "input": input}, scales, where)
-    layout = Layout(delimiter, decimal, skiprows, (time, position, input))
+    layout = Layout(delimiter, decimal, skiprows, (time, position, input), encoding, sheet)
     layout.check(where)
+    if len(files) == 1 and type(stop) is int:  # below the last row that is kept there may be anything
+        layout = replace(layout, stop=stop)
     table = join_tables([parse_table(file, layout) for file in files])
     kept = _stretch(start, stop, len(table.places), where)
     table = Table(table.names, table.values[kept], table.places[kept])

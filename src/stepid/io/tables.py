@@ -34,6 +34,8 @@ def read_tables(
     delimiter: str | None = None,
     decimal: str = ".",
     skiprows: int = 0,
+    encoding: str | None = None,
+    sheet: str | None = None,
     **shared: Any,
 ) -> tuple[Experiment, ...]:
     """Read all runs of a table that holds several side by side, told apart by the names of its columns.
@@ -54,7 +56,7 @@ def read_tables(
         kg, of all runs, or by the name of the run.
     spring, damper, base : str or mapping
         Labels of all runs, or by the name of the run.
-    delimiter, decimal, skiprows
+    delimiter, decimal, skiprows, encoding, sheet
         As in `read_table`.
     **shared
         All else that `read_table` takes: ``position_scale``, ``sample_time``, ….
@@ -71,7 +73,7 @@ def read_tables(
     """
     files = as_files(paths)
     where = str(files[0])
-    layout = Layout(delimiter, decimal, skiprows, ())
+    layout = Layout(delimiter, decimal, skiprows, (), encoding, sheet)
     layout.check(where)
     if not isinstance(position, str):
         raise InputError(f"{where}: position is {described(position)}", 'Give what the columns have in common: "x".')
@@ -105,6 +107,8 @@ def read_tables(
             delimiter=delimiter,
             decimal=decimal,
             skiprows=skiprows,
+            encoding=encoding,
+            sheet=sheet,
             **{field: _of(given, title, titles, field, where) for field, given in by_run.items()},
             **shared,
         )

@@ -46,6 +46,31 @@ def read_lines(path: Path) -> list[str]:
     return split_lines(decode(read_bytes(path), str(path)))
 
 
+def decode_as(raw: bytes, where: str, encoding: str | None) -> str:
+    """Decode text of a table in an encoding that Python knows, UTF-8 where it is None; errors name the key."""
+    if encoding is None:
+        try:
+            return decode(raw, where)
+        except InputError as error:
+            if "UTF" not in error.cause:
+                raise
+            likely = "utf-16" if "UTF-16" in error.cause else "cp1252"
+            raise InputError(
+                error.cause, f'Give encoding = "{likely}" if that is how it was written, or save it as UTF-8.'
+            ) from None
+    try:
+        text = raw.decode(encoding)
+    except LookupError:
+        raise InputError(
+            f"{where}: encoding is {encoding!r}", 'Give one that Python knows: "utf-8", "utf-16", "cp1252".'
+        ) from None
+    except UnicodeError as error:
+        raise InputError(f"{where}: is not {encoding} text ({error})", "Correct encoding.") from None
+    if not text.strip():
+        raise InputError(f"{where}: is empty", "Export the record again.")
+    return text.removeprefix("\ufeff")
+
+
 def split_lines(text: str) -> list[str]:
     """Split text at CR LF, LF or CR alone."""
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")

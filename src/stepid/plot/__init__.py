@@ -4,6 +4,7 @@ from stepid.plot.causes import candidates, force_against_position, force_against
 from stepid.plot.diagnosis_page import diagnosis
 from stepid.plot.gap import gap_bars, gap_residual, gap_response, gap_runs
 from stepid.plot.paper import paper_figure
+from stepid.plot.records import records
 from stepid.plot.responses import residual, response, verification, verification_grid
 from stepid.plot.style import save
 from stepid.plot.trend_panels import trend, trends
@@ -19,6 +20,7 @@ __all__ = [
     "gap_runs",
     "paper_figure",
     "phase_bars",
+    "records",
     "residual",
     "response",
     "save",

@@ -32,33 +32,34 @@ def markdown(d: Diagnosis, hand: Hand, provenance: Provenance, files: Mapping[st
     -------
     str
     """
-    parts = [f"# {_plain(d.campaign)}: diagnosis", f"**{_plain(answer(d))}**"]
+    parts = [f"# {plain(d.campaign)}: diagnosis", f"**{plain(answer(d))}**"]
     for number, chapter in enumerate(tell(d, hand, provenance), 1):
-        parts.append(f"## {number}. {_plain(chapter.title)}")
+        parts.append(f"## {number}. {plain(chapter.title)}")
         parts += _body(chapter, files)
     return "\n\n".join(parts) + "\n"
 
 
 def _body(chapter: Chapter, files: Mapping[str, str]) -> list[str]:
-    parts = [_plain(chapter.lead)] if chapter.lead else []
+    parts = [plain(chapter.lead)] if chapter.lead else []
     if chapter.points:
-        parts.append("\n".join(f"- {_plain(point)}" for point in chapter.points))
+        parts.append("\n".join(f"- {plain(point)}" for point in chapter.points))
     shown = [picture for picture in chapter.pictures if picture.still in files]
-    parts += [f"![{_plain(picture.alt)}]({quote(files[picture.still])})" for picture in shown]
+    parts += [f"![{plain(picture.alt)}]({quote(files[picture.still])})" for picture in shown]
     for table in chapter.tables:
-        parts += [f"**{_plain(table.caption)}**", _table(table)]
+        parts += [f"**{plain(table.caption)}**", markdown_table(table)]
     return parts
 
 
-def _table(table: Table) -> str:
+def markdown_table(table: Table) -> str:
+    """Write a table in the common (GitHub) form."""
     rule = [":--" if i == 0 or i in table.words else "--:" for i in range(len(table.header))]
     return "\n".join(f"| {' | '.join(cells)} |" for cells in (_cells(table.header), rule, *map(_cells, table.rows)))
 
 
 def _cells(cells: tuple[str, ...]) -> list[str]:
-    return [_plain(cell) for cell in cells]
+    return [plain(cell) for cell in cells]
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
     """Escape markup; a text stays on its line."""
     return _MARKUP.sub(r"\\\1", " ".join(text.split()))

@@ -11,12 +11,13 @@ from tempfile import TemporaryDirectory
 
 from stepid.core.atomic_write import staged
 from stepid.diagnosis.result import Diagnosis
-from stepid.errors import StepidError
-from stepid.io.textfile import as_path
+from stepid.errors import InputError, StepidError
+from stepid.io.textfile import as_path, decode, read_bytes
 from stepid.report.hand import Hand, by_hand, pictured
 from stepid.report.markdown import markdown
 from stepid.report.provenance import Provenance, of_diagnosis
 
+_KINDS = (".md", ".tex")
 _EXTRAS = {"jinja2": "report", "markupsafe": "report", "plotly": "report", "matplotlib": "plot"}
 
 
@@ -33,6 +34,32 @@ def write_markdown(diagnosis: Diagnosis, path: str | os.PathLike[str]) -> Path:
     target = as_path(path)
     with staged(target.parent) as folder, _installed():
         _put(diagnosis, of_diagnosis(diagnosis), note=folder / target.name)
+    return target
+
+
+def write_lab_report(
+    diagnosis: Diagnosis, path: str | os.PathLike[str], *, template: str | os.PathLike[str] | None = None
+) -> Path:
+    """Write a lab report with pictures beside it; see `stepid.Diagnosis.to_lab_report`."""
+    target = as_path(path)
+    if target.suffix not in _KINDS:
+        raise InputError(f"{target}: a lab report ends in .md or .tex", "Choose by the ending: Markdown or LaTeX.")
+    own = None if template is None else (file := as_path(template), decode(read_bytes(file), str(file)))[1]
+    with staged(target.parent) as folder, _installed():
+        from stepid.plot.book import save_all
+        from stepid.report.lab_report import lab_report
+        from stepid.report.still import stills
+
+        hand = hand_of(diagnosis)
+        drawn = stills(diagnosis, pictured(diagnosis, hand))
+        files = {name: f"{target.stem}-{name}.png" for name in drawn}
+        told = of_diagnosis(diagnosis)
+        text = lab_report(diagnosis, hand, told, kind=target.suffix, files=files, template=own)
+        with TemporaryDirectory() as scratch:
+            save_all(drawn, Path(scratch), dots={"png": 200})
+            for name, picture in files.items():
+                shutil.move(Path(scratch) / f"{name}.png", folder / picture)
+        (folder / target.name).write_text(text, encoding="utf-8")
     return target
 
 

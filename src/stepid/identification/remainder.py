@@ -1,0 +1,165 @@
+"""What the best linear response of each run alone leaves of it: noise, or a law that the method does not know."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.core.experiment import Experiment
+from stepid.core.noise import apparent_resolution, noise_level
+from stepid.core.releases import release_index
+
+_MORE = 1.2  # times the noise, beyond which more than noise is left
+_SLOW = 6.0  # standard deviations by which means over a tenth of a period exceed those of noise
+_ROUNDS = 8  # Gauss–Newton steps
+_STEP = 1e-6  # relative, of a forward difference
+_SETTLED = 1e-7  # relative change at the end
+_STILL = 0.3  # of the noise, a swing that no longer counts
+_ENOUGH = 6  # means that say how noise averages out
+_COUNTS = 0.6  # of the resolution, noise below which the errors of rounding are no noise
+
+
+class Remainder(NamedTuple):
+    """What a linear response leaves of one run.
+
+    Parameters
+    ----------
+    square, noise : float
+        m², sum of squares that is left, and that noise would leave.
+    means : float
+        Sum of squares of the means over a tenth of a period, over what noise would leave; 0 where rounding hides it.
+    samples, blocks : int
+        How many of each, less what was fitted.
+    """
+
+    square: float
+    noise: float
+    means: float
+    samples: int
+    blocks: int
+
+
+def remainder(run: Experiment, *, damped_frequency: float, damping_ratio: float) -> Remainder | None:
+    """Fit a linear second-order response to one run: frequency, decay, gain, rest, and of a release its start.
+
+    Parameters
+    ----------
+    run : Experiment
+    damped_frequency, damping_ratio : float
+        rad/s and –, where to start.
+
+    Returns
+    -------
+    Remainder or None
+        None where the input is not held between its samples, or the fit does not settle.
+    """
+    if run.input_between != "held" or not 0 < damping_ratio < 1:
+        return None
+    first = release_index(run) if run.is_release else 0
+    time, y = run.time[first:] - run.time[first], run.position[first:]
+    decay = damped_frequency * damping_ratio / math.sqrt(1 - damping_ratio**2)
+    found = _fitted(run, time, y, np.array([decay, damped_frequency]))
+    if found is None:
+        return None
+    rates, residual, fitted = found
+    grid = run.resolution or apparent_resolution(y) or 0.0
+    noise = noise_level(residual, resolution=grid)
+    period = 2 * math.pi / rates[1]
+    width = max(2, round(0.1 * period / run.sample_time))
+    last = np.flatnonzero(np.diff(run.input[first:]))
+    begin = int(last[-1]) + 1 if last.size else 0
+    swing = np.exp(-rates[0] * (time - time[begin])) * np.ptp(fitted)
+    tail = residual[(np.arange(y.size) > begin) & (swing < _STILL * noise)]
+    usual = noise**2 / width
+    if tail.size >= _ENOUGH * width:  # at rest one sees how noise averages out, whatever its color
+        still = _means(tail - tail.mean(), width)
+        usual = max(usual, float(np.sum(still**2)) / (still.size - 1))
+        noise = max(noise, float(np.std(tail)))
+    means = _means(residual, width)
+    hidden = grid > 0 and noise < _COUNTS * grid
+    count = 0 if hidden else max(means.size - 2, 0)
+    lost = 5 if run.is_release else 4
+    return Remainder(
+        square=float(residual @ residual),
+        noise=noise**2 * (y.size - lost),
+        means=float(np.sum(means**2)) / usual * (count > 0),
+        samples=y.size - lost,
+        blocks=count,
+    )
+
+
+def _means(values: Array, width: int) -> Array:
+    blocks = values.size // width
+    out: Array = values[: blocks * width].reshape(blocks, width).mean(axis=1)
+    return out
+
+
+def _fitted(run: Experiment, time: Array, y: Array, rates: Array) -> tuple[Array, Array, Array] | None:
+    """Decay rate and frequency [1/s, rad/s], residual and response [m]; what is linear is projected out."""
+    residual, response = _projected(run, time, y, rates)
+    for _ in range(_ROUNDS):
+        slope = np.empty((y.size, 2))
+        for i in range(2):
+            there = rates.copy()
+            there[i] += _STEP * rates[1]
+            slope[:, i] = (_projected(run, time, y, there)[0] - residual) / (_STEP * rates[1])
+        step = -np.linalg.lstsq(slope, residual, rcond=None)[0]
+        length = 1.0
+        while length > 1e-3:
+            there = rates + length * step
+            if there[0] > 0 and there[1] > 0:
+                ahead = _projected(run, time, y, there)
+                if ahead[0] @ ahead[0] <= residual @ residual:
+                    break
+            length /= 2
+        else:
+            return rates, residual, response
+        rates, (residual, response) = there, ahead
+        if np.abs(length * step).max() < _SETTLED * rates[1]:
+            return rates, residual, response
+    return rates, residual, response
+
+
+def _projected(run: Experiment, time: Array, y: Array, rates: Array) -> tuple[Array, Array]:
+    """Residual and response with decay rate and frequency given: rest, gain or start by linear least squares."""
+    decay, frequency = rates
+    shrink = np.exp(-decay * time)
+    cosine, sine = shrink * np.cos(frequency * time), shrink * np.sin(frequency * time)
+    basis = [np.ones(time.size)]
+    if run.is_release:
+        basis += [cosine, sine]
+    else:
+        size = 2 * time.size
+        change = np.diff(run.input, prepend=run.input_before)
+        answer = np.fft.rfft(1.0 - cosine - decay / frequency * sine, size)
+        basis.append(np.fft.irfft(np.fft.rfft(change, size) * answer, size)[: time.size])
+    matrix = np.stack(basis, axis=1)
+    response = matrix @ np.linalg.lstsq(matrix, y, rcond=None)[0]
+    return y - response, response
+
+
+def warning(found: Iterable[Remainder | None]) -> str | None:
+    """Say in one sentence that more than noise is left of the runs together; None where it is noise.
+
+    Parameters
+    ----------
+    found : iterable of Remainder or None
+    """
+    known = [r for r in found if r is not None]
+    if not known:
+        return None
+    samples, blocks = sum(r.samples for r in known), sum(r.blocks for r in known)
+    left = math.sqrt(sum(r.square for r in known) / samples)
+    noise = math.sqrt(sum(r.noise for r in known) / samples)
+    slow = (sum(r.means for r in known) - blocks) / math.sqrt(2.0 * max(blocks, 1))
+    if left <= _MORE * noise and slow <= _SLOW:
+        return None
+    return (
+        f"The best linear response of each run leaves {1e6 * left:.3g} µm, and the noise is {1e6 * noise:.3g} µm: the "
+        "uncertainties hold for a linear plant, and the true values may lie far outside of them; stepid.diagnose looks "
+        "for the cause."
+    )

@@ -1,0 +1,262 @@
+"""What people say about drafts, and what they still have to say."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.core.experiment import WEIGHT
+from stepid.errors import InputError
+from stepid.io.ecp import FEWEST
+from stepid.io.guess.draft import ROLES, USUAL, Draft, Found
+from stepid.io.guess.words import COUNTS, SCALES, unit_for
+
+SAID = "as you said"
+MARK = "?"
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What was said, by flags or to questions; None where nothing was.
+
+    Masses are in kg, `sample_time` in s, `step` in V; units are spelled as in `SCALES` or SI units per unit.
+    """
+
+    added_mass: tuple[float, ...] | None = None
+    weight: float | None = None
+    position_unit: str | None = None
+    counts_per_meter: float | None = None
+    time_unit: str | None = None
+    sample_time: float | None = None
+    input_unit: str | None = None
+    step: float | None = None
+    spring: tuple[str, ...] | None = None
+    damper: tuple[str, ...] | None = None
+
+
+class Question(NamedTuple):
+    """What is open: the field of `Answers` (or ``"position"``, a column), the question, the runs that it is about."""
+
+    key: str
+    text: str
+    runs: tuple[str, ...]
+    default: str = ""
+
+
+def with_answers(drafts: Sequence[Draft], answers: Answers) -> tuple[Draft, ...]:
+    """Put what was said into drafts; InputError where it cannot be meant."""
+    masses = _each(answers.added_mass, len(drafts), "added_mass")
+    springs, dampers = (_each(getattr(answers, key), len(drafts), key) for key in ("spring", "damper"))
+    out = [
+        _signed(_with_times(_with_units(_with_labels(draft, mass, spring, damper, answers), answers), answers))
+        for draft, mass, spring, damper in zip(drafts, masses, springs, dampers, strict=True)
+    ]
+    directions = {draft.falling for draft in out if _tells_direction(draft)}
+    # one encoder, one sign: a single run that seems to go the other way is no proof of it
+    falling = directions == {True} or _said_to_fall(answers)
+    return tuple(draft.having(falling=falling) for draft in out)
+
+
+def open_questions(drafts: Sequence[Draft]) -> tuple[Question, ...]:
+    """List what no file tells and nobody has said, in the order in which to ask."""
+    tables = [d for d in drafts if d.format == "table"]
+
+    def about(*which: Draft) -> tuple[str, ...]:
+        return tuple(d.name for d in which)
+
+    found = [
+        Question(
+            "position",
+            f"Which column is the position ({', '.join(next((d.choices for d in drafts if d.choices), ()))}; "
+            '"all" if each is a run)?',
+            about(*(d for d in tables if "position" not in d.columns)),
+        ),
+        Question(
+            "time_unit",
+            "In which unit is the time: s, ms or us?",
+            about(*(d for d in tables if "time" in d.columns and d.scale("time") is None)),
+        ),
+        Question(
+            "sample_time",
+            "How many seconds are two samples apart?",
+            about(*(d for d in drafts if _needs_sample_time(d))),
+        ),
+        Question(
+            "position_unit",
+            "In which unit is the position: m, cm, mm, um, deg, rad or counts?",
+            about(*(d for d in tables if "position" in d.columns and _open_unit(d, "position"))),
+        ),
+        Question(
+            "counts_per_meter",
+            "How many counts are one meter?",
+            about(*(d for d in drafts if _is_counts(d, "position"))),
+        ),
+        Question(
+            "input_unit",
+            "In which unit is the input: V, mV, N, A, or how many volts is one of its units?",
+            about(*(d for d in drafts if "input" in d.columns and d.scale("input") is None)),
+        ),
+        Question(
+            "step",
+            "How large was the step of the input in V (0: the cart was let go)?",
+            about(*(d for d in drafts if "input" not in d.columns and d.step is None and not d.release)),
+        ),
+        Question(
+            "weight",
+            "How many kg is one weight?",
+            about(*(d for d in drafts if d.mass is None and d.weights is not None)),
+            f"{WEIGHT:g}",
+        ),
+    ]
+    unknown = [d for d in drafts if d.mass is None and d.weights is None]
+    if unknown:
+        names = ", ".join(d.name for d in drafts)
+        text = f"Which masses were added, in kg ({names})?" if len(drafts) > 1 else "Which mass was added, in kg?"
+        found.append(Question("added_mass", text, about(*unknown), "0" if len(drafts) == 1 else ""))
+    return tuple(question for question in found if question.runs)
+
+
+def check_unit(role: str, said: str) -> str | float:
+    """Return a unit as `SCALES` spells it, or SI units per unit; InputError where it is neither."""
+    known = unit_for(said, role)
+    if known is not None:
+        return known
+    try:
+        scale = float(said.replace(",", "."))
+    except ValueError:
+        scale = 0.0
+    if scale == 0 or not np.isfinite(scale):
+        listed = ", ".join((*SCALES[role], *((COUNTS,) if role == "position" else ())))
+        raise InputError(
+            f"{said!r} is no unit of the {role}", f"Give one of {listed}, or SI units per unit as a number."
+        )
+    return scale
+
+
+def _each(said: Sequence[object] | None, runs: int, key: str) -> list[object]:
+    if said is None:
+        return [None] * runs
+    if len(said) not in (1, runs):
+        raise InputError(
+            f"{key} has {len(said)} values for {runs} runs", "Give one value a run, in their order, or one for all."
+        )
+    return [said[0]] * runs if len(said) == 1 else list(said)
+
+
+def _with_labels(draft: Draft, mass: object, spring: object, damper: object, answers: Answers) -> Draft:
+    weights = draft.weights
+    if isinstance(mass, float):
+        if not (np.isfinite(mass) and mass >= 0):
+            raise InputError(f"added_mass is {mass:g} kg", "Give 0 or more.")
+        draft = draft.having(mass=Found(mass, SAID))
+    elif draft.mass is None and weights is not None:
+        if answers.weight is not None:
+            draft = draft.having(mass=Found(weights * answers.weight, f"{weights} × {answers.weight:g} kg"))
+        elif draft.format == "ecp":  # the plant's own weights
+            draft = draft.having(mass=Found(weights * WEIGHT, f"{weights} × {WEIGHT:g} kg, {USUAL}"))
+    if isinstance(spring, str):
+        draft = draft.having(spring=Found(spring, SAID))
+    return draft.having(damper=Found(damper, SAID)) if isinstance(damper, str) else draft
+
+
+def _with_units(draft: Draft, answers: Answers) -> Draft:
+    """Units that were said go before those that were found."""
+    units, scales = dict(draft.units), dict(draft.scales)
+    for role in ROLES:
+        said = getattr(answers, f"{role}_unit")
+        if said is None or role not in draft.columns or draft.format == "ecp":
+            continue
+        unit = check_unit(role, said)
+        if isinstance(unit, str):
+            units[role] = Found(unit, SAID)
+            scales.pop(role, None)
+        else:
+            scales[role] = Found(abs(unit) if role == "position" else unit, SAID)
+    counts = answers.counts_per_meter
+    if counts is not None and not (np.isfinite(counts) and counts != 0):
+        raise InputError(f"counts_per_meter is {counts:g}", "Give the counts of one meter.")
+    found = units.get("position")
+    if counts is not None and found is not None and found.value == COUNTS:
+        scales["position"] = Found(1 / abs(counts), SAID)  # its sign is that of `falling`
+    return draft.having(units=units, scales=scales)
+
+
+def _with_times(draft: Draft, answers: Answers) -> Draft:
+    """Sample time and step where no column has them."""
+    period, level = answers.sample_time, answers.step
+    if period is not None:
+        if not (np.isfinite(period) and period > 0):
+            raise InputError(f"sample_time is {period:g} s", "Give a positive number of seconds.")
+        if draft.format == "ecp" or "time" not in draft.columns:
+            draft = draft.having(sample_time=Found(period, SAID))
+    if level is not None:
+        if not np.isfinite(level):
+            raise InputError("step is not finite", "Give its size in V.")
+        known = "position" in draft.readings and draft.readings["position"].size >= FEWEST
+        if "input" not in draft.columns and known and not draft.release:
+            draft = draft.having(step=Found((level, _onset(draft)), SAID))
+    return draft
+
+
+def _onset(draft: Draft) -> float:
+    """When the cart starts to move, s: a step pulls it off like a parabola, whose root is the start."""
+    position = draft.readings["position"]
+    time = _clock(draft)
+    moved = np.abs(position - np.median(position[:3]))
+    top = int(np.argmax(moved > 0.3 * moved.max()))
+    low = top
+    while low > 0 and moved[low - 1] > 0.02 * moved.max():
+        low -= 1
+    if top - low < 3:
+        return float(time[max(low - 1, 0)])
+    slope, offset = np.polyfit(time[low : top + 1], np.sqrt(moved[low : top + 1]), 1)
+    root = float(-offset / slope) if slope > 0 else float(time[0])
+    return float(time[int(np.argmin(np.abs(time - root)))])
+
+
+def _clock(draft: Draft) -> Array:
+    time = draft.si("time")
+    if time is not None:
+        return time
+    step = 1.0 if draft.sample_time is None else draft.sample_time.value
+    out: Array = step * np.arange(draft.readings["position"].size, dtype=np.float64)
+    return out
+
+
+def _signed(draft: Draft) -> Draft:
+    """Where a step was said, its sign against the motion tells whether readings fall."""
+    if draft.step is None or draft.step.value[0] == 0 or "position" not in draft.readings:
+        return draft
+    position: Array = draft.readings["position"]
+    rise = float(np.mean(position[position.size // 2 :]) - np.median(position[:3]))
+    return draft.having(falling=rise * draft.step.value[0] < 0)
+
+
+def _said_to_fall(answers: Answers) -> bool:
+    unit = None if answers.position_unit is None else check_unit("position", answers.position_unit)
+    return (answers.counts_per_meter or 0.0) < 0 or (isinstance(unit, float) and unit < 0)
+
+
+def _tells_direction(draft: Draft) -> bool:
+    return ("input" in draft.readings and bool(np.any(draft.readings["input"]))) or bool(
+        draft.step is not None and draft.step.value[0]
+    )
+
+
+def _needs_sample_time(draft: Draft) -> bool:
+    if draft.format == "ecp":
+        return draft.sample_time is None
+    return "time" not in draft.columns and draft.sample_time is None
+
+
+def _open_unit(draft: Draft, role: str) -> bool:
+    return draft.scale(role) is None and not _is_counts(draft, role)
+
+
+def _is_counts(draft: Draft, role: str) -> bool:
+    unit = draft.units.get(role)
+    return unit is not None and unit.value == COUNTS and draft.scale(role) is None

@@ -1,0 +1,220 @@
+"""Which column of a table is whose: time, position and input of each run, by names, units and content."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.io.guess.file_names import FileName, read_name
+from stepid.io.guess.text import Block
+from stepid.io.guess.words import RUN_WORDS, Role, read_title, role_of, tokens, unit_for
+
+_LEVELS = 12  # an input steps through no more
+_EVEN = 0.3  # of the usual step, by which stamps of samples may differ
+UNKNOWN = "a unit that stepid does not know"
+_SENSORS = {"enc", "encoder", "sensor", "cart", "mass", "wagen", "masse", "laser"}
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column: its role, its unit and where both are from, its readings, shape (n,), NaN where there is none."""
+
+    index: int
+    name: str
+    role: Role | None
+    unit: str | None
+    why: str
+    rest: str
+    values: Array
+
+
+@dataclass(frozen=True)
+class Group:
+    """The columns of one run; `label` tells it from others of the table, `doubt` what is not clear."""
+
+    time: Column | None
+    position: Column | None
+    input: Column | None
+    label: str
+    said: FileName
+    doubt: str = ""
+    choices: tuple[str, ...] = ()
+
+
+def find_columns(block: Block, chosen: Mapping[str, str] | None = None) -> tuple[Column, ...]:
+    """Give each column of a table its role and unit; what a name leaves open its content may tell.
+
+    `chosen` names the column of a role, or gives its number from 0, where somebody has said so.
+    """
+    out = []
+    for j in range(block.values.shape[1]):
+        title, values = read_title(block.names[j]), block.values[:, j]
+        role, unit, why, rest = title.role, title.unit, "its name", title.rest
+        why = UNKNOWN if title.doubtful else why
+        below = block.units[j] if j < len(block.units) else ""
+        if below:
+            roles: list[str] = [role] if role in ("time", "position", "input") else ["time", "position", "input"]
+            known = [(r, u) for r in roles if (u := unit_for(below, r)) is not None]
+            if known and role != "other":
+                role, unit, why = (role or _only(known)), known[0][1], "the line of units"
+        if not np.isfinite(values).any():
+            role = "other"
+        out.append(Column(j, block.names[j], role, unit, why, rest, values))
+    sure = any(c.role == "position" and c.unit is not None for c in out)
+    out = [replace(c, role="other") if sure and c.role == "position" and c.why == UNKNOWN else c for c in out]
+    return _by_content(_from_preamble(_as_chosen(out, chosen or {}), block.above))
+
+
+def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = False) -> tuple[Group, ...]:
+    """Put the columns of a table together to runs; with `all_runs` each column of a position is one."""
+    times, positions, inputs = ([c for c in columns if c.role == role] for role in ("time", "position", "input"))
+    if len(positions) < 2:
+        position = positions[0] if positions else None
+        label = block.groups[position.index] if position else ""
+        doubt = "" if position else "no column is the position by its name, unit or content"
+        choices = () if position else tuple(c.name or str(c.index) for c in columns if c.role != "time")
+        return (Group(_best_time(times), position, _one(inputs), label, read_name(label), doubt, choices),)
+    labels = _labels(positions, block)
+    if not all_runs and not _several_runs(positions, times, inputs, labels, block):
+        choices = tuple(c.name or str(c.index) for c in positions)
+        doubt = f"several columns may be the position: {', '.join(choices)}"
+        return (Group(_best_time(times), None, _one(inputs), "", read_name(""), doubt, choices),)
+    time_labels, input_labels = _labels(times, block), _labels(inputs, block)
+    return tuple(
+        Group(
+            _own(i, positions, labels, times, time_labels),
+            position,
+            _own(i, positions, labels, inputs, input_labels),
+            labels[i],
+            read_name(f"{block.groups[position.index]} {position.rest}"),
+        )
+        for i, position in enumerate(positions)
+    )
+
+
+def _as_chosen(columns: Sequence[Column], chosen: Mapping[str, str]) -> list[Column]:
+    """Give the columns that somebody named their roles, and no other column these."""
+    out = list(columns)
+    for role, name in chosen.items():
+        mine = [c.index for c in columns if name in (c.name, c.rest)] or [
+            c.index for c in columns if name == str(c.index)
+        ]
+        if mine:
+            out = [
+                replace(c, role=role) if c.index in mine else replace(c, role="other") if c.role == role else c  # type: ignore[arg-type]
+                for c in out
+            ]
+    return out
+
+
+def _only(known: Sequence[tuple[str, str]]) -> Role | None:
+    roles = {role for role, _ in known}
+    return known[0][0] if len(roles) == 1 else None  # type: ignore[return-value]
+
+
+def _from_preamble(columns: Sequence[Column], above: Sequence[str]) -> list[Column]:
+    """Take units that lines above the header tell: "position: mm", "Time unit: ms"."""
+    told: dict[str, str] = {}
+    for line in above:
+        match = re.fullmatch(r"\W*(.*?)\s*(?:[:=;,\t]|\s-\s)\s*\W?([^\s\d\])]{1,12})\W*", line.strip())
+        role = role_of(re.sub(r"(?i)\b(units?|einheit|unité)\b", "", match[1])) if match else None
+        if match and role in ("time", "position", "input") and (unit := unit_for(match[2], str(role))):
+            told.setdefault(str(role), unit)
+    return [
+        Column(c.index, c.name, c.role, told[c.role], "the lines above", c.rest, c.values)
+        if c.unit is None and c.why != UNKNOWN and c.role in told
+        else c
+        for c in columns
+    ]
+
+
+def _by_content(columns: Sequence[Column]) -> tuple[Column, ...]:
+    """Roles of columns whose names tell none."""
+    if not any(c.role == "time" for c in columns):
+        # of columns called x, one that rises evenly is the abscissa
+        rising = [c for c in columns if c.role == "position" and c.unit is None and _kind(c.values) == "time"]
+        if rising and sum(c.role == "position" for c in columns) > 1:
+            columns = [replace(c, role="time") if c is rising[0] else c for c in columns]
+    have = {c.role for c in columns}
+    named = any(c.name for c in columns)
+    out = []
+    for c in columns:
+        role = c.role
+        if role is None and (kind := _kind(c.values)) is not None:
+            # beside a column that is called time, another that rises evenly is none
+            role = "other" if kind in have and (named or kind == "time") else kind
+            if role == "time":
+                have.add("time")
+        out.append(Column(c.index, c.name, role, c.unit, c.why, c.rest, c.values))
+    return tuple(out)
+
+
+def _kind(values: Array) -> Role | None:
+    """What a column looks like: time rises evenly, an input has few levels, a position many."""
+    kept = values[np.isfinite(values)]
+    if kept.size < 8:
+        return "other"
+    steps = np.diff(kept)
+    if np.all(steps > 0) and np.ptp(steps) <= _EVEN * float(np.median(steps)):
+        return "time"
+    levels = np.unique(kept).size
+    if levels == 1:
+        return "other" if kept[0] == 0 else "input"
+    if levels <= _LEVELS and np.count_nonzero(steps) <= _LEVELS:
+        return "input"
+    return "position"
+
+
+def _one(columns: Sequence[Column]) -> Column | None:
+    return columns[0] if columns else None
+
+
+def _best_time(times: Sequence[Column]) -> Column | None:
+    return next((c for c in times if c.unit), times[0] if times else None)
+
+
+def _labels(columns: Sequence[Column], block: Block) -> list[str]:
+    """What tells columns of one role apart: their names without what they have in common."""
+    names = [f"{block.groups[c.index]} {c.rest}" if block.groups[c.index] else c.rest for c in columns]
+    split = [re.findall(r"\d+(?:[.,]\d+)?|[^\W\d_]+", name) for name in names]
+    if len(split) < 2:
+        return ["" for _ in split]
+    common = set.intersection(*(({word.lower() for word in words}) for words in split))
+    kept = [[w for w in words if w.lower() not in common or w.lower() in RUN_WORDS] for words in split]
+    return [" ".join(words) for words in kept]
+
+
+def _several_runs(
+    positions: Sequence[Column],
+    times: Sequence[Column],
+    inputs: Sequence[Column],
+    labels: Sequence[str],
+    block: Block,
+) -> bool:
+    """Say whether columns of positions are runs, and not sensors of one run."""
+    if len(set(labels)) < len(labels):
+        return False
+    ends = {int(np.flatnonzero(np.isfinite(c.values))[-1]) for c in positions}
+    if len(ends) > 1 or len(inputs) == len(positions) or len(times) == len(positions) or any(block.groups):
+        return True
+    if any(read_name(f"{c.rest}").mass is not None for c in positions):
+        return True
+    words = {word for c in positions for word in tokens(c.rest)}
+    return bool(words & RUN_WORDS) and not words & _SENSORS
+
+
+def _own(
+    i: int, positions: Sequence[Column], labels: Sequence[str], others: Sequence[Column], other_labels: Sequence[str]
+) -> Column | None:
+    """The column of another role that belongs to a run: of its label, or the only one, or the nearest."""
+    if len(others) < 2:
+        return others[0] if others else None
+    if len(others) == len(positions):
+        same = [c for c, label in zip(others, other_labels, strict=True) if label.lower() == labels[i].lower()]
+        return same[0] if len(same) == 1 else others[i]
+    same = [c for c, label in zip(others, other_labels, strict=True) if label and label.lower() in labels[i].lower()]
+    return same[0] if len(same) == 1 else None

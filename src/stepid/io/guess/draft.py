@@ -1,0 +1,106 @@
+"""A run as far as its file tells it, and what is still open."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.io.ecp import FEWEST
+from stepid.io.guess.words import COUNTS, SCALES
+
+T = TypeVar("T")
+ROLES = ("time", "position", "input")
+
+
+@dataclass(frozen=True)
+class Found(Generic[T]):
+    """A value and what it was found by: "its name", "its size", "an answer"."""
+
+    value: T
+    why: str
+
+    @property
+    def assumed(self) -> bool:
+        """True where nobody said so: the value is the usual one, or the only one that fits the readings' size."""
+        return self.why in ("its size", ASSUMED) or self.why.endswith(USUAL)
+
+
+ASSUMED = "no other word"
+USUAL = "the usual weights"
+
+
+@dataclass(frozen=True)
+class Draft:
+    """One run of a campaign in the making.
+
+    `columns` has the column of each role, by name or index, `readings` its numbers as they stand in the file, shape
+    (n,), `units` its unit as in `SCALES`, or ``"counts"``. `scales` are SI units per count, `doubts` what no reader can
+    make up for: a missing column, lines that are no rows.
+    """
+
+    file: Path
+    name: str
+    format: str = "table"
+    layout: Mapping[str, object] = field(default_factory=dict)  # keys of the manifest: delimiter, decimal, …
+    columns: Mapping[str, str | int] = field(default_factory=dict)
+    titles: Mapping[str, str] = field(default_factory=dict)  # what the columns are called in the file
+    readings: Mapping[str, Array] = field(default_factory=dict)
+    units: Mapping[str, Found[str]] = field(default_factory=dict)
+    scales: Mapping[str, Found[float]] = field(default_factory=dict)
+    mass: Found[float] | None = None  # kg
+    weights: int | None = None
+    spring: Found[str] = Found("spring", ASSUMED)
+    damper: Found[str] = Found("damper", ASSUMED)
+    sample_time: Found[float] | None = None  # s
+    step: Found[tuple[float, float]] | None = None  # V, s
+    release: bool = False
+    falling: bool = False  # the readings fall where the input rises
+    doubts: tuple[str, ...] = ()
+    choices: tuple[str, ...] = ()  # columns of which one is the position
+
+    def scale(self, role: str) -> float | None:
+        """SI units per unit of a column, None where it is not known."""
+        if role in self.scales:
+            return self.scales[role].value
+        unit = self.units.get(role)
+        if unit is None or unit.value == COUNTS:
+            return None
+        return SCALES[role][unit.value]
+
+    def si(self, role: str) -> Array | None:
+        """Readings of a role in SI units, None where there are none or their unit is not known."""
+        scale = self.scale(role)
+        return None if role not in self.readings or scale is None else self.readings[role] * scale
+
+    @property
+    def named(self) -> str:
+        """The file, and where it holds several, its run."""
+        return self.file.name if self.name == self.file.stem else f"{self.file.name}, {self.name}"
+
+    def having(self, **fields: object) -> Draft:
+        """Return the draft with other fields."""
+        return replace(self, **fields)  # type: ignore[arg-type]
+
+
+def falls(readings: Mapping[str, Array]) -> bool:
+    """Say whether the position falls where the input rises: after the first change of the input, by half the motion."""
+    position, volts = readings.get("position"), readings.get("input")
+    if position is None or volts is None or position.size < FEWEST:
+        return False
+    change = np.flatnonzero(np.diff(volts))
+    first = int(change[0]) + 1 if change.size else 0
+    before = float(np.mean(volts[:first])) if first else 0.0
+    up = float(volts[first]) - before
+    later = np.flatnonzero(volts[first:] != volts[first])
+    last = first + int(later[0]) if later.size else position.size
+    stretch = position[first:last]
+    start = float(position[:first].mean()) if first else float(position[0])
+    if up == 0 or stretch.size < FEWEST:
+        return False
+    moved = float(stretch.mean()) - start
+    return bool(moved * up < 0 and abs(moved) > 0.25 * float(np.ptp(stretch)))

@@ -1,0 +1,111 @@
+"""What names of files, sheets and columns tell of a run: masses, weights, springs, dampers."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+_NUMBER = r"(?P<number>\d+(?:[.,p]\d+)?|[.,]\d+)"
+_KG = re.compile(rf"(?<![\d.,]){_NUMBER}[\s_-]*(?:kg|kilo(?:gram(?:me)?)?s?)(?![a-z])", re.IGNORECASE)
+_GRAM = re.compile(rf"(?<![\d.,]){_NUMBER}[\s_-]*(?:g|gr|gramm?e?s?|gramos|grammi)(?![a-z])", re.IGNORECASE)
+_WEIGHTS = re.compile(
+    r"(?<![\d.,])(?P<number>\d{1,2}|no|without|ohne|sans|zero|one|two|three|four)[\s_-]*(?:extra[\s_-]*)?"
+    r"(?:mass(?:es|en)?|weights?|wts?|gewichte?|poids|pesi|pesas|bricks?|brass|lod(?:der)?)(?![a-z])",
+    re.IGNORECASE,
+)
+_EMPTY = re.compile(r"(?<![a-z])(?:unloaded|empty|bare|nomass|noload|leer|no[\s_-]*load)(?![a-z])", re.IGNORECASE)
+_SPELLED = {"no": 0, "without": 0, "ohne": 0, "sans": 0, "zero": 0, "one": 1, "two": 2, "three": 3, "four": 4}
+_MASS_LINE = re.compile(
+    r"(?i)(?:mass|load|weight|gewicht|last|poids|peso|carico|charge|massa)[^\d:=;,]*[:=;,\s]\s*"
+    r"(?P<number>[+-]?\d+(?:[.,]\d+)?)\s*(?P<unit>kg|g)\b"
+)
+_RATE = re.compile(
+    r"(?i)(?:sampl\w*|abtast\w*|rate|freq\w*)[^\d]*(?P<number>[1-9]\d*(?:[.,]\d+)?|0[.,]0*[1-9]\d*)\s*(?P<unit>k?hz)\b"
+)
+_PERIOD = re.compile(
+    r"(?:(?i:interval|sampl\w*|abtast\w*|period)|\bdt|\bTs)[^\d]*"
+    r"(?P<number>[1-9]\d*(?:[.,]\d+)?|0[.,]0*[1-9]\d*)\s*(?P<unit>s|ms|us|µs)\b"
+)
+_STIFFNESS = r"soft|medium|stiff|hard|weak|strong|weich|mittel|hart"
+_SPRING = re.compile(
+    rf"(?<![a-z])(?:(?P<kind>{_STIFFNESS})(?:[\s_-]*(?:spring|feder))?|(?:spring|feder)[\s_-]*"
+    rf"(?P<after>{_STIFFNESS}|\d+|[a-z]))(?![a-z])",
+    re.IGNORECASE,
+)
+_DAMPER = re.compile(
+    r"(?<![a-z])(?:(?P<before>no|without|with|ohne|mit|half|full|open|closed|low|high|\d+)[\s_-]*"
+    r"(?:dampers?|dashpot|damping|dämpfer|turns?)|"
+    r"(?:damper|dashpot|dämpfer)[\s_-]*(?P<after>no|off|on|low|high|half|full|\d+|[a-z])|(?P<none>undamped|nodamper))"
+    r"(?![a-z])",
+    re.IGNORECASE,
+)
+_RELEASE = re.compile(
+    r"(?<![a-z])(?:(?:free[\s_-]*)?(?:release|swing|vibration|decay|oscillation)|ring[\s_-]*down|plucked?|"
+    r"ausschwing\w*|freischwing\w*|free)(?![a-z])",
+    re.IGNORECASE,
+)
+
+
+@dataclass(frozen=True)
+class FileName:
+    """What a name tells: `mass` in kg, or how many `weights`; None where it tells nothing."""
+
+    mass: float | None = None
+    weights: int | None = None
+    spring: str | None = None
+    damper: str | None = None
+    release: bool = False
+
+
+def read_name(name: str) -> FileName:
+    """Read a name: ``"soft_0.5kg"``, ``"2mass"``, ``"case_5"``."""
+    text = name.replace("_", " ")
+    mass, weights = None, None
+    if found := _KG.search(text):
+        mass = _float(found["number"])
+    elif (found := _WEIGHTS.search(text)) is not None:
+        word = found["number"].lower()
+        weights = _SPELLED[word] if word in _SPELLED else int(word)
+    elif found := _GRAM.search(text):
+        mass = _float(found["number"]) / 1000
+    elif _EMPTY.search(text):
+        weights = 0
+    if weights == 0:
+        mass = 0.0
+    spring, damper = _SPRING.search(text), _DAMPER.search(text)
+    return FileName(
+        mass,
+        weights,
+        None if spring is None else (spring["kind"] or spring["after"]).lower(),
+        None if damper is None else re.sub(r"[\s_-]+", " ", damper[0].lower()),
+        bool(_RELEASE.search(text)),
+    )
+
+
+def mass_above(lines: tuple[str, ...]) -> float | None:
+    """Return the mass in kg that a line above a table tells, None where none does, or two differ."""
+    told = set()
+    for line in lines:
+        if (found := _MASS_LINE.search(line)) is not None:
+            told.add(_float(found["number"]) / (1000 if found["unit"].lower() == "g" else 1))
+    return told.pop() if len(told) == 1 and min(told, default=0.0) >= 0 else None
+
+
+def sample_time_above(lines: tuple[str, ...]) -> float | None:
+    """Return the sample time in s that a line above a table tells, None where none does, or two differ."""
+    told = set()
+    for line in lines:
+        if (found := _RATE.search(line)) is not None:
+            told.add(1 / (_float(found["number"]) * (1000 if found["unit"].lower() == "khz" else 1)))
+        elif (found := _PERIOD.search(line)) is not None:
+            told.add(_float(found["number"]) * {"s": 1, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}[found["unit"]])
+    return told.pop() if len(told) == 1 else None
+
+
+def plain_name(stem: str) -> str:
+    """Return a run's name from that of its file: blanks for underscores."""
+    return re.sub(r"[\s_]+", " ", stem).strip() or "run"
+
+
+def _float(text: str) -> float:
+    return float(re.sub("[,p]", ".", text))

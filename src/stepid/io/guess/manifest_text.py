@@ -1,0 +1,182 @@
+"""Drafts as the text of a campaign.toml, each line with what it means and where it is from."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from stepid.io.guess.answers import MARK
+from stepid.io.guess.draft import ROLES, Draft
+from stepid.io.guess.words import COUNTS
+from stepid.io.manifest import toml_value
+
+_SI = {"time": "s", "position": "m", "input": "V"}
+_TURNS = ("deg", "rad", "mrad")
+
+
+def manifest_text(drafts: Sequence[Draft], name: str, folder: Path) -> str:
+    """Write a manifest.
+
+    Parameters
+    ----------
+    drafts : sequence of Draft
+    name : str
+        Of the campaign.
+    folder : pathlib.Path
+        Where the manifest is to stand; files are named from there.
+
+    Returns
+    -------
+    str
+        TOML that `stepid.read_campaign` reads. What is not known is ``"?"``, which it refuses.
+    """
+    runs = [_keys(draft, folder) for draft in drafts]
+    shared = [
+        key
+        for key in runs[0]
+        if key not in ("name", "file", "added_mass") and all(run.get(key) == runs[0][key] for run in runs)
+    ]
+    top: dict[str, tuple[object, str]] = {"name": (name, "of the campaign")}
+    top |= {key: runs[0][key] for key in shared}
+    blocks = [_block(top)]
+    for draft, run in zip(drafts, runs, strict=True):
+        notes = "".join(f"# {doubt}\n" for doubt in draft.doubts)
+        blocks.append(f"[[experiment]]\n{notes}" + _block({k: v for k, v in run.items() if k not in shared}))
+    open_lines = sum(text.count(f'"{MARK}"') for text in blocks)
+    head = "# Written by stepid init. What a line says is from the files unless its comment says otherwise.\n"
+    if open_lines:
+        head += f'# Not known: {open_lines} value(s), marked "{MARK}". Put in what is right.\n'
+    return head + "\n".join(blocks)
+
+
+def _keys(draft: Draft, folder: Path) -> dict[str, tuple[object, str]]:
+    """Keys of a run, each with its value and its comment."""
+    keys: dict[str, tuple[object, str]] = {
+        "name": (draft.name, ""),
+        "file": (_from(folder, draft.file), ""),
+        "format": (draft.format, ""),
+    }
+    keys |= {key: (value, "") for key, value in draft.layout.items()}
+    keys |= _export_keys(draft) if draft.format == "ecp" else _table_keys(draft)
+    if draft.step is not None:
+        level, start = draft.step.value
+        why = "V, s; the level as you said, the start where the motion begins"
+        keys["step"] = ({"level": level, "start": start}, why if level else "a free release")
+    elif "input" not in draft.columns:
+        keys["step"] = ({"level": 0.0}, "a free release, by the name") if draft.release else (MARK, _NO_INPUT)
+    mass = draft.mass
+    if mass is not None:
+        keys["added_mass"] = (mass.value, f"kg, {_by(mass.why)}")
+    else:
+        weights = "" if draft.weights is None else f"; the name says {draft.weights} weight(s)"
+        keys["added_mass"] = (MARK, f"kg, on top of what the cart weighs{weights}")
+    keys["spring"] = (draft.spring.value, "runs of one label share a stiffness" + _assumed(draft.spring.assumed))
+    keys["damper"] = (draft.damper.value, "runs of one label share a damping" + _assumed(draft.damper.assumed))
+    return keys
+
+
+_NO_INPUT = "{ level = 0.5, start = 0.0 } in V and s, level 0.0 for a free release: no column is an input"
+
+
+def _export_keys(draft: Draft) -> dict[str, tuple[object, str]]:
+    keys: dict[str, tuple[object, str]] = {}
+    scale = draft.scale("position")
+    sign = -1 if draft.falling else 1
+    if scale is None:
+        keys["counts_per_meter"] = (MARK, "counts of one meter; negative where +V gives falling counts")
+    else:
+        falling = "; negative because counts fall where the input rises" if draft.falling else ""
+        keys["counts_per_meter"] = (sign * round(1 / abs(scale), 6), f"as you said{falling}")
+    if draft.sample_time is None:
+        keys["sample_time"] = (MARK, "s; the printed times are too coarse to tell it")
+    elif draft.sample_time.why.startswith("as you"):
+        keys["sample_time"] = (draft.sample_time.value, "s, as you said")
+    return keys
+
+
+def _table_keys(draft: Draft) -> dict[str, tuple[object, str]]:
+    keys: dict[str, tuple[object, str]] = {}
+    for role in ROLES:
+        if role not in draft.columns:
+            if role == "position":
+                keys[role] = (MARK, f"one of {', '.join(draft.choices)}")
+            elif role == "time":
+                known = draft.sample_time
+                keys["sample_time"] = (
+                    (MARK, "s between two rows") if known is None else (known.value, f"s, {_by(known.why)}")
+                )
+            continue
+        column = draft.columns[role]
+        title = draft.titles[role]
+        keys[role] = (column, _counted(title, column) if isinstance(column, int) else "")
+        scale = draft.scale(role)
+        if scale is None:
+            keys[f"{role}_scale"] = (MARK, f"{_SI[role]} per unit of the column: nothing says its unit")
+            continue
+        sign = -1 if role == "position" and draft.falling else 1
+        if scale * sign != 1 or _unsure(draft, role):
+            keys[f"{role}_scale"] = (sign * scale, _scale_words(draft, role))
+        counts = draft.units.get(role)
+        if role == "position" and counts is not None and counts.value == COUNTS:
+            keys["counts_per_meter"] = (round(1 / scale, 6), "for the resolution")
+    return keys
+
+
+def _counted(title: str, column: int) -> str:
+    return "columns count from 0" if title == f"column {column}" else f"{title!r}; columns count from 0"
+
+
+def _scale_words(draft: Draft, role: str) -> str:
+    unit = draft.units.get(role)
+    said = draft.scales.get(role)
+    if said is not None:
+        words = f"{_SI[role]} per unit of the column, {said.why}"
+    elif unit is None:
+        words = f"{_SI[role]} per unit"
+    else:
+        si = (
+            "rad"
+            if unit.value in _TURNS
+            else _SI[role]
+            if unit.value not in ("N", "mN", "A", "mA", "N·m")
+            else unit.value[-1]
+        )
+        words = f"{unit.value if unit.value == si else f'{si} per {unit.value}'}, {_by(unit.why)}"
+        if unit.value in _TURNS:
+            words += "; masses then are moments of inertia in kg·m²"
+        if unit.assumed:
+            words += ": check it"
+    if role == "position" and draft.falling:
+        words += "; negative because readings fall where the input rises"
+    return words
+
+
+def _unsure(draft: Draft, role: str) -> bool:
+    """Whether a scale of 1 is worth a line: the unit was not said, or is no unit of this kind."""
+    unit = draft.units.get(role)
+    return role in draft.scales or unit is None or unit.assumed or unit.value not in ("s", "m", "V")
+
+
+def _assumed(yes: bool) -> str:
+    return "; the same for all, unless you say otherwise" if yes else ""
+
+
+def _by(why: str) -> str:
+    return why if why.startswith("as ") or "×" in why else f"by {why}"
+
+
+def _from(folder: Path, file: Path) -> str:
+    """The file as named from a folder."""
+    try:
+        return Path(os.path.relpath(file, folder)).as_posix()
+    except ValueError:  # on another drive
+        return file.resolve().as_posix()
+
+
+def _block(keys: Mapping[str, tuple[object, str]]) -> str:
+    lines = []
+    for key, (value, comment) in keys.items():
+        line = f"{key} = {toml_value(value)}"
+        lines.append(f"{line:<28}  # {comment}\n" if comment else f"{line}\n")
+    return "".join(lines)

@@ -1,0 +1,91 @@
+"""The lab report: filled from a diagnosis, whole, with the numbers of the summary; templates of one's own."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import matplotlib as mpl
+import pytest
+
+import diagnosis_example as example
+import stepid
+from diagnosis_example import changed
+from stepid.report.hand import by_hand
+from stepid.report.lab_report import lab_report
+from stepid.report.provenance import of_data
+
+mpl.use("Agg")
+FILES = {name: f"lab-{name}.png" for name in ("records", "where", "gap", "runs", "verification", "candidates")}
+EVIL = r"a & b_{1} \input{x} 5 % # $y$ [z] <i>"
+
+
+def filled(d: stepid.Diagnosis, kind: str, **more: str) -> str:
+    hand = by_hand(example.campaign()) if d.data is not None else None
+    return lab_report(d, hand, of_data(d), kind=kind, files=FILES, **more)
+
+
+@pytest.mark.parametrize("kind", [".md", ".tex"])
+def test_every_part_is_filled(kind: str) -> None:
+    d = example.named()
+    text = filled(d, kind)
+    for part in ("Aim", "Model", "Measurements", "Evaluation by hand", "Parameters", "Discussion", "Data and software"):
+        assert f"{'## ' if kind == '.md' else chr(92) + 'section{'}{part}" in text
+    assert text.count("lab-records.png") == 1
+    assert r"-F_c\,\mathrm{sign}(v)" in text
+    assert "Coulomb friction is missing" in text
+    level = d.parameters["coulomb_friction.level"]
+    shown = str(level).removesuffix(" N")
+    assert shown in text.replace(r"$\pm$", "±")
+    assert "(((" not in text
+    assert "{{" not in text
+    assert "{%" not in text.replace(r"\resizebox{\linewidth}{!}{%", "")
+    assert "\n\n\n\n" not in text
+
+
+def test_latex_is_balanced_and_nothing_breaks_it() -> None:
+    d = changed(example.named(), campaign=EVIL, notes=(EVIL,), reasons=("[z] first", EVIL))
+    text = filled(d, ".tex")
+    assert r"a \& b\_\{1\} \textbackslash{}input\{x\} 5 \% \# \$y\$ {[}z{]} \textless{}i\textgreater{}" in text
+    plain = re.sub(r"\\[{}]", "", text)
+    assert plain.count("{") == plain.count("}")
+    begun, ended = (re.findall(rf"\\{word}\{{(\w+)\}}", text) for word in ("begin", "end"))
+    assert sorted(begun) == sorted(ended)
+    assert re.sub(r"\\\$", "", text).count("$") % 2 == 0
+    for table in re.findall(r"\\begin\{tabular\}\{(\w+)\}(.*?)\\end\{tabular\}", text, re.S):
+        columns, body = table
+        for row in body.split(r"\\")[:-1]:
+            assert len(re.findall(r"(?<!\\)&", row)) == len(columns) - 1
+
+
+def test_a_diagnosis_without_its_campaign_or_effects_makes_a_report() -> None:
+    for d in (example.adequate(), example.ambiguous()):
+        for kind in (".md", ".tex"):
+            assert "Discussion" in filled(d, kind)
+
+
+def test_ones_own_template() -> None:
+    d = example.named()
+    assert filled(d, ".md", template="{{ d.verdict }}: {{ effects }}") == "named: Coulomb friction"
+    assert filled(d, ".tex", template="((( d.verdict )))") == "named"
+    for wrong in ("{{ nothing }}", "{% if %}", "{{ d.verdict() }}", "{{ ().__class__.__mro__ }}"):
+        with pytest.raises(stepid.errors.InputError, match="the template of the lab report"):
+            filled(d, ".md", template=wrong)
+
+
+def test_other_endings_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(stepid.errors.InputError, match=r"ends in \.md or \.tex"):
+        example.named().to_lab_report(tmp_path / "report.docx")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_it_is_written_with_its_pictures(tmp_path: Path) -> None:
+    own = tmp_path / "own.j2"
+    own.write_text("((( answer )))", encoding="utf-8")
+    d = example.named()
+    for template in (None, own):
+        path = d.to_lab_report(tmp_path / "out" / "lab.tex", template=template)
+        linked = set(re.findall(r"includegraphics\[.*?\]\{(.*?)\}", path.read_text(encoding="utf-8")))
+        assert linked <= {p.name for p in path.parent.iterdir()}
+        assert len(linked) >= (4 if template is None else 0)
