@@ -92,7 +92,7 @@ def _begun(campaign: Campaign, wrong: Mapping[str, Mask], workers: int) -> tuple
 def fit(
     campaign: Campaign,
     *,
-    effects: Iterable[str | Effect] = (),
+    effects: str | Effect | Iterable[str | Effect] = (),
     catalogue: tuple[Effect, ...] = CATALOGUE,
     workers: int = 1,
 ) -> Fit:
@@ -106,7 +106,7 @@ def fit(
     ----------
     campaign : Campaign
     effects : iterable of str or Effect
-        Canonical names or effects; none is the linear plant.
+        Canonical names or effects, one alone without brackets, too; none is the linear plant.
     catalogue : tuple of Effect
         Where names are looked up.
     workers : int
