@@ -23,11 +23,11 @@ from stepid.simulation.threads import single_threaded
 _TRIED = 6  # designs whose separation is looked at by a full fit
 
 
-@recorded()
 _given = each(a((str, EffectModel), ""), 'names of effects, as ("coulomb_friction",), or stepid.EffectModel(…)')
 
 
 @takes(effects=_given, separate=optional(_given), catalogue=a_catalogue)
+@recorded()
 @single_threaded
 def plan(
     plant: Guess,
