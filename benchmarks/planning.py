@@ -15,6 +15,9 @@ import numpy as np
 import stepid
 from hidden.plant import runs_like
 from hidden.readings import positions
+from stepid.design.check import refitted
+from stepid.design.information import lay_out_steps, simulated
+from stepid.effects import resolve
 
 WEIGHT = 0.5
 EFFECTS = (None, None, "coulomb_friction", "cubic_stiffness", "actuator_lag", "quadratic_damping")
@@ -66,7 +69,7 @@ def _head(*names: str) -> None:
     print("| " + " | ".join(names) + " |\n" + "| --- " * len(names) + "|")
 
 
-def scatter(plants: int, count: int, seed: int, first: int) -> None:
+def scatter(plants: int, count: int, seed: int, first: int, *, quick: bool, weighed: bool) -> None:
     every: list[float] = []
     print(
         "| plant | effect | noise, µm | weights, g | runs | every, ms | scatter over prediction |\n"
@@ -77,7 +80,7 @@ def scatter(plants: int, count: int, seed: int, first: int) -> None:
         rng = np.random.default_rng([seed, number])
         guess, noise = draw_guess(rng), float(np.exp(rng.uniform(np.log(5e-6), np.log(200e-6))))
         effect = EFFECTS[int(rng.integers(len(EFFECTS)))]
-        spread = float(rng.choice([0.0, 0.005]))
+        spread = float(rng.choice([0.0, 0.005])) if weighed else 0.0
         plan = stepid.plan(
             guess,
             noise=noise,
@@ -89,12 +92,18 @@ def scatter(plants: int, count: int, seed: int, first: int) -> None:
         )
         effects = {e.name: dict(e.values) for e in plan.plant.effects}
         clean = true_positions(plan, effects)
-        found: list[list[float]] = []
+        found: list[Any] = []
+        whole = simulated(
+            plan.plant, resolve(list(effects)), lay_out_steps(plan.advice.steps, plan.plant, plan.advice.duration)
+        )
         names = list(plan.advice.uncertainty)
         for _ in range(count):
             if spread:
                 clean = true_positions(plan, effects, weights(plan.advice.added_masses, spread, rng))
             noisy = [x + noise * rng.standard_normal(x.size) for x in clean]
+            if quick:
+                found.append(refitted(plan, whole, np.concatenate(noisy)))
+                continue
             campaign = plan.advice.campaign(plan.plant, positions=noisy, weight_uncertainty=spread or 1e-9)
             fitted = stepid.fit(campaign, effects=() if effect is None else (effect,))
             found.append([fitted.parameters[n].value for n in names])
@@ -167,9 +176,11 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=40)
     parser.add_argument("--seed", type=int, default=14)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--quick", action="store_true", help="begin each fit at the truth, without searching")
+    parser.add_argument("--exact", action="store_true", help="exact weights: each plant is simulated once")
     given = parser.parse_args()
     if given.what == "scatter":
-        scatter(given.plants, given.count, given.seed, given.first)
+        scatter(given.plants, given.count, given.seed, given.first, quick=given.quick, weighed=not given.exact)
     else:
         pairs(given.count, given.seed, given.first)
 

@@ -57,7 +57,9 @@ def test_made_up_folders_are_understood(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_thirty_folders_are_understood(tmp_path: Path) -> None:
-    count, most = check_folders(tmp_path, range(30))
+    count, most = check_folders(tmp_path / "practice", range(20))
+    held_out, most_held_out = check_folders(tmp_path / "held out", range(10), held_out=True)
+    count, most = count + held_out, max(most, most_held_out)
     assert count["wrong unit"] == 0
     assert count["right"] >= 0.9 * (count["right"] + count["asked"] + count["wrong"])
     assert most <= 4

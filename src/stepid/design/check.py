@@ -15,7 +15,7 @@ from stepid.design.guess import parameter_values
 from stepid.design.information import Point, information, inverted, lay_out_steps, simulated, weight_parts, with_weights
 from stepid.effects import resolve
 from stepid.errors import InputError
-from stepid.fitting.levenberg_marquardt import Optimum, minimize
+from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.problem import build
 from stepid.simulation.records import Records
 from stepid.simulation.threads import single_threaded
@@ -76,10 +76,9 @@ def check(plan: Plan, *, count: int, seed: int) -> PlanCheck:
         local = truth.local.copy()
         local[own] = parts @ stream.standard_normal(parts.shape[1])
         reading = sim.readings(truth.shared[None], local[None])[0]
-        noisy = replace(truth.records, position=reading + _noise(plan, truth.records, stream))
-        found = minimize(build(noisy, effects), truth.shared, truth.local, iterations=_LAPS)
-        if found is not None:
-            ends.append(_likeliest(found, parts, plan.variance(design.sample_time)))
+        end = refitted(plan, truth, reading + _noise(plan, truth.records, stream))
+        if end is not None:
+            ends.append(end)
     error = np.sqrt(np.mean((np.array(ends) - truth.shared) ** 2, axis=0))
     names = list(parameter_values(plan.plant, effects))
     predicted = {name: spread for name, spread in design.uncertainty.items() if spread is not None}
@@ -87,8 +86,23 @@ def check(plan: Plan, *, count: int, seed: int) -> PlanCheck:
     return PlanCheck(count=len(ends), scatter=scatter, predicted=predicted)
 
 
-def _likeliest(found: Optimum, parts: Array, variance: float) -> Array:
-    """The parameters of a fit with exact weights, moved to where the weights' errors are fitted, too."""
+def refitted(plan: Plan, truth: Point, position: Array) -> Array | None:
+    """Fit the advice's records, begun at the truth, the errors of the weights too; None where the fit runs away.
+
+    Parameters
+    ----------
+    plan : Plan
+    truth : Point
+        The guessed plant on the advice's runs.
+    position : array, shape (S,)
+        m, what was read in all runs.
+    """
+    noisy = replace(truth.records, position=position)
+    found = minimize(build(noisy, truth.problem.simulator.effects), truth.shared, truth.local, iterations=_LAPS)
+    if found is None:
+        return None
+    parts = weight_parts(np.array(plan.advice.added_masses), plan.weight_uncertainty)
+    variance = plan.variance(plan.advice.sample_time)
     point = Point(found.problem, found.solved, found.shared, found.local)
     tables = information(point, found.problem.residual(found.solved))
     inverse, _ = inverted(with_weights([table[:-1, :-1] for table in tables], parts, variance))

@@ -17,6 +17,7 @@ from stepid.identification.remainder import remainder, warning
 from stepid.identification.solve import solve
 from stepid.identification.solvers import Solver, WeightedLeastSquares
 from stepid.identification.stacked import assemble, undetermined_springs
+from stepid.identification.tightness import tighter_by_fit
 
 _VAGUE = 0.1  # relative uncertainty of the natural frequency beyond which a run says nothing
 _LEAST_OVERSHOOT = 0.01  # below it the peak is so flat that the smallest departure from the model moves it far
@@ -83,8 +84,8 @@ def identify_with_system(
     found = solve(system, solver=solver)
     order = [run.name for run in campaign.experiments]
     left_out = dict(sorted(excluded.items(), key=lambda item: order.index(item[0])))
-    said = _not_linear(campaign, used)
-    notes = () if said is None else (said,)
+    said = (_not_linear(campaign, used), tighter_by_fit(kept, found, campaign.weight_uncertainty))
+    notes = (*found.notes, *(note for note in said if note is not None))
     fields = found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out, "notes": notes}
     return system, IdentifiedParameters(**fields)
 

@@ -121,7 +121,7 @@ class IdentifiedParameters(Model):
         Of the weighted solve: root mean square of its rows over what their uncertainties allow. About 1 where plant and
         labels are as assumed; much more says that the plant is not linear or a label or weight is wrong.
     notes : tuple of str
-        That more than noise is left of the runs, where it is.
+        That more than noise is left of the runs, where it is; whether a joint fit would be tighter by much.
     """
 
     masses: Mapping[str, Positive]
@@ -252,7 +252,7 @@ class IdentifiedParameters(Model):
                 f"The runs contradict each other {self.misfit:.1f} times more than their uncertainties allow: "
                 "the plant is not linear, or a label or added mass is wrong. The uncertainties hold for a linear one."
             )
-        return "\n\n".join(parts)
+        return "\n\n".join([*parts, *self.notes])
 
     def __repr__(self) -> str:
         springs = ", ".join(f"{label!r}: {value:.4g} N/m" for label, value in self.stiffness.items())

@@ -1,0 +1,52 @@
+"""`identify` says when `fit` would be tighter, and by as much as it is."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import stepid
+
+PLANT = stepid.PlantModel(base_mass={"cart": 1.0}, stiffness={"medium": 216.0}, damping={"half": 10.0}, force_gain=7.8)
+
+
+def campaign(noise: float, weights: float) -> stepid.Campaign:
+    rng = np.random.default_rng(5)
+    time = 0.0088542 * np.arange(400)
+    runs = [
+        stepid.Experiment(
+            name=f"run {i}", time=time, position=0 * time, input=np.where(time < 0.05, 0.0, 0.5), added_mass=0.5 * i,
+            spring="medium", damper="half",
+        )
+        for i in range(3)
+    ]  # fmt: skip
+    empty = stepid.Campaign(name="made up", experiments=runs, weight_uncertainty=weights)
+    clean = stepid.simulate(PLANT, empty)
+    noisy = [e.model_dump() | {"position": clean[e.name] + noise * rng.standard_normal(e.time.size)} for e in runs]
+    return empty.model_copy(update={"experiments": tuple(stepid.Experiment(**fields) for fields in noisy)})
+
+
+def test_the_promise_is_what_fit_gives() -> None:
+    made = campaign(20e-6, 1e-7)
+    found = stepid.identify(made)
+    (note,) = found.notes
+    assert note in found.summary()
+    assert note in found._repr_html_()
+    times, what, promised, here = re.search(
+        r"would be ([\d.]+) times as tight: ([\w ]+) within ([\d.]+) .*, here ([\d.]+)", note
+    ).groups()  # type: ignore[union-attr]
+    assert float(times) > 5
+    assert float(here) / float(promised) == pytest.approx(float(times), rel=0.1)
+    name = {"base mass": "base_mass", "stiffness": "stiffness[medium]", "damping": "damping[half]"}[what]
+    assert stepid.fit(made).parameters[name].uncertainty == pytest.approx(float(promised), rel=0.15)
+
+
+def test_nothing_is_said_where_the_weights_decide() -> None:
+    assert stepid.identify(campaign(1e-6, 0.02)).notes == ()
+
+
+def test_the_papers_own_runs_are_not_promised_anything() -> None:
+    data = stepid.datasets.burchett()
+    assert stepid.solve(stepid.assemble(data.characteristics, data.mass_offsets)).notes == ()
