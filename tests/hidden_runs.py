@@ -51,7 +51,7 @@ def plant_of(told: Run, names: list[str]) -> tuple[np.ndarray, np.ndarray]:
     shared = [told.mass, told.stiffness, told.damping, told.gain]
     local = [told.position, told.velocity]
     own = 0
-    for effect in resolve(names):
+    for effect in resolve(tuple(names)):
         shared += [told.effects[effect.name][q.name] for q in effect.parameters]
         local += [told.phase for _ in effect.run_parameters]
         own += effect.n_extra + effect.n_memory

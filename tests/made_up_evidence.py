@@ -62,7 +62,7 @@ def candidate(
     """A candidate that leaves so many times the floor; every effect and every condition has its price."""
     residual = white() if residual is None else residual
     residual = residual * times * FLOOR / np.sqrt(np.mean(residual**2))
-    effects = resolve(names)
+    effects = resolve(tuple(names))
     free = np.ones(4 + sum(len(e.parameters) for e in effects), dtype=bool)
     active = np.zeros((6, RUNS), dtype=bool)
     active[: len(deviations), 1:] = True

@@ -58,7 +58,7 @@ def node(fit: FitContext, effects: Values | None = None) -> Node:
         root = CandidateFit(fit, ())
         root.best, root.polished = fit.outline, fit.linear
         return Node(root)
-    fitted = CandidateFit(fit, resolve(effects))
+    fitted = CandidateFit(fit, resolve(tuple(effects)))
     values = tuple(tuple(own.values()) for own in effects.values())
     fitted.begin([Start(fit.outline.shared, values)], like=fit.outline, laps=10)
     return Node(fitted)

@@ -66,7 +66,7 @@ def test_no_suspicion_where_nothing_is_wrong(effects: dict[str, dict[str, float]
     whole = campaign(seed, effects)
     assert [note for note in stepid.fit(whole).notes if "More than noise is left" not in note] == []
     context = prepare(whole)
-    fitted = fit_effects(context, resolve(effects))
+    fitted = fit_effects(context, resolve(tuple(effects)))
     assert fitted is not None
     assert find_fault(context.linear, context.floor) is None
     assert find_fault(fitted, context.floor) is None

@@ -38,7 +38,7 @@ FAULTS: dict[str, tuple[Make, str, str, float, str]] = {
 
 def found_in(whole: stepid.Campaign, *effects: str) -> RecordFault | None:
     context = prepare(whole)
-    optimum = fit_effects(context, resolve(effects))
+    optimum = fit_effects(context, resolve(tuple(effects)))
     assert optimum is not None
     return find_fault(optimum, context.floor)
 

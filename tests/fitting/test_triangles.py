@@ -27,7 +27,7 @@ CASES = [
 
 def started(names: tuple[str, ...], kind: str) -> tuple[Problem, Solved, np.ndarray, np.ndarray]:
     campaign, _ = make_campaign(5, names, kind=kind, r0=10.0)
-    context, effects = prepare(campaign), resolve(names)
+    context, effects = prepare(campaign), resolve(tuple(names))
     weight = np.random.default_rng(1).uniform(0.3, 1.0, context.records.size)
     problem = build(context.records.reweighted(weight), effects)
     shared = np.concatenate([context.linear.shared, *(next(iter(e.starts(context.scales))) for e in effects)])

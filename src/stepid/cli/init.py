@@ -71,8 +71,9 @@ def init(
         for question in questions:
             screen.print(f"  {question.text} ({flag(question.key)})", markup=False)
         return
-    stepid.read_campaign(target)  # whatever is still wrong is said now
-    screen.print(f"Next: stepid diagnose {target}", markup=False)
+    outside = any(target.parent.resolve() not in file.resolve().parents for file in found)
+    stepid.read_campaign(target, allow_outside=outside)  # whatever is still wrong is said now
+    screen.print(f"Next: stepid diagnose {target}{' --allow-outside' * outside}", markup=False)
 
 
 def read_records(paths: Sequence[Path], said: Said, *, allow_outside: bool = False) -> Campaign:
