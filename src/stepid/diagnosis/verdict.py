@@ -50,6 +50,14 @@ def runs_differ(e: EvidenceRecord) -> Answer | None:
     return Answer("adequate", e.best, (), (f"The runs differ in {what}. With that, a linear model leaves only noise.",))
 
 
+def weights_are_enough(e: EvidenceRecord) -> Answer | None:
+    """Errors of the added masses within their uncertainty are enough, and no single effect is."""
+    one = len(e.best.effects) == 1 and e.at_floor(e.best) and not e.undetermined and not is_free(e.best)
+    if e.context.by_weights is None or one:
+        return None
+    return Answer("adequate", e.linear, (), (_WEIGHTS,))
+
+
 def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
     """The best has a freedom in every run and, with it estimated on a first part, does not predict the rest."""
     if not is_free(e.best) or not e.at_floor(e.best):
@@ -132,13 +140,6 @@ def leads(e: EvidenceRecord) -> Answer | None:
     return _with_rivals(e, lead, beside, said) or Answer("named", lead, (), said)
 
 
-def weights_are_enough(e: EvidenceRecord) -> Answer | None:
-    """No effect is named, and errors of the added masses within their uncertainty are enough."""
-    if e.context.by_weights is None:
-        return None
-    return Answer("adequate", e.linear, (), (_WEIGHTS,))
-
-
 def unexplained(e: EvidenceRecord) -> Answer | None:
     """Nothing explains it, and that is said."""
     best = e.best if e.best.effects else e.lead
@@ -156,12 +157,12 @@ def unexplained(e: EvidenceRecord) -> Answer | None:
 RULES: tuple[Rule, ...] = (
     input_is_wrong,
     linear_is_enough,
+    weights_are_enough,
     runs_differ,
     freedom_is_untested,
     complete_but_open,
     complete,
     leads,
-    weights_are_enough,
     unexplained,
 )
 _WEIGHTS = "Errors of the added masses within their uncertainty explain what the linear model leaves."

@@ -268,8 +268,7 @@ class IdentifiedParameters(Model):
     def _repr_html_(self) -> str:
         out = html_table(_RUN_HEADER, self._runs(), title="Identified parameters")
         out += html_table(("shared", "value", "unit"), shared_rows(self))
-        left_out = tuple(self.excluded.items())
-        out += html_table(("left out", "why"), left_out) if left_out else ""
+        out += html_table(("left out", "why"), tuple(self.excluded.items())) if self.excluded else ""
         return out + "".join(f"<p>{escape(note)}</p>" for note in self.notes)
 
 
@@ -289,14 +288,11 @@ _RUN_HEADER = ("run", "mass [kg]", "damping [N·s/m]", "damping from k [N·s/m]"
 def shared_rows(found: IdentifiedParameters) -> list[tuple[str, str, str]]:
     """What the runs share: parameter, value ± standard uncertainty, unit."""
     u = found.uncertainty
-    groups = (
-        ("stiffness", found.stiffness, u.stiffness, "N/m"),
-        ("damping, pooled", found.pooled_damping, u.pooled_damping, "N·s/m"),
-        ("base mass", found.base_mass, u.base_mass, "kg"),
-    )
+    stiffness = ("stiffness", found.stiffness, u.stiffness, "N/m")
+    damping = ("damping, pooled", found.pooled_damping, u.pooled_damping, "N·s/m")
     return [
         (f"{what} [{label}]", format_value(value, spread.get(label)), unit)
-        for what, values, spread, unit in groups
+        for what, values, spread, unit in (stiffness, damping, ("base mass", found.base_mass, u.base_mass, "kg"))
         for label, value in values.items()
     ]
 

@@ -22,14 +22,11 @@ from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.diagnosis.vetoes import imitators
 from stepid.effects.base import Effect
+from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import CandidateFit, FitContext
 
 _RIVALS = {move.name for move in CONFIRMING}
 Tell = Callable[["Search", Proposal], None]
-
-
-def _silent(search: Search, proposal: Proposal) -> None:
-    return None
 
 
 class Search:
@@ -52,7 +49,7 @@ class Search:
         *,
         criteria: Criteria,
         effort: Effort,
-        tell: Tell = _silent,
+        tell: Tell = lambda search, proposal: None,
     ) -> None:
         self.fit, self.criteria, self.effort, self.tell = fit, criteria, effort, tell
         self.context = SearchContext(fit, catalogue, effort)
@@ -106,7 +103,7 @@ class Search:
         """The best, and others that leave only noise because runs may differ: they may need less for it."""
         best = self.best
         others = [c for c in self.candidates.values() if c.deviations and c is not best and self._complete(c)]
-        return [best, *sorted(others, key=self._score)[: self.effort.beam - 1]]
+        return [best, *sorted(others, key=lambda c: self._qbic(c.optimum))[: self.effort.beam - 1]]
 
     def _steady(self) -> list[Node]:
         """The best single effects in all runs alike, where the best answer lets conditions differ: they may need less.
@@ -122,7 +119,7 @@ class Search:
     @property
     def best(self) -> Candidate:
         """The candidate of least QBIC so far."""
-        return min(self.candidates.values(), key=lambda c: self._score(c))
+        return min(self.candidates.values(), key=lambda c: self._qbic(c.optimum))
 
     @property
     def left(self) -> int:
@@ -136,13 +133,6 @@ class Search:
         open_ = [p.left for p in self.proposals if p.key not in self.nodes]
         return max(1.0 - min(open_) / least, 0.0) if open_ and least > 0 else 0.0
 
-    def _score(self, found: Candidate) -> float:
-        """QBIC by the samples that are effective in this candidate's own residual, up to what all have in common."""
-        least = min(self.candidates.values(), key=lambda c: c.optimum.cost)
-        counts = self._counts(least)
-        ratio = found.optimum.cost / max(least.optimum.cost, np.finfo(float).tiny)
-        return float(counts.sum()) * math.log(max(ratio, 1.0)) + price(found.optimum, counts)
-
     def _counts(self, found: Candidate) -> Array:
         """Effective samples of each run in a candidate's residual, of the last one asked for kept."""
         if self._counted is None or self._counted[0] is not found:
@@ -151,11 +141,11 @@ class Search:
             self._counted = found, counts
         return self._counted[1]
 
-    def _merit(self, node: Node) -> float:
-        """QBIC of a node, by the samples that are effective in what the best candidate leaves."""
+    def _qbic(self, optimum: Optimum) -> float:
+        """QBIC by the samples that are effective in what the best candidate leaves, but for a constant."""
         counts = self._counts(min(self.candidates.values(), key=lambda c: c.optimum.cost))
-        samples = float(counts.sum())
-        return samples * math.log(max(node.cost, np.finfo(float).tiny)) + price(node.best, counts)
+        cost = max(optimum.cost, np.finfo(float).tiny)
+        return float(counts.sum()) * math.log(cost) + price(optimum, counts)
 
     def _complete(self, best: Candidate) -> bool:
         """Tell whether the best leaves nothing that a further effect could explain."""
@@ -174,7 +164,7 @@ class Search:
     def _expand_best(self, moves: Sequence[Move]) -> bool:
         """Expand the best nodes of those not expanded yet, one for each set of effects, and the best nameable one."""
         order: list[Node] = []
-        for node in sorted(self.nodes.values(), key=self._merit):
+        for node in sorted(self.nodes.values(), key=lambda n: self._qbic(n.best)):
             if not any(node.key[0] == other.key[0] for other in order):  # other conditions of it stand for it
                 order.append(node)
         beam = order[: self.effort.beam]
