@@ -69,7 +69,7 @@ def _head(*names: str) -> None:
     print("| " + " | ".join(names) + " |\n" + "| --- " * len(names) + "|")
 
 
-def scatter(plants: int, count: int, seed: int, first: int, *, quick: bool) -> None:
+def scatter(plants: int, count: int, seed: int, first: int, *, quick: bool, weighed: bool) -> None:
     every: list[float] = []
     print(
         "| plant | effect | noise, µm | weights, g | runs | every, ms | scatter over prediction |\n"
@@ -80,7 +80,7 @@ def scatter(plants: int, count: int, seed: int, first: int, *, quick: bool) -> N
         rng = np.random.default_rng([seed, number])
         guess, noise = draw_guess(rng), float(np.exp(rng.uniform(np.log(5e-6), np.log(200e-6))))
         effect = EFFECTS[int(rng.integers(len(EFFECTS)))]
-        spread = float(rng.choice([0.0, 0.005]))
+        spread = float(rng.choice([0.0, 0.005])) if weighed else 0.0
         plan = stepid.plan(
             guess,
             noise=noise,
@@ -177,9 +177,10 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=14)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--quick", action="store_true", help="begin each fit at the truth, without searching")
+    parser.add_argument("--exact", action="store_true", help="exact weights: each plant is simulated once")
     given = parser.parse_args()
     if given.what == "scatter":
-        scatter(given.plants, given.count, given.seed, given.first, quick=given.quick)
+        scatter(given.plants, given.count, given.seed, given.first, quick=given.quick, weighed=not given.exact)
     else:
         pairs(given.count, given.seed, given.first)
 

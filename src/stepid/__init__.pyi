@@ -29,6 +29,7 @@ from .identification.characteristics import characterize_all as characterize_all
 from .identification.characteristics import characterize_each as characterize_each
 from .identification.characteristics_model import Characteristics as Characteristics
 from .identification.characteristics_model import CharacteristicsUncertainty as CharacteristicsUncertainty
+from .identification.errors_in_variables import ErrorsInVariables as ErrorsInVariables
 from .identification.identify import identify as identify
 from .identification.parameters import IdentifiedParameters as IdentifiedParameters
 from .identification.parameters import StackedSystem as StackedSystem

@@ -2,80 +2,15 @@
 
 from __future__ import annotations
 
-import os
-import pty
-import select
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stepid
-from folder_score import answers_of, files_of
-from lab_folders import COUNTS_PER_METER, POSITION, TIME, Truth, make_folder
+from lab_folders import make_folder
+from lab_person import check_campaign, person
 from stepid.cli import run
-
-SOURCE = str(Path(stepid.__file__).parents[1])
-QUESTIONS = {
-    "Which column is the position": "position",
-    "In which unit is the time": "time_unit",
-    "In which unit is the position": "position_unit",
-    "How many counts are one meter": "counts_per_meter",
-    "In which unit is the input": "input_unit",
-    "How large was the step": "step",
-    "How many kg is one weight": "weight",
-    "Which masses were added": "added_mass",
-}
-
-
-def person(folder: Path, truths: list[Truth], *, limit: float = 60.0) -> tuple[int, str]:
-    """Run `stepid init` on a terminal and answer what it asks; how many answers, and all that was shown."""
-    leader, follower = pty.openpty()
-    names = [file.name for file in files_of(truths, folder)]
-    child = subprocess.Popen(
-        [sys.executable, "-m", "stepid", "init", *names],
-        cwd=folder,
-        env=os.environ | {"TERM": "xterm-256color", "COLUMNS": "200", "PYTHONPATH": SOURCE},
-        stdin=follower,
-        stdout=follower,
-        stderr=follower,
-    )
-    os.close(follower)
-    shown, heard, answers, end = "", 0, 0, time.monotonic() + limit
-    while time.monotonic() < end:
-        if select.select([leader], [], [], 0.1)[0]:
-            try:
-                chunk = os.read(leader, 65536)
-            except OSError:  # how Linux says that the other end is closed
-                break
-            shown += chunk.decode(errors="replace")
-        for words, key in QUESTIONS.items():
-            if words in shown[heard:] and shown.endswith(("? ", "] ")):
-                heard, answers = len(shown), answers + 1
-                os.write(leader, ("all" if key == "position" else answers_of(key, truths)).encode() + b"\n")
-    os.close(leader)
-    assert child.wait(timeout=10) == 0, shown
-    return answers, shown
-
-
-def check_campaign(folder: Path, truths: list[Truth]) -> None:
-    """The campaign holds what the script wrote, in SI units."""
-    runs = stepid.read_campaign(folder).experiments
-    assert len(runs) == len(truths)
-    for truth in truths:
-        scale = POSITION[truth.position_unit] or 1 / COUNTS_PER_METER
-        (mine,) = [
-            e
-            for e in runs
-            if e.position.size == truth.position.size
-            and np.allclose(e.position, truth.position * scale, rtol=1e-6, atol=1e-12)
-        ]
-        assert mine.added_mass == pytest.approx(truth.real_mass)
-        tolerance = 1e-3 if truth.format == "ecp" else 1e-9
-        np.testing.assert_allclose(mine.time, truth.time * TIME[truth.time_unit], atol=tolerance)
 
 
 def test_a_person_answers_and_has_a_campaign(tmp_path: Path) -> None:
@@ -126,6 +61,14 @@ def test_a_folder_is_its_files(tmp_path: Path) -> None:
     three_runs(tmp_path)
     assert run(["init", str(tmp_path), "--added-mass", "0;0,5;1", "--out", str(tmp_path / "mine.toml")]) == 0
     assert [e.added_mass for e in stepid.read_campaign(tmp_path / "mine.toml").experiments] == [0.0, 0.5, 1.0]
+
+
+def test_a_campaign_apart_from_its_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    out = tmp_path / "elsewhere" / "campaign.toml"
+    assert run(["init", *three_runs(tmp_path), "--added-mass", "0,0.5,1", "--out", str(out)]) == 0
+    assert "Next: stepid diagnose" in capsys.readouterr().out
+    assert 'file = "../case_1.csv"' in out.read_text()
 
 
 def test_diagnose_needs_no_manifest(

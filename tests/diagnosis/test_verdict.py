@@ -84,8 +84,21 @@ def test_the_rules_stand_in_this_order() -> None:
         "complete_but_open",
         "complete",
         "leads",
+        "weights_are_enough",
         "unexplained",
     ]
+
+
+def test_errors_of_the_weights_dispute_a_name_and_stand_for_none() -> None:
+    known: Any = SimpleNamespace(**vars(context()) | {"by_weights": LINEAR.optimum})
+    evidence: Any = Told(context=known)
+    found = verdict.judge(evidence, (verdict.complete,))
+    assert (found.verdict, found.alternatives, found.shown) == ("ambiguous", (), FRICTION)
+    assert "added masses" in found.reasons[-1]
+    assert ask("weights_are_enough") is None
+    enough = ask("weights_are_enough", context=known)
+    assert enough is not None
+    assert (enough.verdict, enough.shown) == ("adequate", LINEAR)
 
 
 def test_a_wrong_input_explains_nothing() -> None:
@@ -136,11 +149,26 @@ def test_the_only_one_at_the_floor_is_named() -> None:
     assert "Coulomb friction" in found.reasons[0]
 
 
-def test_a_rival_at_the_floor_is_told() -> None:
-    found = ask("complete", rivals=(PLAY, candidate(["cogging"])))
+def test_rivals_are_told() -> None:
+    cogging = candidate(["cogging"])
+    found = ask("complete", rivals=(PLAY, cogging))
     assert found is not None
-    assert (found.verdict, found.alternatives) == ("ambiguous", (PLAY,))  # cogging is not at the floor
-    assert "free play" in found.reasons[1]
+    assert (found.verdict, found.alternatives) == ("ambiguous", (PLAY, cogging))
+    assert "free play or cogging" in found.reasons[1]
+
+
+def test_what_cannot_be_named_beside_a_lead_does_not_hide_it() -> None:
+    lead, both = candidate(["quadratic_damping"], times=1.4), candidate(["quadratic_damping", "flexible_coupling"])
+    found = ask("complete_but_open", best=both, lead=lead, undetermined=("flexible_coupling.mass",), floored=both.names)
+    assert found is not None
+    assert (found.verdict, found.shown, found.rule) == ("named", lead, "leads")
+    assert "do not determine flexible_coupling.mass" in found.reasons[-1]
+    other = candidate(["cogging"], times=1.4)  # a lead that the best does not hold
+    found = ask(
+        "complete_but_open", best=both, lead=other, undetermined=("flexible_coupling.mass",), floored=both.names
+    )
+    assert found is not None
+    assert found.verdict == "unexplained"
 
 
 def test_open_freedom_does_not_dispute_a_name_nor_earn_one() -> None:

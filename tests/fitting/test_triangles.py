@@ -52,7 +52,7 @@ def test_a_damped_step_is_that_of_the_whole_jacobian(names: tuple[str, ...], kin
     step = np.linalg.lstsq(whole, np.append(residual, np.zeros(size.size)), rcond=None)[0]
     decrease = cost - np.sum((residual - scaled @ step) ** 2)
 
-    linearized = _Linearized(problem, _Columns(problem), solved, residual)
+    linearized = _Linearized(problem, _Columns(problem), solved.derivatives, residual)
     shared, local, gain = linearized.step(damping, np.zeros(n, dtype=bool))
     assert gain == pytest.approx(decrease, rel=1e-8)
     np.testing.assert_allclose(linearized.pull, (jacobian.T @ residual)[:n], rtol=1e-8)

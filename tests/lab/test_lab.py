@@ -140,7 +140,7 @@ def test_a_fit_with_the_right_effect_passes_and_without_it_fails():
     assert right.passed, right.summary()
     assert fit.rms == pytest.approx(answer.noise, rel=0.05)
     for name, estimate in fit.parameters.items():
-        assert estimate.uncertainty == pytest.approx(answer.attainable[name], rel=0.25)
+        assert estimate.parts["noise"] == pytest.approx(answer.attainable[name], rel=0.25)
     linear = stepid.fit(made["A"])
     wrong = lab.check(answer, lab.Submission(group="A", parameters=linear.parameters))
     assert not wrong.passed

@@ -36,6 +36,7 @@ _NOTABLE = 0.2  # of the largest swing, below which a growing one is noise or a 
 _QUIET = 8.0  # standard deviations of the noise that no swing stands out from
 _SEEN = 3.0  # counts, likewise
 _FEWEST = 24  # samples of a release
+_RESTING = 3  # samples in one place: a free cart stays for two at its farthest point
 
 
 def release_index(experiment: Experiment) -> int:
@@ -62,12 +63,15 @@ def release_index(experiment: Experiment) -> int:
     begin, end, side = steepest
     width = max(1, round(_WIDTH * (end - begin)))
     speed = -side * (away[width:] - away[:-width]) / (time[width:] - time[:-width])
-    near = slice(max(0, begin - width), end)
+    far = int(
+        np.flatnonzero(side * away[:end] > _FAR * float(np.abs(away).max()))[-1]
+    )  # a damped cart falls from there
+    near = slice(max(0, min(begin, far) - width), end)
     fast = near.start + int(np.argmax(speed[near]))
     slow = np.flatnonzero(speed[:fast] < _SURE * speed[fast])
-    if not slow.size:
+    first = (int(slow[-1]) + 1 if slow.size else 0) + (width + 1) // 2
+    if not slow.size and first < _RESTING:
         return 0
-    first = int(slow[-1]) + 1 + (width + 1) // 2
     return 0 if first <= 3 * width and _swings_through(experiment, first) else first
 
 
@@ -99,11 +103,25 @@ def _swings_through(experiment: Experiment, first: int) -> bool:
     terms = np.column_stack([np.ones(last), np.cos(turn), np.sin(turn), turn * np.cos(turn), turn * np.sin(turn)])
     inverse = np.linalg.pinv(terms[first:])
     off = y[:first] - terms[:first] @ inverse @ y[first:last]
+    if _rests(y[:first], off, experiment):
+        return False
     noise = noise_level(y, resolution=experiment.resolution)
     back = terms[:first] @ inverse
     covariance = noise**2 * (np.eye(first) + back @ back.T) + (_NEAR * float(np.ptp(y))) ** 2 * np.eye(first)
     chance = first + _CHANCE * np.sqrt(2.0 * first)
     return bool(off @ np.linalg.solve(covariance, off) <= chance)
+
+
+def _rests(y: Array, off: Array, experiment: Experiment) -> bool:
+    """Tell whether the cart rests at first, by samples that are nearer to one place than to the swing carried back."""
+    noise = noise_level(experiment.position, resolution=experiment.resolution)
+    small = max(_SEEN * noise, experiment.resolution or 0.0)
+    away = np.abs(y - y[0]) > small
+    still = int(np.argmax(away)) if away.any() else y.size
+    if still < _RESTING:
+        return False
+    power = float(np.mean(off[:still] ** 2))
+    return power > _CHANCE * max(float(np.mean((y[:still] - y[0]) ** 2)), small**2)
 
 
 def split_releases(experiment: Experiment) -> tuple[Experiment, ...]:

@@ -13,11 +13,13 @@ from stepid.core.base import Array
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
-from stepid.diagnosis.selection.candidate import Candidate
+from stepid.diagnosis.selection.candidate import Candidate, Deviations
 from stepid.diagnosis.vetoes import imitators, undetermined
 from stepid.effects.base import Effect
 from stepid.fitting.cross_validation import held_out_residuals
+from stepid.fitting.deviations import with_deviations
 from stepid.fitting.input_fault import InputFault
+from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import repeatability
 from stepid.fitting.record_fault import RecordFault
@@ -160,8 +162,29 @@ class EvidenceRecord:
     @cached_property
     def lead(self) -> Candidate:
         """The best of those that may lead where a rest remains, with no more in it than takes a notable part."""
-        best = self._simplest(self._able)
-        return self._without_trifle(self._simpler_law(best))
+        best = self._without_trifle(self._simpler_law(self._simplest(self._able)))
+        return self._predicting(best) if len(best.effects) < 2 else self._determined(best)
+
+    def _predicting(self, one: Candidate) -> Candidate:
+        """The same effect with conditions alike in all runs, where free ones do not predict and it leads without."""
+        share, steady = self.share(one) if one.effects and one.deviations else (1.0, 1.0)
+        if share >= self.criteria.lead and steady >= self.criteria.steady:
+            return one
+        alike = [
+            w.candidate
+            for w in self._able
+            if w.candidate.names == one.names
+            and w.candidate.deviations < one.deviations
+            and self._taken(self.linear, w.candidate) >= self.criteria.lead
+        ]
+        return alike[0] if alike else one
+
+    def _determined(self, pair: Candidate) -> Candidate:
+        """One effect of two where the other is open: an effect that the data do not determine explains a rest only."""
+        open_ = {name.split(".")[0] for name in undetermined(self.context, self.criteria, pair)}
+        named = [name for name in pair.names if name not in open_]
+        alone = [w.candidate for w in self._able if w.candidate.names == tuple(named)]
+        return alone[0] if open_ and alone else pair
 
     def _loss(self, found: Candidate) -> float:
         return next(w.loss for w in self._able if w.candidate is found)
@@ -211,9 +234,7 @@ class EvidenceRecord:
                 or abs(w.loss - own) >= self.criteria.tie
             ):
                 continue
-            twin = abs(other.optimum.cost - lead.optimum.cost) < self.criteria.tie * self.context.floor**2
-            general = includes(other.effects, lead.effects) and w.loss < own
-            if (twin and not includes(other.effects, lead.effects)) or general:
+            if w.loss < own or not includes(other.effects, lead.effects):
                 out.setdefault(names, other)
         return tuple(out.values())
 
@@ -228,12 +249,25 @@ class EvidenceRecord:
         return math.fsum(held) / total
 
     def held_out(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
-        """Residuals of runs left out, linear plant and candidate: their own freedoms from their first part."""
-        first = self.criteria.first
-        before = held_out_residuals(self.linear.optimum, tolerance=self.context.tolerance, first=first)
+        """Residuals of runs left out: linear plant, in which the same conditions differ from run to run, and candidate.
+
+        Freedoms that a candidate has in every run are estimated on its first part, and the rest judges; where it has
+        none but the initial state, the whole run does: most motion follows a step at once.
+        """
+        first = self.criteria.first if is_free(found) or found.deviations else 1.0
+        before = held_out_residuals(self._plain(found.deviations), tolerance=self.context.tolerance, first=first)
         after = held_out_residuals(found.optimum, tolerance=self.context.tolerance, first=first)
         both = sorted(before.keys() & after.keys())
         return {i: before[i] for i in both}, {i: after[i] for i in both}
+
+    def _plain(self, deviations: Deviations) -> Optimum:
+        """The linear plant with some conditions that differ from run to run: what they explain, no effect does."""
+        known = [c for c in self.candidates if not c.effects and c.deviations == deviations]
+        if known:
+            return known[0].optimum
+        problem = with_deviations(self.linear.optimum.problem, deviations)
+        linear = self.linear.optimum
+        return minimize(problem, linear.shared, linear.local, tolerance=self.context.tolerance) or linear
 
     def share(self, found: Candidate) -> tuple[float, float]:
         """Share of the misfit's repeatable power that a candidate takes on runs left out, and its steadiness."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from stepid.diagnosis.gather import EvidenceRecord, is_free
+from stepid.diagnosis.gather import EvidenceRecord, includes, is_free
 from stepid.diagnosis.result import Verdict
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.vetoes import undetermined
@@ -57,6 +57,9 @@ def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
     share, _ = e.share(e.best)
     if share >= e.criteria.lead:
         return None
+    inside = _inside(e)
+    if inside is not None:
+        return inside
     said = (
         f"{_title(e.best)} leaves only noise, but does not predict: fitted to the first part of a run that was left "
         f"out, it takes {percent(max(share, 0.0))} of the misfit's power in the rest."
@@ -72,7 +75,10 @@ def complete_but_open(e: EvidenceRecord) -> Answer | None:
     names = ", ".join(e.undetermined)
     said = f"{_title(e.best)} leaves only noise, but the data do not determine {names}."
     if not sure:
-        return Answer("unexplained", e.best, (), (said, "No effect is named."))
+        inside = _inside(e)
+        if inside is None:
+            return Answer("unexplained", e.best, (), (said, "No effect is named."))
+        return replace(inside, reasons=(*inside.reasons, said))
     return Answer("ambiguous", sure[0], (*sure[1:], e.best), (said,))
 
 
@@ -80,7 +86,7 @@ def complete(e: EvidenceRecord) -> Answer | None:
     """The best leaves only noise, and no other does."""
     if not e.at_floor(e.best):
         return None
-    rivals = tuple(c for c in e.rivals if e.at_floor(c))
+    rivals = e.rivals
     said = f"With {_title(e.best)} the model leaves {length(e.best.optimum.rms)}, as much as the noise."
     return _with_rivals(e, e.best, rivals, (said,)) or Answer(
         "named", e.best, (), (said, "No other candidate comes near.")
@@ -100,6 +106,14 @@ def _with_rivals(
     return Answer("named" if undisputed else "ambiguous", found, rivals, (*said, words))
 
 
+def _inside(e: EvidenceRecord) -> Answer | None:
+    """What leads, where the best leaves only noise by effects that cannot be named: they describe a rest, no plant."""
+    found = leads(e)
+    if found is None or not includes(e.best.effects, found.shown.effects):
+        return None
+    return replace(found, rule=leads.__name__) if len(found.shown.effects) < len(e.best.effects) else None
+
+
 def leads(e: EvidenceRecord) -> Answer | None:
     """One effect or two predict most of the misfit on runs left out, although a rest remains."""
     lead, beside = e.lead, e.beside_lead
@@ -116,6 +130,13 @@ def leads(e: EvidenceRecord) -> Answer | None:
         f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor: more is missing.",
     )
     return _with_rivals(e, lead, beside, said) or Answer("named", lead, (), said)
+
+
+def weights_are_enough(e: EvidenceRecord) -> Answer | None:
+    """No effect is named, and errors of the added masses within their uncertainty are enough."""
+    if e.context.by_weights is None:
+        return None
+    return Answer("adequate", e.linear, (), (_WEIGHTS,))
 
 
 def unexplained(e: EvidenceRecord) -> Answer | None:
@@ -140,8 +161,10 @@ RULES: tuple[Rule, ...] = (
     complete_but_open,
     complete,
     leads,
+    weights_are_enough,
     unexplained,
 )
+_WEIGHTS = "Errors of the added masses within their uncertainty explain what the linear model leaves."
 
 
 def judge(evidence: EvidenceRecord, rules: tuple[Rule, ...] = RULES) -> Answer:
@@ -154,8 +177,17 @@ def judge(evidence: EvidenceRecord, rules: tuple[Rule, ...] = RULES) -> Answer:
     for rule in rules:
         answer = rule(evidence)
         if answer is not None:
-            return Answer(answer.verdict, answer.shown, answer.alternatives, (times, *answer.reasons), rule.__name__)
+            answer = replace(answer, reasons=(times, *answer.reasons), rule=answer.rule or rule.__name__)
+            return _beside_weights(evidence, answer)
     raise AssertionError("the last rule answers always")
+
+
+def _beside_weights(e: EvidenceRecord, answer: Answer) -> Answer:
+    """A name is in doubt where errors of the weights within their uncertainty would do as well."""
+    if e.context.by_weights is None or answer.verdict != "named":
+        return answer
+    reasons = (*answer.reasons, _WEIGHTS)
+    return replace(answer, verdict="ambiguous", reasons=reasons, rule=complete_but_open.__name__)
 
 
 def _open(e: EvidenceRecord, found: Candidate) -> tuple[str, ...]:

@@ -188,6 +188,7 @@ class Effect:
     n_memory: ClassVar[int] = 0  # own states that follow the displacement, not time
     settled: ClassVar[bool] = False  # own states are known even where a record starts in motion
     run_parameters: ClassVar[tuple[Parameter, ...]] = ()  # refitted for every run, appended to the values
+    power: ClassVar[tuple[int, int] | None] = None  # places of a coefficient and of the speed's exponent it belongs to
     contains: ClassVar[tuple[str, ...]] = ()  # simpler effects that this one reduces to
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:

@@ -48,10 +48,12 @@ class PowerDamping(Effect):
     seen = "neither a straight nor an exponential envelope"
     advice = "find what the cart moves through (oil, air, a brush); keep it in the model"
     reverses: ClassVar[bool] = True
-    contains = ("quadratic_damping",)
+    power: ClassVar[tuple[int, int] | None] = (0, 1)
+    contains = ("coulomb_friction", "quadratic_damping")  # the first as the limit p → 0
 
     def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
-        return [(inner[0] * scales.velocity ** (2.0 - p), p) for p in (1.7, 2.3)]
+        of_level = [(inner[0] * scales.velocity**-p, p) for p in (0.3, 0.6)]
+        return [*of_level, *((inner[0] * scales.velocity ** (2.0 - p), p) for p in (1.7, 2.3))]
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(0.3 * (scales.damping + 0.1) * scales.velocity ** (1.0 - p), p) for p in (0.5, 1.5, 2.5)]

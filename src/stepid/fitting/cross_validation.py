@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from stepid.simulation.records import Records
 
 _RUNS = 3  # left out in turn
 _UNSEEN = 1e-9  # square-root weight of samples that judge
+_KNOWN: WeakKeyDictionary[Optimum, dict[tuple[int, float], Array | None]] = WeakKeyDictionary()  # see `_without`
 
 
 def qualifying(records: Records) -> list[int]:
@@ -53,22 +55,40 @@ def held_out_residuals(optimum: Optimum, *, tolerance: float, first: float = 1.0
     able = qualifying(records)
     chosen = sorted({able[round(k)] for k in np.linspace(0, len(able) - 1, _RUNS)}) if able else []
     out: dict[int, Array] = {}
-    effects = optimum.problem.simulator.effects
     for i in chosen:
-        others = [j for j in range(len(records.runs)) if j != i]
-        problem = build(records.subset(others), effects)
-        problem = replace(problem, active=optimum.problem.active[:, others], free=problem.free & optimum.problem.free)
-        fitted = minimize(problem, optimum.shared, optimum.local[:, others], tolerance=tolerance, iterations=15)
-        if fitted is None:
+        shared = _without(optimum, i, tolerance)
+        if shared is None:
             continue
         own = records.subset([i])
         seen_from = round(first * own.size) if first < 1 else 0
         if first < 1:
             own = own.reweighted(np.where(np.arange(own.size) < seen_from, own.weight, _UNSEEN))
-        alone = build(own, effects)
+        alone = build(own, optimum.problem.simulator.effects)
         alone = replace(alone, free=np.zeros_like(alone.free), active=optimum.problem.active[:, [i]])
         local = np.where(alone.active, optimum.local[:, [i]], 0.0)
-        seen = minimize(alone, fitted.shared, local, tolerance=tolerance, iterations=15)
+        seen = minimize(alone, shared, local, tolerance=tolerance, iterations=15)
         if seen is not None:
             out[i] = seen.residual[seen_from:]
     return out
+
+
+def _without(optimum: Optimum, run: int, tolerance: float) -> Array | None:
+    """Global parameters of the fit to all runs but one, kept while the fit to all of them is: they are asked for again.
+
+    Parameters
+    ----------
+    optimum : Optimum
+    run : int
+        Index of the run left out.
+    tolerance : float
+        m².
+    """
+    known = _KNOWN.setdefault(optimum, {})
+    if (run, tolerance) not in known:
+        records = optimum.problem.records
+        others = [j for j in range(len(records.runs)) if j != run]
+        problem = build(records.subset(others), optimum.problem.simulator.effects)
+        problem = replace(problem, active=optimum.problem.active[:, others], free=problem.free & optimum.problem.free)
+        fitted = minimize(problem, optimum.shared, optimum.local[:, others], tolerance=tolerance, iterations=15)
+        known[run, tolerance] = None if fitted is None else fitted.shared
+    return known[run, tolerance]

@@ -7,6 +7,7 @@ of runs, whose own parameters it eliminates run by run; a dense Jacobian's is no
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
@@ -21,6 +22,9 @@ from stepid.simulation.simulator import STEEPEST, Simulator, Solved
 
 _CRAWL = 5  # steps that together gain less than the tolerance: the rest is not worth its time
 _MOST_DAMPING = 1e12
+_GROWTH = 4.0  # of the damping after a step that failed; twice as much after each further one
+_FOLDS = 5.0  # natural logarithm by which a step may change a coefficient
+_HOPE = 4.0  # times what a step promises, that each of those to come may bring: in valleys the promise grows
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,7 @@ class Problem:
         return out.T
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Optimum:
     """Where a fit ended."""
 
@@ -129,7 +133,7 @@ class _Columns:
 class _Linearized:
     """The fit to first order about a point, each run reduced to a triangle."""
 
-    def __init__(self, problem: Problem, columns: _Columns, solved: Solved, residual: Array) -> None:
+    def __init__(self, problem: Problem, columns: _Columns, slopes: tuple[Array, Array], residual: Array) -> None:
         from stepid.simulation.triangles import reduce_runs
 
         r, self._columns = problem.records, columns
@@ -138,7 +142,7 @@ class _Linearized:
         size, own_size, self.pull = np.zeros(n), np.zeros((blocks, width - 1 - n)), np.zeros(n)
         with np.errstate(all="ignore"):  # plain Python would warn of a runaway
             self.finite = reduce_runs(
-                *solved.derivatives, residual, r.weight, r.bounds, columns.columns, columns.own, columns.block,
+                *slopes, residual, r.weight, r.bounds, columns.columns, columns.own, columns.block,
                 self._triangles, size, own_size, self.pull,
             )  # fmt: skip
         self._size, self._own_size = self._usable(np.sqrt(size)), self._usable(np.sqrt(own_size))
@@ -161,8 +165,52 @@ class _Linearized:
         return shared, local, gain
 
 
+class _Coordinates:
+    """Where steps are straight: of a power of the speed, the logarithm of its force at the motion's own speed.
+
+    The force at a speed that occurs hardly depends on the exponent, the coefficient does by orders of magnitude: in
+    these two a fit creeps along a curved valley.
+    """
+
+    def __init__(self, problem: Problem, shared: Array, solved: Solved) -> None:
+        places = zip(problem.simulator.effects, problem.layout.values, strict=True)
+        powers = [(at.start + e.power[0], at.start + e.power[1]) for e, at in places if e.power is not None]
+        self._powers = [(c, p) for c, p in powers if problem.free[c] and problem.free[p] and shared[c] > 0]
+        self._problem = problem
+        speed = float(np.sqrt(np.mean(solved.states[1] ** 2))) if self._powers else 1.0
+        self._log = math.log(max(speed, 1e-300))
+
+    def slopes(self, shared: Array, solved: Solved) -> tuple[Array, Array]:
+        """Derivatives of the reading by these."""
+        by_shared, by_local = solved.derivatives
+        if self._powers:
+            by_shared = by_shared.copy()
+        for c, p in self._powers:
+            by_shared[c] *= shared[c]
+            by_shared[p] -= self._log * by_shared[c]
+        return by_shared, by_local
+
+    def moved(self, shared: Array, delta: Array) -> Array:
+        """Global parameters a step away, within their bounds."""
+        problem, out = self._problem, shared.copy()
+        out[problem.free] += delta
+        out = np.clip(out, problem.lower, problem.upper)
+        step = np.zeros(shared.size)
+        step[problem.free] = delta
+        for c, p in self._powers:
+            change = step[c] - self._log * (out[p] - shared[p])
+            out[c] = shared[c] * math.exp(min(max(change, -_FOLDS), _FOLDS))
+        return out
+
+
 def minimize(
-    problem: Problem, shared: Array, local: Array, *, tolerance: float = 0.0, iterations: int = 40
+    problem: Problem,
+    shared: Array,
+    local: Array,
+    *,
+    tolerance: float = 0.0,
+    iterations: int = 40,
+    aim: float = np.inf,
 ) -> Optimum | None:
     """Fit the free parameters by Levenberg–Marquardt on QR factorizations, run by run.
 
@@ -175,6 +223,8 @@ def minimize(
         m², predicted decrease of the cost at which to stop.
     iterations : int
         At most so many accepted steps, and three times as many tries.
+    aim : float
+        m², cost that makes a difference: where the steps left do not promise it, the fit ends, not converged.
 
     Returns
     -------
@@ -187,14 +237,15 @@ def minimize(
         return None
     residual, cost = problem.weigh(solved)
     columns = _Columns(problem)
-    damping, growth, converged, accepted = 1e-4, 4.0, False, 0
+    damping, growth, converged, accepted = 1e-4, _GROWTH, False, 0
     costs = [cost]
     linearized: _Linearized | None = None
     for _ in range(3 * iterations):
         if accepted >= iterations:
             break
         if linearized is None:
-            linearized = _Linearized(problem, columns, solved, residual)
+            inner = _Coordinates(problem, shared, solved)
+            linearized = _Linearized(problem, columns, inner.slopes(shared, solved), residual)
             if not linearized.finite:  # a runaway's edge: nothing to follow
                 break
             blocked = _blocked(problem, shared, linearized.pull)
@@ -202,15 +253,15 @@ def minimize(
         if predicted <= max(tolerance, 1e-10 * cost):
             converged = True
             break
-        trial, trial_local = shared.copy(), local + own
-        trial[problem.free] += delta
-        trial = np.clip(trial, problem.lower, problem.upper)
+        if growth == _GROWTH and cost - _HOPE * predicted * (iterations - accepted) > aim:
+            break
+        trial, trial_local = inner.moved(shared, delta), local + own
         new = problem.solve(trial, trial_local)
         fresh, fresh_cost = problem.weigh(new) if new is not None else (residual, np.inf)
         if new is not None and fresh_cost < cost:
             gain = (cost - fresh_cost) / predicted
             damping *= max(1 / 10, 1 - (2 * min(gain, 1.0) - 1) ** 3)
-            damping, growth = max(damping, 1e-12), 4.0
+            damping, growth = max(damping, 1e-12), _GROWTH
             accepted += 1
             converged = cost - fresh_cost <= max(tolerance, 1e-9 * cost) and gain > 0.25
             costs.append(fresh_cost)

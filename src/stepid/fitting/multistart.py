@@ -23,6 +23,8 @@ from stepid.fitting.weak_form import WeakForm, measured_motion
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import COARSE
 
+_SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
+_SAME = 0.01  # share of what is left above the floor, by which two ends are one
 _POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
 
 
@@ -51,7 +53,8 @@ class FitContext:
     """What every search on one campaign shares: records, linear fit, scales, the weak form, the measured motion.
 
     Candidates race on `sketch`, a part of the samples; `outline` is the linear plant there. `faults` of the readings
-    are removed already; `colored` is set where their noise is not white.
+    are removed already; `colored` is set where their noise is not white. `by_weights` is the linear plant with the most
+    likely added masses, where errors within their uncertainty are enough for it to leave only noise.
     """
 
     def __init__(
@@ -63,9 +66,10 @@ class FitContext:
         workers: int = 1,
         faults: tuple[RecordFault, ...] = (),
         colored: NoiseColor | None = None,
+        by_weights: Optimum | None = None,
     ) -> None:
         self.records, self.linear, self.floor, self.workers = records, linear, floor, workers
-        self.faults, self.colored = faults, colored
+        self.faults, self.colored, self.by_weights = faults, colored, by_weights
         self.scales: Scales = scales(records, linear, floor)
         self.columns: dict[Effect, list[Any]] = {}  # of `stepid.fitting.score_test`, kept for the next race
         self.responses: dict[tuple[Effect, tuple[float, ...]], Array | None] = {}  # to single starts, kept likewise
@@ -130,6 +134,7 @@ class CandidateFit:
         self.coarse, self.fine = (with_deviations(problem, deviations) for problem in (coarse, fine))
         self.best: Optimum | None = None
         self.polished: Optimum | None = None  # on all samples
+        self.rested: tuple[Optimum, Optimum] | None = None  # a polished fit, and the better of it and the one at rest
         self._resettled: Optimum | None = None  # where other patterns of sticking led last
         self._tolerance = 0.0  # with which the best fit so far ended, m²
 
@@ -188,12 +193,13 @@ class CandidateFit:
     def _try(self, problem: Problem, shared: Array, local: Array, like: Optimum, laps: int) -> bool:
         """Run a few steps from a start; True at the floor, or where a start before it ended, better than `like`."""
         context = self.context
-        tolerance = max(context.tolerance, 0.003 * (min(self.cost, like.cost) - context.noise_cost))
-        found = minimize(problem, shared, local, tolerance=tolerance, iterations=laps)
+        tolerance = max(context.tolerance, _SLIGHT * (min(self.cost, like.cost) - context.noise_cost))
+        aim = self.cost + _SAME * self.excess + context.unit  # what ends above that is no better start
+        found = minimize(problem, shared, local, tolerance=tolerance, iterations=laps, aim=aim)
         if found is None:
             return False
-        gained = like.cost - found.cost > 0.01 * (like.cost - context.noise_cost) + context.unit
-        again = gained and self.best is not None and abs(found.cost - self.cost) < 0.01 * self.excess + context.unit
+        gained = like.cost - found.cost > _SAME * (like.cost - context.noise_cost) + context.unit
+        again = gained and self.best is not None and abs(found.cost - self.cost) < _SAME * self.excess + context.unit
         if found.cost < self.cost:
             self.best, self._tolerance = found, tolerance
         return found.converged and (again or found.cost < 1.02 * context.noise_cost)
@@ -226,10 +232,11 @@ class CandidateFit:
         """Try other patterns of sticking from the best fit so far; True where one is better."""
         if self.best is None or self._resettled is self.best:
             return False
-        moved = resettle(self.best, tolerance=self.context.tolerance)
+        tolerance = max(self.context.tolerance, _SLIGHT * self.excess)
+        moved = resettle(self.best, tolerance=tolerance)
         better, self._resettled = moved is not self.best, moved
         if better:
-            self.best, self.polished, self._tolerance = moved, None, self.context.tolerance
+            self.best, self.polished, self._tolerance = moved, None, tolerance
         return better
 
     def polish(self, *, laps: int, tolerance: float = 0.0) -> None:

@@ -8,10 +8,18 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.fitting.deviations import FAULTS, applies, driven, promised, promised_by, with_fault
-from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
+from stepid.fitting.deviations import FAULTS, driven, promised, promised_by, with_fault
+from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import fixes_mass
 from stepid.fitting.record_fault import RecordFault
+from stepid.fitting.run_fault_size import (
+    REACHED,
+    count_samples,
+    noise_cost,
+    noise_level,
+    scatter_of_others,
+    standard_error,
+)
 from stepid.fitting.run_fault_words import DRIFT, ROUND, UNITS, fault_words
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import Simulator
@@ -20,7 +28,6 @@ _WORTH = {"added_mass": 0.02, "stiffness": 0.05, "damping": 0.05, "gain": 0.03, 
 # worth mentioning, as a share of the run's moving mass, stiffness, damping and gain, and in samples
 _HINT = 0.05  # share of the misfit that a linearized step must promise for a fit to be tried
 _TRIED = 6  # fits
-_REACHED = 1.08  # times the floor, to have explained all
 _STANDS_OUT = 0.3  # share of the cost left, by far less than by any other run's fault, where more is missing
 _DECIDES = 10.0  # χ² by which one explanation must be the better one
 _NEAR, _ROUGH = 0.03, 0.15  # relative, of a factor to a round one: linear plants, plants with effects
@@ -80,12 +87,11 @@ def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0) -> Accusation |
         says), ``"gain"`` (factor on its readings), ``"start_time"`` [s] or ``"sensor_drift"`` [m/s].
     """
     records = optimum.problem.records
-    excess = optimum.cost - (_REACHED * floor) ** 2 * _samples(records)
+    excess = optimum.cost - (REACHED * floor) ** 2 * count_samples(records)
     if len(records.runs) < 3 or excess <= 0:
         return None
-    tried = [_fitted(optimum, run, kind, floor) for run, kind in _candidates(optimum, excess)]
-    found = sorted((f for f in tried if f is not None), key=lambda f: f.cost)
-    level = max(floor, np.sqrt(found[0].cost / _samples(records))) if found else floor
+    found = _all_fitted(optimum, _candidates(optimum, excess), floor)
+    level = max(floor, np.sqrt(found[0].cost / count_samples(records))) if found else floor
     close = [f for f in found if f.cost < found[0].cost + _DECIDES * level**2]  # a worse explanation is none
     for best in close:
         others = [f for f in found if f.run != best.run]
@@ -106,8 +112,15 @@ def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0) -> Accusation |
     return None
 
 
-def _samples(records: Records) -> float:
-    return float((records.weight**2).sum())
+def _all_fitted(optimum: Optimum, candidates: list[tuple[int, str]], floor: float) -> list[_Found]:
+    """Fit each fault, the best first; none where no fit comes near what would explain the misfit, see `_explains`."""
+    aim = max(_STANDS_OUT * optimum.cost, noise_cost(optimum.problem.records, floor))
+    tried = [_fitted(optimum, run, kind, floor, aim) for run, kind in candidates]
+    found = [f for f in tried if f is not None]
+    if not any(f.cost <= aim for f in found):
+        return []
+    ended = [f if f.cost <= aim or f.optimum.converged else _fitted(optimum, f.run, f.kind, floor) for f in found]
+    return sorted((f for f in ended if f is not None), key=lambda f: f.cost)
 
 
 def _candidates(optimum: Optimum, excess: float) -> list[tuple[int, str]]:
@@ -128,14 +141,15 @@ def _tolerance(optimum: Optimum, floor: float) -> float:
     return max(_UNIT * floor**2, _SHARP * optimum.cost)
 
 
-def _fitted(optimum: Optimum, run: int, kind: str, floor: float) -> _Found | None:
-    """Fit all runs with one fault in one of them."""
+def _fitted(optimum: Optimum, run: int, kind: str, floor: float, aim: float = np.inf) -> _Found | None:
+    """Fit all runs with one fault in one of them; `aim` as in `minimize`."""
     if kind == DRIFT:
         return _drifted(optimum, run, floor)
     problem = with_fault(optimum.problem, run, kind)
     row = problem.layout.deviation(kind)
     tolerance = _tolerance(optimum, floor)
-    found = minimize(problem, optimum.shared, optimum.local, tolerance=tolerance)
+    aim = np.inf if kind == "gain" else aim  # a round factor may come from a rough one
+    found = minimize(problem, optimum.shared, optimum.local, tolerance=tolerance, aim=aim)
     if found is None:
         return None
     size = float(found.local[row, run])
@@ -143,8 +157,8 @@ def _fitted(optimum: Optimum, run: int, kind: str, floor: float) -> _Found | Non
         better = _rescaled(optimum, run, 1.0 + size, tolerance)
         if better is not None and better[1].cost < found.cost:
             size, found = better[0] - 1.0, better[1]
-    error = _error(found, optimum.problem, run, kind, floor)
-    return _Found(run, kind, size, error, _scatter(found, run, kind), found)
+    error = standard_error(found, optimum.problem, run, kind, floor)
+    return _Found(run, kind, size, error, scatter_of_others(found, run, kind), found)
 
 
 def _rescaled(optimum: Optimum, run: int, factor: float, tolerance: float) -> tuple[float, Optimum] | None:
@@ -192,53 +206,8 @@ def _drifted(optimum: Optimum, run: int, floor: float) -> _Found | None:
         if abs(rate) < _SETTLED * abs(total):
             break
     _, rates, errors = _drifts(found)
-    error, scatter = float(errors[run]) * _level(found, floor), float(np.std(np.delete(rates, run), ddof=1))
+    error, scatter = float(errors[run]) * noise_level(found, floor), float(np.std(np.delete(rates, run), ddof=1))
     return _Found(run, DRIFT, total, error, scatter, found)
-
-
-def _level(found: Optimum, floor: float) -> float:
-    """Size of the noise [m] that parameters are uncertain by: the residual's, the more so where it is correlated."""
-    records, residual = found.problem.records, found.problem.residual(found.solved)
-    level = float(np.sqrt(found.cost / _samples(records)))
-    if level <= _REACHED * floor:
-        return max(level, floor)
-    total = 1.0
-    for lag in range(1, int(np.diff(records.bounds).min()) // 3):
-        same = records.run[lag:] == records.run[:-lag]
-        rho = float(np.sum(residual[lag:] * residual[:-lag] * same)) / found.cost
-        total += 2 * rho**2
-    return level * float(np.sqrt(total))
-
-
-def _error(found: Optimum, plain: Problem, run: int, kind: str, floor: float) -> float:
-    """Standard error of a fault's size, in the deviation's unit."""
-    without = replace(found, problem=replace(found.problem, active=plain.active))
-    promise = promised(without, [(run, kind)]).get((run, kind))
-    return np.inf if promise is None else float(promise.errors[run]) * _level(found, floor)
-
-
-def _scatter(found: Optimum, run: int, kind: str) -> float:
-    """Standard deviation of the same deviation over the other runs, about the mean of each label."""
-    problem = found.problem
-    records = problem.records
-    row = problem.layout.deviation(kind)
-    others = applies(problem, kind)
-    others[run] = False
-    # each alone, the others as they are: a step to first order
-    steps = promised(found, [(int(r), kind) for r in np.flatnonzero(others)])
-    values: Array = found.local[row].copy()
-    for r in np.flatnonzero(others):
-        promise = steps.get((int(r), kind))
-        if promise is not None:
-            values[r] += promise.values[r]
-    groups = {"damping": records.damper, "stiffness": records.spring}.get(kind, np.zeros_like(records.spring))
-    squares, freedom = 0.0, 0
-    for g in np.unique(groups[others]):
-        own = values[others & (groups == g)]
-        if own.size > 1:
-            squares += float(np.sum((own - own.mean()) ** 2))
-            freedom += own.size - 1
-    return float(np.sqrt(squares / freedom)) if freedom else 0.0
 
 
 def _has_size(found: _Found, sure: float) -> bool:
@@ -262,8 +231,8 @@ def _explains(found: _Found, optimum: Optimum, others: list[_Found], floor: floa
     A law that bends with the amplitude gives the run with the largest or smallest input a plant of its own.
     """
     records = optimum.problem.records
-    samples = _samples(records)
-    at_floor = found.cost <= ((_REACHED + 3.0 / np.sqrt(2.0 * samples)) * floor) ** 2 * samples
+    samples = count_samples(records)
+    at_floor = found.cost <= noise_cost(records, floor)
     round_ = found.kind == "gain" and any(abs((1 + found.size) / r - 1) < _NEAR for r in ROUND)
     if found.kind != DRIFT and not round_ and _extreme(records, found.run):
         hard = found.kind not in ("gain", "damping") and optimum.cost > (_GROSS * floor) ** 2 * samples

@@ -207,7 +207,7 @@ def _one(
 def _attainable(
     campaign: Campaign, model: PlantModel, effects: tuple[Effect, ...], noise: float
 ) -> dict[str, float | None]:
-    """Standard uncertainties of a joint fit that has found the truth, from its sensitivities there."""
+    """Standard uncertainties by noise of a joint fit that has found the truth, from its sensitivities there."""
     records = lay_out(campaign)
     problem = build(records, effects)
     shared, local = pack(model, records, effects)
@@ -216,7 +216,8 @@ def _attainable(
         return {}
     left = problem.residual(solved)
     optimum = Optimum(problem, shared, local, solved, cost=float(left @ left), converged=True, iterations=0)
-    return {name: estimate.uncertainty for name, estimate in estimates(optimum, effects, noise)[0].items()}
+    found = estimates(optimum, effects, noise)[0]
+    return {name: e.parts.get("noise", e.uncertainty) for name, e in found.items()}
 
 
 def _read(rig: Rig, positions: tuple[Array, ...], noise: np.random.Generator) -> tuple[Array, ...]:

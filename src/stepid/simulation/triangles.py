@@ -71,7 +71,11 @@ def slopes(moved: Array, reading: Array, steps: Array, run: Array, offset: Array
 
 @compiled_sums
 def weigh(position: Array, reading: Array, weight: Array, bounds: Array, out: Array) -> float:
-    """Write measured minus simulated, each run's rest position fitted, times the weights, m; return its square, m²."""
+    """Write measured minus simulated, each run's rest position fitted, times the weights, m; return its square, m².
+
+    The square is summed in a loop that writes nothing: one that writes is compiled twice, for arrays that may overlap
+    and for those that do not, with other orders of the sum, and which is taken depended on where the arrays lie.
+    """
     cost = 0.0
     for r in range(bounds.size - 1):
         total, mean = 0.0, 0.0
@@ -82,7 +86,8 @@ def weigh(position: Array, reading: Array, weight: Array, bounds: Array, out: Ar
         mean /= total
         for i in range(bounds[r], bounds[r + 1]):
             out[i] = (position[i] - reading[i] - mean) * weight[i]
-            cost += out[i] * out[i]
+    for i in range(bounds[0], bounds[-1]):
+        cost += out[i] * out[i]
     return cost
 
 

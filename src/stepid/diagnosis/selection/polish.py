@@ -23,7 +23,11 @@ def polished(context: FitContext, fitted: CandidateFit, effort: Effort) -> Optim
         if fitted.polished is None or fitted.polished.converged:
             break
     best = fitted.polished
-    return None if best is None else _at_rest(context, best, effort)
+    if best is None:
+        return None
+    if fitted.rested is None or fitted.rested[0] is not best:
+        fitted.rested = best, _at_rest(context, best, effort)
+    return fitted.rested[1]
 
 
 def _at_rest(context: FitContext, best: Optimum, effort: Effort) -> Optimum:
@@ -34,18 +38,18 @@ def _at_rest(context: FitContext, best: Optimum, effort: Effort) -> Optimum:
     active[problem.layout.own_states] &= context.records.moving
     if np.array_equal(active, problem.active) or not _worth_holding(context, best, active, effort):
         return best
+    rests = replace(problem, active=active)
+    counts = np.add.reduceat(context.records.weight**2, context.records.first)
+    cheaper = (price(best, counts) - price(replace(best, problem=rests), counts)) * context.floor**2
     held = minimize(
-        replace(problem, active=active),
+        rests,
         best.shared,
         np.where(active, best.local, 0.0),
         tolerance=context.tolerance,
         iterations=effort.polishing,
+        aim=best.cost + cheaper,
     )
-    if held is None:
-        return best
-    counts = np.add.reduceat(context.records.weight**2, context.records.first)
-    cheaper = price(best, counts) - price(held, counts)
-    return held if (held.cost - best.cost) / context.floor**2 < cheaper else best
+    return best if held is None or held.cost >= best.cost + cheaper else held
 
 
 def _worth_holding(context: FitContext, best: Optimum, active: npt.NDArray[np.bool_], effort: Effort) -> bool:

@@ -13,6 +13,7 @@ from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, 
 from stepid.diagnosis.selection.candidate import Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING
+from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.specialize import Specialize
@@ -91,9 +92,11 @@ class Search:
         for _ in range(self.effort.rounds):
             bases = [self.nodes[c.key] for c in self._leading()]
             made = [self._expand(node, CONFIRMING) for node in bases]
+            steady = self._steady()
+            made += [self._expand(node, (Deviate(),)) for node in steady]
             if not any(made):
                 break
-            keys = {node.key for node in bases}
+            keys = {node.key for node in (*bases, *steady)}
             for proposal in self._promising(keys):
                 self._fit(proposal)
             self._promote()
@@ -104,6 +107,17 @@ class Search:
         best = self.best
         others = [c for c in self.candidates.values() if c.deviations and c is not best and self._complete(c)]
         return [best, *sorted(others, key=self._score)[: self.effort.beam - 1]]
+
+    def _steady(self) -> list[Node]:
+        """The best single effects in all runs alike, where the best answer lets conditions differ: they may need less.
+
+        A condition that is free in every run takes much of what an effect does that steps of several sizes show.
+        """
+        best = self.best
+        if not best.deviations or best.effects:
+            return []
+        alike = [n for n in self.nodes.values() if len(n.effects) == 1 and not n.deviations]
+        return sorted(alike, key=lambda n: n.cost)[: self.effort.beam]
 
     @property
     def best(self) -> Candidate:
@@ -182,7 +196,7 @@ class Search:
         """
         best: dict[Key, Proposal] = {}
         for p in self.proposals:
-            if bases is not None and (p.base not in bases or p.move not in _RIVALS):
+            if bases is not None and (p.base not in bases or p.move not in {*_RIVALS, Deviate.name}):
                 continue
             if (p.base, p.key) not in self._tried and (p.key not in best or p.rank < best[p.key].rank):
                 best[p.key] = p
@@ -193,7 +207,8 @@ class Search:
         out = [p for p in new if self._gains(least, named, p)]
         if bases is not None:
             nearest = [p for p in new if p.move == Exchange.name and p not in out][: self.effort.share]
-            return [*out, *nearest][: self.effort.width]
+            few = sorted(out, key=lambda p: len(p.effects) + len(p.deviations))  # what needs less is asked first
+            return [*few, *nearest][: self.effort.width]
         smallest = min((p.size for p in out), default=0)
         out = [p for p in out if p.size == smallest]
         return out[: max(min(self.effort.width, self.effort.fits - self.fits), 0)]
@@ -225,7 +240,7 @@ class Search:
         """Tell whether a proposal may better the best so far or the best that may be named, or be its rival."""
         slack = self.criteria.tie * self.fit.unit
         if proposal.move == Drop.name:
-            return 0.5 * proposal.left < proposal.like.cost or len(proposal.effects) > 1
+            return True  # it may have been stuck, or never tried
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
         if proposal.base != self.root.key and hoped(proposal, self.effort) > named:
@@ -242,7 +257,7 @@ class Search:
         fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
         fitted.begin(list(proposal.starts), like=proposal.like, keep=self.effort.keep + 1, laps=self.effort.begin)
         known = self.nodes.get(proposal.key)
-        if known is not None:
+        if known is not None or proposal.move == Drop.name:  # what stands in for more is fitted as well
             fitted.run(laps=self.effort.promote)
         if fitted.best is not None and (known is None or fitted.cost < known.cost):
             self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())

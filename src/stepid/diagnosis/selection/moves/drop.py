@@ -6,7 +6,8 @@ import numpy as np
 
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, standing
 from stepid.fitting.absent import without
-from stepid.fitting.multistart import Start
+from stepid.fitting.multistart import Start, race_starts
+from stepid.fitting.score_test import columns, score
 
 
 class Drop:
@@ -17,7 +18,7 @@ class Drop:
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
         """Propose the node's effects without one of them."""
         out = []
-        for place, effect in enumerate(node.effects if len(node.effects) > 1 else ()):
+        for place, effect in enumerate(node.effects if node.size > 1 else ()):
             own = node.best.problem.layout.values[place]
             values = tuple(float(v) for v in node.best.shared[own])
             moved, left = without(node.best, own, np.array(effect.faint(values, 0.0)))
@@ -28,6 +29,9 @@ class Drop:
                 for shared in (moved, node.best.shared)
             )
             effects = tuple(node.effects[i] for i in rest)
+            if len(effects) == 1:  # where what is taken away had taken mass or stiffness from the plant
+                fit = context.fit
+                starts += tuple(race_starts(fit, effects[0], score(fit, fit.outline, columns(fit, effects))))
             out.append(Proposal(effects, node.deviations, starts, node.key, node.best, left, 1.0, self.name))
         for kind in sorted(node.deviations):
             left = node.cost  # what it gains is judged by the fit without it
