@@ -49,12 +49,35 @@ def newest(session: nox.Session) -> None:
 
 @nox.session(python=VERSIONS[0])
 def coverage(session: nox.Session) -> None:
-    """Branch coverage, compiled functions run as plain Python; hundreds of times slower, so name the tests."""
+    """Branch coverage: of all tests compiled, of those of laws and kernel with compiled functions as plain Python.
+
+    Plain Python is hundreds of times slower. Tests that are named run as plain Python only.
+    """
     _install(session)
-    some = session.posargs or ["tests/simulation", "tests/effects"]
-    plain = {"NUMBA_DISABLE_JIT": "1"}
-    session.run("coverage", "run", "--branch", "--source", "stepid", "-m", "pytest", *some, env=plain)
+    measured = ("coverage", "run", "--branch", "--source", "stepid", "-m", "pytest", "-p", "no:cacheprovider")
+    session.run("coverage", "erase")
+    if not session.posargs:
+        session.run(*measured)
+    plain = session.posargs or ["tests/simulation", "tests/effects"]
+    session.run(*measured[:2], "--append", *measured[2:], *plain, env={"NUMBA_DISABLE_JIT": "1"})
     session.run("coverage", "report", "--show-missing", "--skip-covered")
+
+
+@nox.session(python=VERSIONS[0])
+def mutants(session: nox.Session) -> None:
+    """Mutation testing of identification, fitting, evidence and verdict: COUNT, SEED and part of a path; hours."""
+    _install(session)
+    session.run("python", "benchmarks/mutants.py", *(session.posargs or ["600", "14"]))
+
+
+@nox.session(python=VERSIONS[0])
+def attack(session: nox.Session) -> None:
+    """Mutated files, mutated campaigns, wrong types, hostile files: nothing but stepid's own errors may come out."""
+    _install(session)
+    session.run("python", "benchmarks/fuzz_readers.py", *(session.posargs or ["500000"]))
+    session.run("python", "benchmarks/fuzz_identify.py", "5000")
+    session.run("python", "benchmarks/wrong_types.py", "30000")
+    session.run("pytest", "-m", "", "tests/io/test_safe_read.py")
 
 
 @nox.session(python=VERSIONS[0])

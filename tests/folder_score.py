@@ -115,7 +115,7 @@ def _encoding(truth: Truth, folder: Path) -> str | None:
 def _scaled(draft: Draft, role: str, true: float | None) -> str:
     if true is None:
         unit = draft.units.get(role)
-        return "wrong" if unit is not None and unit.value != "counts" else "right" if unit else "asked"
+        return "wrong" if unit is not None and unit.value != "counts" else "asked"
     scale = draft.scale(role)
     if scale is None:
         return "wrong" if role in draft.units and draft.units[role].value == "counts" else "asked"

@@ -41,7 +41,13 @@ class MadeUpRecords:
 def context() -> Any:
     position = 1e-2 * np.sin(0.3 * np.arange(RUNS * SAMPLES))
     return SimpleNamespace(
-        records=MadeUpRecords(position), floor=FLOOR, period=0.5, tolerance=0.0, faults=(), colored=None
+        records=MadeUpRecords(position),
+        floor=FLOOR,
+        period=0.5,
+        tolerance=0.0,
+        faults=(),
+        colored=None,
+        by_weights=None,
     )
 
 

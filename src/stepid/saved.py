@@ -15,6 +15,7 @@ import stepid
 from stepid.core.base import Model
 from stepid.core.provenance import Provenance
 from stepid.core.saving import FORMAT, SCHEMA, checksum, parts
+from stepid.core.takes import described
 from stepid.errors import InputError
 from stepid.io.textfile import as_path, decode, read_bytes
 
@@ -46,7 +47,9 @@ def load(path: str | os.PathLike[str], *, kind: type[M] = Model) -> M:  # type: 
         holds another kind of result.
     """
     if not (isinstance(kind, type) and issubclass(kind, Model)):
-        raise InputError(f"kind = {kind!r} is no kind of result", "Give a class, for example kind=stepid.Diagnosis.")
+        raise InputError(
+            f"kind = {described(kind)} is no kind of result", "Give a class, for example kind=stepid.Diagnosis."
+        )
     file = as_path(path)
     document = _current(_document(file), file)
     name = document["kind"]

@@ -84,8 +84,21 @@ def test_the_rules_stand_in_this_order() -> None:
         "complete_but_open",
         "complete",
         "leads",
+        "weights_are_enough",
         "unexplained",
     ]
+
+
+def test_errors_of_the_weights_dispute_a_name_and_stand_for_none() -> None:
+    known: Any = SimpleNamespace(**vars(context()) | {"by_weights": LINEAR.optimum})
+    evidence: Any = Told(context=known)
+    found = verdict.judge(evidence, (verdict.complete,))
+    assert (found.verdict, found.alternatives, found.shown) == ("ambiguous", (), FRICTION)
+    assert "added masses" in found.reasons[-1]
+    assert ask("weights_are_enough") is None
+    enough = ask("weights_are_enough", context=known)
+    assert enough is not None
+    assert (enough.verdict, enough.shown) == ("adequate", LINEAR)
 
 
 def test_a_wrong_input_explains_nothing() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 import stepid
 from closed_form import SAMPLE_TIME, Plant, make_run
-from stepid.errors import InputError, NoOvershootError, NoStepError, NotSettledError
+from stepid.errors import IdentificationError, InputError, NoOvershootError, NoStepError, NotSettledError
 from stepid.identification.characteristics import damped_frequency, damping_ratio
 
 PLANT = Plant(base_mass=0.954, stiffness=216.2, damping=14.0)
@@ -83,3 +83,29 @@ def test_formulas_refuse_what_has_no_answer() -> None:
             damping_ratio(overshoot)
     with pytest.raises(InputError, match="peak time"):
         damped_frequency(0.0)
+
+
+def test_numbers_that_cannot_be_computed_with_are_no_crash() -> None:
+    """A pulse that comes back to exactly where it was, held by nothing: its steady state is zero."""
+    position = np.zeros(120)
+    position[30:60] = 0.01
+    position[60:90] = -0.01
+    time = 0.01 * np.arange(120)
+    run = stepid.Experiment(
+        name="odd",
+        time=time,
+        position=position,
+        input=np.where(time > 0.1, 1.0, 0.0),
+        added_mass=0,
+        spring="s",
+        damper="d",
+    )
+    with pytest.raises(IdentificationError, match="odd"):
+        stepid.characterize(run)
+    with pytest.raises(IdentificationError, match="odd"):
+        stepid.characterize(_scaled(run, 1e-290))
+
+
+def _scaled(run: stepid.Experiment, factor: float) -> stepid.Experiment:
+    fields = {name: getattr(run, name) for name in type(run).model_fields}
+    return stepid.Experiment(**fields | {"position": factor * run.position})

@@ -269,3 +269,23 @@ def test_what_is_no_unit_is_refused(said: str, tmp_path: Path) -> None:
 def test_files_without_numbers_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no table of numbers"):
         one(tmp_path, "a letter\nto a friend\n")
+
+
+@pytest.mark.parametrize(
+    ("raw", "options", "words"),
+    [
+        (table("t,x\n").encode("utf-16"), {}, 'Give encoding = "utf-16"'),
+        ("Prüfstand\n".encode("cp1252") + table("t,x\n").encode(), {}, 'Give encoding = "cp1252"'),
+        (table("t,x\n").encode(), {"encoding": "klingon"}, "encoding is 'klingon'"),
+        ("Prüfstand".encode("cp1252"), {"encoding": "utf-8"}, "is not utf-8 text"),
+        (b"", {"encoding": "cp1252"}, "is empty"),
+        (table("t,x\n").encode(), {"encoding": ""}, "Give its name as text"),
+        (table("t,x\n").encode(), {"sheet": "two"}, "is no workbook"),
+        (b"PK\x03\x04 and no more", {}, "damaged workbook"),
+    ],
+)
+def test_encodings_and_sheets_that_cannot_be(raw: bytes, options: dict[str, str], words: str, tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_bytes(raw)
+    with pytest.raises(InputError) as refused:
+        stepid.read_table(tmp_path / "run.csv", time="t", position="x", **options)
+    assert words in str(refused.value)

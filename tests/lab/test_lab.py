@@ -28,13 +28,14 @@ PASSPHRASE = "correct horse battery"
 
 
 def small(**fields):
-    standard = {"seed": "tests", "groups": ("A", "B"), "effects": {"A": (LEVEL,), "B": ()}, "rig": SMALL}
+    effects = {"A": (LEVEL,), "B": ()}
+    standard = {"seed": "tests of blind campaigns", "groups": ("A", "B"), "effects": effects, "rig": SMALL}
     return lab.make(**{**standard, **fields})
 
 
 @pytest.fixture(scope="module")
 def coulomb() -> lab.Assignment:
-    return lab.make(seed=11, groups=("A",), effects=("coulomb_friction",))
+    return lab.make(seed=110000000000, groups=("A",), effects=("coulomb_friction",))
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -55,7 +56,7 @@ def test_the_same_seed_makes_the_same_folders_byte_for_byte(tmp_path):
     assert (tmp_path / "one" / "answers.sealed").read_bytes() != (tmp_path / "two" / "answers.sealed").read_bytes()
 
 
-@pytest.mark.parametrize("seed", [1, "1"])
+@pytest.mark.parametrize("seed", [1, "another sentence"])
 def test_another_seed_makes_another_plant(seed):
     one, two = small(seed=seed), small()
     assert one["A"] != two["A"]
@@ -139,7 +140,7 @@ def test_a_fit_with_the_right_effect_passes_and_without_it_fails():
     assert right.passed, right.summary()
     assert fit.rms == pytest.approx(answer.noise, rel=0.05)
     for name, estimate in fit.parameters.items():
-        assert estimate.uncertainty == pytest.approx(answer.attainable[name], rel=0.25)
+        assert estimate.parts["noise"] == pytest.approx(answer.attainable[name], rel=0.25)
     linear = stepid.fit(made["A"])
     wrong = lab.check(answer, lab.Submission(group="A", parameters=linear.parameters))
     assert not wrong.passed
@@ -166,7 +167,7 @@ def test_stated_intervals_cover_the_truth():
 def test_students_find_no_answer_in_their_files(tmp_path, coulomb):
     sealed = coulomb.write(tmp_path / "class", passphrase=PASSPHRASE)
     answer = coulomb.answers["A"]
-    words = ["coulomb", "friction", "effect", answer.nonce, "tests"]
+    words = ["coulomb", "friction", "effect", answer.nonce, "110000000000"]
     numbers = [s for v in answer.parameters.values() for s in (f"{v:.6g}", f"{v:.5g}", f"{v:.4g}")]
     for raw in contents(tmp_path / "class").values():
         text = raw.decode().lower()

@@ -25,7 +25,7 @@ RIG = lab.Rig(
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    made = lab.make(seed=1, groups=("A", "B"), effects=(), rig=RIG)
+    made = lab.make(seed="a sentence for tests", groups=("A", "B"), effects=(), rig=RIG)
     return made.write(tmp_path / "class", passphrase=PASSPHRASE).parent
 
 
@@ -136,7 +136,7 @@ def test_the_commitment_is_to_the_records_too(folder, tmp_path):
 
 
 def test_opened_answers_speak():
-    answers = lab.make(seed=1, groups=("A", "B"), effects=(), rig=RIG).answers
+    answers = lab.make(seed="a sentence for tests", groups=("A", "B"), effects=(), rig=RIG).answers
     text = answers.summary()
     assert "nothing" in text
     assert f"base_mass = {answers['B'].parameters['base_mass']:.4g} kg" in text
@@ -146,3 +146,14 @@ def test_opened_answers_speak():
     with pytest.raises(InputError, match="no answer for group 'C'"):
         answers["C"]
     assert stepid.lab.Answers.model_validate_json(answers.model_dump_json()) == answers
+
+
+def test_seeds_that_can_be_guessed_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"seed 'autumn' can be guessed. Take a sentence .* 12 characters"):
+        lab.make(seed="autumn", groups=("A",))
+    with pytest.raises(InputError, match=r"a number of thousands of digits. Give a whole number of up to 1000 digits"):
+        lab.make(seed=10**5000, groups=("A",))
+    tried = lab.make(seed=1, groups=("A",), effects=(), rig=RIG)  # to try things out
+    with pytest.raises(InputError, match="seed 1 can be guessed, and with it all answers"):
+        tried.write(tmp_path / "class", passphrase=PASSPHRASE)
+    assert not (tmp_path / "class").exists()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from pathlib import Path
 
 import matplotlib as mpl
@@ -11,7 +12,7 @@ import pytest
 import diagnosis_example as example
 import stepid
 from diagnosis_example import changed
-from stepid.report.hand import by_hand
+from stepid.report.hand import Hand, by_hand
 from stepid.report.lab_report import lab_report
 from stepid.report.provenance import of_data
 
@@ -20,9 +21,13 @@ FILES = {name: f"lab-{name}.png" for name in ("records", "where", "gap", "runs",
 EVIL = r"a & b_{1} \input{x} 5 % # $y$ [z] <i>"
 
 
+@cache
+def hand() -> Hand:
+    return by_hand(example.campaign())
+
+
 def filled(d: stepid.Diagnosis, kind: str, **more: str) -> str:
-    hand = by_hand(example.campaign()) if d.data is not None else None
-    return lab_report(d, hand, of_data(d), kind=kind, files=FILES, **more)
+    return lab_report(d, None if d.data is None else hand(), of_data(d), kind=kind, files=FILES, **more)
 
 
 @pytest.mark.parametrize("kind", [".md", ".tex"])
@@ -65,7 +70,7 @@ def test_a_diagnosis_without_its_campaign_or_effects_makes_a_report() -> None:
 
 
 def test_ones_own_template() -> None:
-    d = example.named()
+    d = changed(example.named(), data=None, ranking=())
     assert filled(d, ".md", template="{{ d.verdict }}: {{ effects }}") == "named: Coulomb friction"
     assert filled(d, ".tex", template="((( d.verdict )))") == "named"
     for wrong in ("{{ nothing }}", "{% if %}", "{{ d.verdict() }}", "{{ ().__class__.__mro__ }}"):

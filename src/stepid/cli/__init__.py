@@ -47,6 +47,9 @@ Records = Annotated[
 Out = Annotated[
     Path | None, typer.Option("--out", metavar="DIR", help="Folder for report and figures.", show_default=False)
 ]
+Outside = Annotated[
+    bool, typer.Option("--allow-outside", metavar="", help="Read files outside of the manifest's folder, too.")
+]
 Json = Annotated[bool, typer.Option("--json", metavar="", help="Print JSON instead of text.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", metavar="", help="Show no progress on standard error.")]
 
@@ -108,7 +111,7 @@ def paper(out: Out = None, as_json: Json = False) -> None:
     epilog=examples("stepid identify lab/campaign.toml --out results", "stepid identify lab/campaign.toml --json")
 )
 @showing_a_manifest
-def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> None:
+def identify(campaign: CampaignFile, out: Out = None, allow_outside: Outside = False, as_json: Json = False) -> None:
     """Find masses, stiffness and damping by the paper's method, and verify them against the records."""
     from stepid.core.atomic_write import staged
     from stepid.identification.identify import characterize_campaign
@@ -116,7 +119,7 @@ def identify(campaign: CampaignFile, out: Out = None, as_json: Json = False) -> 
     from stepid.report.file_names import file_names
     from stepid.report.json_values import identify_values
 
-    read = stepid.read_campaign(campaign)
+    read = stepid.read_campaign(campaign, allow_outside=allow_outside)
     parameters = stepid.identify(read)
     verified = stepid.verify(parameters, read)
     trends = stepid.find_trends(characterize_campaign(read)[0].values())
@@ -155,6 +158,7 @@ def diagnose(
     campaign: Records,
     out: Out = None,
     effort: Hard = EffortName.default,
+    allow_outside: Outside = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -166,7 +170,7 @@ def diagnose(
     from stepid.report.provenance import of_campaign
     from stepid.report.write import write_all
 
-    read = read_records(campaign, said)
+    read = read_records(campaign, said, allow_outside=allow_outside)
     if not (quiet or as_json):
         console(stderr=True).print(_runs(read), markup=False)
     with _progress(lines=not (quiet or as_json), status=not quiet) as tell:

@@ -75,14 +75,14 @@ def init(
     screen.print(f"Next: stepid diagnose {target}", markup=False)
 
 
-def read_records(paths: Sequence[Path], said: Said) -> Campaign:
+def read_records(paths: Sequence[Path], said: Said, *, allow_outside: bool = False) -> Campaign:
     """Read a campaign from its manifest, or from recordings without one; InputError where something is not known."""
     first = paths[0]
     manifest = len(paths) == 1 and (first.suffix == ".toml" or (first / "campaign.toml").is_file())
     if manifest or (len(paths) == 1 and not first.is_dir() and not _looks_like_records(first)):
         if said.given:
             raise InputError(f"{flag(said.given[0])} is for recordings", f"Say it in {first}.")
-        return stepid.read_campaign(first)
+        return stepid.read_campaign(first, allow_outside=allow_outside)
     files, _ = _files(paths)
     return campaign_of_files(files, said)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from stepid.core.experiment import Campaign, Experiment
+from stepid.core.takes import a, described
 from stepid.errors import InputError
 
 
@@ -32,9 +33,13 @@ def as_workers(given: object) -> int:
     """Return a number of threads as it is; InputError where it is none."""
     if isinstance(given, int) and not isinstance(given, bool) and given >= 1:
         return given
-    raise InputError(f"workers = {given!r} is no number of threads", "Give a whole number, 1 or more.")
+    raise InputError(f"workers = {described(given)} is no number of threads", "Give a whole number, 1 or more.")
 
 
 def _called(given: object) -> str:
     name = type(given).__name__
     return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
+
+
+a_run = a((str, Experiment), "the name of a run, or the run itself: campaign[name]")
+"""Check of an argument `run`."""

@@ -45,6 +45,8 @@ def _matrix(value: object) -> Array:
 
 
 def _frozen_array(value: object, ndim: int) -> Array:
+    if isinstance(value, np.ma.MaskedArray):
+        raise ValueError("is a masked array; leave out what is masked, or give its values (x.compressed(), x.data)")
     try:
         source = np.asarray(value)
     except ValueError as error:

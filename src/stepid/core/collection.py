@@ -10,6 +10,7 @@ import numpy as np
 
 from stepid.core.base import Model
 from stepid.core.tables import text_table
+from stepid.core.takes import described
 from stepid.errors import InputError, MissingPackageError
 
 if TYPE_CHECKING:
@@ -134,7 +135,7 @@ class Runs(Model):
             if isinstance(key, str) and run.name == key:
                 return run
         names = ", ".join(repr(run.name) for run in self.experiments)
-        said = repr(key) if isinstance(key, str | int) else f"of {type(key).__name__}"
+        said = described(key) if isinstance(key, str | int) else f"of {type(key).__name__}"
         raise InputError(f"campaign {self.name!r} has no run {said}", f"Its runs are {names}.")
 
     def _of(self, runs: tuple[Experiment, ...], more: object = None) -> Self:

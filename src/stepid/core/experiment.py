@@ -18,6 +18,7 @@ from stepid.core.mass_offset import MassOffset as MassOffset
 from stepid.core.mass_offset import chained
 from stepid.core.samples import CLOSE, InputBetween, Starts, check_samples, off_even_clock
 from stepid.core.slices import stretch
+from stepid.core.takes import described
 from stepid.core.tidy import run_fields
 from stepid.core.units import record
 
@@ -168,7 +169,7 @@ class Experiment(Model):
         """
         columns = {"time": time, "position": position, "input": input}
         scales = {"time": time_scale, "position": position_scale, "input": input_scale}
-        arrays: dict[str, Any] = record(frame, columns, scales, f"run {name!r}")
+        arrays: dict[str, Any] = record(frame, columns, scales, f"run {described(name)}")
         return cls(
             **arrays,
             name=name,
@@ -272,7 +273,7 @@ class Campaign(Runs):
             If a column is missing or not numeric, or what belongs to a whole run changes within it.
         """
         scales = {"time": time_scale, "position": position_scale, "input": input_scale}
-        runs = [Experiment(**fields) for fields in run_fields(frame, scales, f"campaign {name!r}")]
+        runs = [Experiment(**fields) for fields in run_fields(frame, scales, f"campaign {described(name)}")]
         return cls(
             name=name,
             experiments=tuple(runs),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepid.core.takes import described
 from stepid.errors import InputError, MissingPackageError
 
 if TYPE_CHECKING:
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
     from stepid.core.base import Array
 
+_MOST, _LETTERS = 50, 60  # columns that a message lists, and letters of each
 Row = tuple[str, float, float | None, str]
 """One parameter: name, value, standard uncertainty (None where undetermined), unit."""
 
@@ -91,13 +93,25 @@ def numbers(frame: Any, column: str, *, field: str) -> Array:
 
 def column_of(frame: Any, column: str, *, field: str) -> Any:
     """Return a column; InputError names it and the columns there are."""
+    names = column_names(frame)
     try:
-        return frame[column]
-    except (KeyError, IndexError, ValueError):
+        values = frame[column]
+    except (KeyError, IndexError, ValueError, TypeError):
+        there = ", ".join(name[:_LETTERS] for name in names[:_MOST]) or "none"
         raise InputError(
-            f"the data frame has no column {column!r} for {field}",
-            f"Name the column with {field}=…; there are: {', '.join(map(str, frame))}.",
+            f"the data frame has no column {described(column)} for {field}",
+            f"Name the column with {field}=…; there are: {there}.",
         ) from None
+    if isinstance(values, np.ma.MaskedArray):
+        raise InputError(f"column {described(column)} for {field} is a masked array", "Leave out what is masked.")
+    return values
+
+
+def column_names(frame: Any) -> tuple[str, ...]:
+    """Names of the columns of a data frame, or of anything indexed by them; InputError where it is none."""
+    if hasattr(frame, "keys") or (hasattr(frame, "__getitem__") and hasattr(frame, "columns")):
+        return tuple(map(str, frame))
+    raise InputError(f"a data frame is needed, not {described(frame)}", "Give one, or a mapping of columns.")
 
 
 def split_runs(frame: Any, column: str) -> dict[str, Any]:

@@ -9,6 +9,8 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.noise import noise_level
+from stepid.core.takes import described
+from stepid.errors import InputError
 
 if TYPE_CHECKING:
     from stepid.core.experiment import Experiment
@@ -139,6 +141,8 @@ def split_releases(experiment: Experiment) -> tuple[Experiment, ...]:
         In order of time on the record's clock, called "name (1)", "name (2)", …; the record itself where it holds one
         release.
     """
+    if not hasattr(experiment, "is_release"):
+        raise InputError(f"an Experiment is needed, not {described(experiment)}", "Give one run: campaign[name].")
     if not experiment.is_release or experiment.starts == "rest":
         return (experiment,)
     hands = _hands(experiment)

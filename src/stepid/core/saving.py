@@ -12,6 +12,7 @@ from typing import Any
 from stepid.core.atomic_write import staged
 from stepid.core.base import Model
 from stepid.core.provenance import versions
+from stepid.core.takes import described
 from stepid.errors import InputError
 
 FORMAT = "stepid result"
@@ -23,7 +24,9 @@ SCHEMA = 1
 def save(model: Model, path: str | os.PathLike[str]) -> Path:
     """Write a model; see `Model.save`."""
     if not isinstance(path, str | os.PathLike) or not isinstance(os.fspath(path), str) or not os.fspath(path):
-        raise InputError(f"{path!r} is not a path", "Give the file's path as text or pathlib.Path.")
+        raise InputError(f"{described(path)} is not a path", "Give the file's path as text or pathlib.Path.")
+    if "\0" in os.fspath(path):
+        raise InputError(f"{path!r} cannot be written: it holds a zero byte", "Correct the path.")
     target = Path(path)
     if os.path.isdir(target):
         raise InputError(f"{target} is a folder", f"Name a file in it, for example {target / 'result.json'}.")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepid.core.takes import WantedError, described, number
 from stepid.errors import InputError
 
 if TYPE_CHECKING:
@@ -29,9 +30,15 @@ def stretch(
         if index is not None and moment is not None:
             raise InputError(f"{who}: both {names[0]} and {names[1]} are given", "Give one: a sample or a time.")
         if index is not None and (isinstance(index, bool) or not isinstance(index, int | np.integer)):
-            raise InputError(f"{who}: {names[0]} is {index!r}", f"Give a whole number, or a time with {names[1]}=….")
-        if moment is not None and not np.isfinite(moment):
-            raise InputError(f"{who}: {names[1]} is {moment!r}", "Give a time in s on the record's clock.")
+            raise InputError(
+                f"{who}: {names[0]} is {described(index)}", f"Give a whole number, or a time with {names[1]}=…."
+            )
+        if moment is not None:
+            try:
+                number()(moment)
+            except WantedError:
+                remedy = "Give a time in s on the record's clock."
+                raise InputError(f"{who}: {names[1]} is {described(moment)}", remedy) from None
     if after is not None:
         first = int(np.searchsorted(run.time, after))
     if until is not None:

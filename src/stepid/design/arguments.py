@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stepid.core.takes import described
 from stepid.errors import InputError
 
 _USUAL = 0.02
@@ -92,22 +93,28 @@ def number(name: str, given: object, unit: str, *, least: float | None = None) -
     value = _finite(given)
     if value is not None and (value > 0 or (least is not None and value >= least)):
         return value
-    raise InputError(f"{name} = {given!r} cannot be", f"Give a number above 0: {unit}.")
+    raise InputError(f"{name} = {described(given)} cannot be", f"Give a number above 0: {unit}.")
 
 
 def numbers(name: str, given: object, unit: str) -> tuple[float, ...]:
     """Different finite numbers, one at least, in the order given."""
-    several = list(given) if isinstance(given, Iterable) and not isinstance(given, (str, bytes, Mapping)) else []
+    try:
+        several = list(given) if isinstance(given, Iterable) and not isinstance(given, (str, bytes, Mapping)) else []
+    except TypeError:  # an array without dimension
+        several = []
     good = [value for value in map(_finite, several) if value is not None]
     if not several or len(good) < len(several):
-        raise InputError(f"{name} = {given!r} is not a list of numbers", f"Give {unit}.")
+        raise InputError(f"{name} = {described(given)} is not a list of numbers", f"Give {unit}.")
     return tuple(dict.fromkeys(good))
 
 
 def _finite(given: object) -> float | None:
     if isinstance(given, (bool, np.bool_)) or not isinstance(given, (int, float, np.integer, np.floating)):
         return None
-    return float(given) if math.isfinite(given) else None
+    try:
+        return float(given) if math.isfinite(given) else None
+    except OverflowError:  # an integer beyond all floats
+        return None
 
 
 def wants(given: Mapping[str, float] | None, names: Iterable[str]) -> dict[str, float]:
@@ -122,7 +129,9 @@ def wants(given: Mapping[str, float] | None, names: Iterable[str]) -> dict[str, 
     if given is None:
         given = dict.fromkeys(("base_mass", "stiffness", "damping"), _USUAL)
     if not isinstance(given, Mapping):
-        raise InputError(f"wanted = {given!r} is no mapping", 'Give for example {"base_mass": 0.02}, which is 2 %.')
+        raise InputError(
+            f"wanted = {described(given)} is no mapping", 'Give for example {"base_mass": 0.02}, which is 2 %.'
+        )
     out = {}
     for name, share in given.items():
         full = [one for one in known if name in (one, one.partition("[")[0])]

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from stepid.core.takes import a, each, optional, takes
 from stepid.core.mass_offset import WEIGHT_UNCERTAINTY
 from stepid.core.recorded import recorded
 from stepid.design.arguments import Asked, checked, wants
@@ -14,7 +15,7 @@ from stepid.design.guess import Given, Guess, as_plant, lasting, parameter_value
 from stepid.design.information import covariances, information, lay_out_steps, simulated
 from stepid.design.result import Plan
 from stepid.design.separation import Confusion, apart, confusions, expected
-from stepid.effects import CATALOGUE, Effect, Scales, resolve
+from stepid.effects import CATALOGUE, Effect, Scales, a_catalogue, resolve
 from stepid.errors import InputError
 from stepid.simulation.model import EffectModel, PlantModel
 from stepid.simulation.threads import single_threaded
@@ -22,6 +23,10 @@ from stepid.simulation.threads import single_threaded
 _TRIED = 6  # designs whose separation is looked at by a full fit
 
 
+_given = each(a((str, EffectModel), ""), 'names of effects, as ("coulomb_friction",), or stepid.EffectModel(…)')
+
+
+@takes(effects=_given, separate=optional(_given), catalogue=a_catalogue)
 @recorded()
 @single_threaded
 def plan(

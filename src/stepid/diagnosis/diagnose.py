@@ -10,6 +10,7 @@ from typing import NamedTuple
 from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.experiment import Campaign
 from stepid.core.recorded import recorded
+from stepid.core.takes import a, able, caller, each, optional, takes
 from stepid.diagnosis.answer import report
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
@@ -20,7 +21,7 @@ from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.verdict import judge
 from stepid.diagnosis.wording import length
-from stepid.effects import CATALOGUE, Effect, among_themselves
+from stepid.effects import CATALOGUE, Effect, a_catalogue, among_themselves
 from stepid.errors import UndeterminedError
 from stepid.fitting.eccentricity import find_eccentricity
 from stepid.fitting.fit import prepare
@@ -39,6 +40,14 @@ def _silent(_: Progress) -> None:
     return None
 
 
+_how = {
+    "catalogue": a_catalogue,
+    "criteria": optional(a(Criteria, "stepid.Criteria(…)")),
+    "effort": optional(a(Effort, "stepid.Effort(), Effort.quick() or Effort.thorough()")),
+}
+
+
+@takes(**_how, progress=optional(caller("a function that takes one argument, a stepid.Progress")))
 @recorded(criteria=Criteria, effort=Effort)
 @single_threaded
 def diagnose(
@@ -138,6 +147,11 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
     return report(campaign, evidence, judge(evidence))
 
 
+@takes(
+    **_how,
+    campaigns=each(as_campaign, "campaigns in a list"),
+    executor=optional(able("map", "an executor of concurrent.futures")),
+)
 def diagnose_many(
     campaigns: Iterable[Campaign],
     *,

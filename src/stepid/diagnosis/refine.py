@@ -38,7 +38,13 @@ def _again(
             return None
         linear = fitted
     return FitContext(
-        records, linear, floor, workers=context.workers, faults=(*context.faults, *faults), colored=context.colored
+        records,
+        linear,
+        floor,
+        workers=context.workers,
+        faults=(*context.faults, *faults),
+        colored=context.colored,
+        by_weights=context.by_weights,
     )
 
 

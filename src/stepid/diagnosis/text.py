@@ -42,6 +42,8 @@ def answer(d: Diagnosis) -> str:
         return f"A linear model is not adequate: {effect_names(d.effects)} {verb} missing."
     if d.verdict == "ambiguous":
         sets = " or ".join(effect_names(names) for names in (d.effects, *d.alternatives))
+        if not d.alternatives:
+            return f"{sets[0].upper()}{sets[1:]} explains the misfit, but errors of the added masses would, too."
         return f"A linear model is not adequate; what is missing is {sets}, these data cannot tell which."
     return "A linear model is not adequate, and nothing in the catalogue explains why."
 

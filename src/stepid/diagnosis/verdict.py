@@ -132,6 +132,13 @@ def leads(e: EvidenceRecord) -> Answer | None:
     return _with_rivals(e, lead, beside, said) or Answer("named", lead, (), said)
 
 
+def weights_are_enough(e: EvidenceRecord) -> Answer | None:
+    """No effect is named, and errors of the added masses within their uncertainty are enough."""
+    if e.context.by_weights is None:
+        return None
+    return Answer("adequate", e.linear, (), (_WEIGHTS,))
+
+
 def unexplained(e: EvidenceRecord) -> Answer | None:
     """Nothing explains it, and that is said."""
     best = e.best if e.best.effects else e.lead
@@ -154,8 +161,10 @@ RULES: tuple[Rule, ...] = (
     complete_but_open,
     complete,
     leads,
+    weights_are_enough,
     unexplained,
 )
+_WEIGHTS = "Errors of the added masses within their uncertainty explain what the linear model leaves."
 
 
 def judge(evidence: EvidenceRecord, rules: tuple[Rule, ...] = RULES) -> Answer:
@@ -168,14 +177,17 @@ def judge(evidence: EvidenceRecord, rules: tuple[Rule, ...] = RULES) -> Answer:
     for rule in rules:
         answer = rule(evidence)
         if answer is not None:
-            return Answer(
-                answer.verdict,
-                answer.shown,
-                answer.alternatives,
-                (times, *answer.reasons),
-                answer.rule or rule.__name__,
-            )
+            answer = replace(answer, reasons=(times, *answer.reasons), rule=answer.rule or rule.__name__)
+            return _beside_weights(evidence, answer)
     raise AssertionError("the last rule answers always")
+
+
+def _beside_weights(e: EvidenceRecord, answer: Answer) -> Answer:
+    """A name is in doubt where errors of the weights within their uncertainty would do as well."""
+    if e.context.by_weights is None or answer.verdict != "named":
+        return answer
+    reasons = (*answer.reasons, _WEIGHTS)
+    return replace(answer, verdict="ambiguous", reasons=reasons, rule=complete_but_open.__name__)
 
 
 def _open(e: EvidenceRecord, found: Candidate) -> tuple[str, ...]:

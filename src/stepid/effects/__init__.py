@@ -10,6 +10,7 @@ from copy import copy
 from importlib import import_module
 from pkgutil import iter_modules
 
+from stepid.core.takes import a, each, takes
 from stepid.effects.base import Effect, Moment, Motion, Parameter, Scales
 from stepid.errors import InputError
 
@@ -44,12 +45,25 @@ def among_themselves(catalogue: tuple[Effect, ...]) -> tuple[Effect, ...]:
     return tuple(out)
 
 
-def resolve(effects: Iterable[str | Effect], *, catalogue: tuple[Effect, ...] = CATALOGUE) -> tuple[Effect, ...]:
+a_catalogue = each(a(Effect, ""), "a tuple of effects, as stepid.effects.CATALOGUE")
+"""Check of an argument `catalogue`."""
+_some_effects = each(a((str, Effect), ""), 'names of effects, as ("coulomb_friction",), or effects')
+
+
+def _effects(value: object) -> object:
+    return _some_effects((value,) if isinstance(value, str | Effect) else value)
+
+
+@takes(effects=_effects, catalogue=a_catalogue)
+def resolve(
+    effects: str | Effect | Iterable[str | Effect], *, catalogue: tuple[Effect, ...] = CATALOGUE
+) -> tuple[Effect, ...]:
     """Turn canonical names (or effects) into effects.
 
     Parameters
     ----------
     effects : iterable of str or Effect
+        One alone need not be put in brackets.
     catalogue : tuple of Effect
         Where names are looked up.
 
@@ -65,7 +79,7 @@ def resolve(effects: Iterable[str | Effect], *, catalogue: tuple[Effect, ...] = 
     """
     known = {effect.name: effect for effect in catalogue}
     found: list[Effect] = []
-    for item in effects:
+    for item in (effects,) if isinstance(effects, str | Effect) else effects:
         effect = known.get(item) if isinstance(item, str) else item
         if effect is None:
             raise InputError(f"there is no effect called {item!r}", f"The catalogue has: {', '.join(known)}.")

@@ -63,11 +63,9 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
     faults = (*screened.faults, *(hum.fault for hum in hums))
     floor, colored = colored_floor(records, records.position - linear.solved.reading)
     floor = bounded_floor(records, floor, linear.rms, int(linear.problem.free.sum() + linear.problem.active.sum()))
-    if linear.rms > _NOTABLE * floor:
-        known = most_likely(linear, floor)
-        if known.rms <= _REACHED * floor:  # the weights' own uncertainty is all that there is
-            records, linear = known.problem.records, known
-    return FitContext(records, linear, floor, workers=workers, faults=faults, colored=colored)
+    likely = most_likely(linear, floor) if linear.rms > _NOTABLE * floor else linear
+    by_weights = likely if likely is not linear and likely.rms <= _REACHED * floor else None
+    return FitContext(records, linear, floor, workers=workers, faults=faults, colored=colored, by_weights=by_weights)
 
 
 def _begun(campaign: Campaign, wrong: Mapping[str, Mask], workers: int) -> tuple[Records, Optimum, float]:
@@ -94,7 +92,7 @@ def _begun(campaign: Campaign, wrong: Mapping[str, Mask], workers: int) -> tuple
 def fit(
     campaign: Campaign,
     *,
-    effects: Iterable[str | Effect] = (),
+    effects: str | Effect | Iterable[str | Effect] = (),
     catalogue: tuple[Effect, ...] = CATALOGUE,
     workers: int = 1,
 ) -> Fit:
@@ -108,7 +106,7 @@ def fit(
     ----------
     campaign : Campaign
     effects : iterable of str or Effect
-        Canonical names or effects; none is the linear plant.
+        Canonical names or effects, one alone without brackets, too; none is the linear plant.
     catalogue : tuple of Effect
         Where names are looked up.
     workers : int

@@ -53,7 +53,8 @@ class FitContext:
     """What every search on one campaign shares: records, linear fit, scales, the weak form, the measured motion.
 
     Candidates race on `sketch`, a part of the samples; `outline` is the linear plant there. `faults` of the readings
-    are removed already; `colored` is set where their noise is not white.
+    are removed already; `colored` is set where their noise is not white. `by_weights` is the linear plant with the most
+    likely added masses, where errors within their uncertainty are enough for it to leave only noise.
     """
 
     def __init__(
@@ -65,9 +66,10 @@ class FitContext:
         workers: int = 1,
         faults: tuple[RecordFault, ...] = (),
         colored: NoiseColor | None = None,
+        by_weights: Optimum | None = None,
     ) -> None:
         self.records, self.linear, self.floor, self.workers = records, linear, floor, workers
-        self.faults, self.colored = faults, colored
+        self.faults, self.colored, self.by_weights = faults, colored, by_weights
         self.scales: Scales = scales(records, linear, floor)
         self.columns: dict[Effect, list[Any]] = {}  # of `stepid.fitting.score_test`, kept for the next race
         self.responses: dict[tuple[Effect, tuple[float, ...]], Array | None] = {}  # to single starts, kept likewise

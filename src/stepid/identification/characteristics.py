@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
 from stepid.core.arguments import as_experiment
 from stepid.core.experiment import Experiment
 from stepid.core.recorded import recorded
+from stepid.core.takes import takes
 from stepid.errors import IdentificationError
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
 from stepid.identification.free_response import release_characteristics
-from stepid.identification.peak import InterpolatedPeak, Peak, SampledPeak
+from stepid.identification.peak import InterpolatedPeak, Peak, SampledPeak, a_peak
 from stepid.identification.second_order import (
     damped_frequency,
     damping_ratio,
@@ -39,6 +45,19 @@ __all__ = [
 ]
 
 
+@contextmanager
+def _computable(experiment: Experiment) -> Iterator[None]:
+    """Say of which run the numbers are that divide by zero or leave the range of numbers: no plant's, but a file's."""
+    try:
+        yield
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise IdentificationError(
+            f"run {experiment.name!r}: its numbers cannot be those of a step response ({error})",
+            "Look at the record: scales and columns, and samples far off the others.",
+        ) from None
+
+
+@takes(peak=a_peak)
 @recorded(peak=InterpolatedPeak)
 def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Characteristics:
     """Read the characteristics of the first step of a record, or of a hand release where there is no input.
@@ -69,11 +88,13 @@ def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Charact
     """
     experiment = as_experiment(experiment)
     how = InterpolatedPeak() if peak is None else peak
-    if experiment.is_release:
-        return release_characteristics(experiment, peak=how)
-    return step_characteristics(experiment, find_steps(experiment)[0], peak=how)
+    with _computable(experiment):
+        if experiment.is_release:
+            return release_characteristics(experiment, peak=how)
+        return step_characteristics(experiment, find_steps(experiment)[0], peak=how)
 
 
+@takes(peak=a_peak)
 @recorded(peak=InterpolatedPeak)
 def characterize_each(
     experiment: Experiment, *, peak: Peak | None = None
@@ -102,12 +123,14 @@ def characterize_each(
     found: list[Characteristics | IdentificationError] = []
     for step in find_steps(experiment):
         try:
-            found.append(step_characteristics(experiment, step, peak=how))
+            with _computable(experiment):
+                found.append(step_characteristics(experiment, step, peak=how))
         except IdentificationError as error:
             found.append(error)
     return tuple(found)
 
 
+@takes(peak=a_peak)
 @recorded(peak=InterpolatedPeak)
 def characterize_all(experiment: Experiment, *, peak: Peak | None = None) -> tuple[Characteristics, ...]:
     """Read the characteristics of every step of a record: up, back, and any more.

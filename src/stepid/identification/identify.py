@@ -6,15 +6,16 @@ from stepid.core.arguments import as_campaign
 from stepid.core.experiment import Campaign, Experiment, MassOffset
 from stepid.core.recorded import recorded
 from stepid.core.samples import CLOSE, off_even_clock
+from stepid.core.takes import takes
 from stepid.core.units import check_speed
 from stepid.errors import IdentificationError, UndeterminedError
 from stepid.identification.characteristics import characterize_each
 from stepid.identification.characteristics_model import Characteristics
 from stepid.identification.parameters import IdentifiedParameters, StackedSystem
-from stepid.identification.peak import InterpolatedPeak, Peak
+from stepid.identification.peak import InterpolatedPeak, Peak, a_peak
 from stepid.identification.pooling import pool_steps
 from stepid.identification.remainder import remainder, warning
-from stepid.identification.solve import solve
+from stepid.identification.solve import a_solver, solve
 from stepid.identification.solvers import Solver, WeightedLeastSquares
 from stepid.identification.stacked import assemble, undetermined_springs
 from stepid.identification.tightness import tighter_by_fit
@@ -23,6 +24,7 @@ _VAGUE = 0.1  # relative uncertainty of the natural frequency beyond which a run
 _LEAST_OVERSHOOT = 0.01  # below it the peak is so flat that the smallest departure from the model moves it far
 
 
+@takes(peak=a_peak, solver=a_solver)
 @recorded(peak=InterpolatedPeak, solver=WeightedLeastSquares)
 def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | None = None) -> IdentifiedParameters:
     """Identify masses, stiffnesses and damping constants of a campaign by the paper's method.

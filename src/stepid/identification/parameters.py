@@ -16,6 +16,7 @@ from stepid.core.experiment import MassOffset
 from stepid.core.frames import Row, parameter_frame
 from stepid.core.latex import parameter_table
 from stepid.core.tables import html_table, text_table
+from stepid.core.takes import described
 from stepid.errors import InputError
 from stepid.identification.characteristics_model import Characteristics
 
@@ -156,9 +157,11 @@ class IdentifiedParameters(Model):
 
     def run_stiffness(self, name: str) -> float:
         """Stiffness of the spring of run `name`, N/m; InputError names the runs there are."""
-        if name not in self.masses:
-            why = f" (left out: {self.excluded[name]})" if name in self.excluded else ""
-            raise InputError(f"no identified run {name!r}{why}", f"There are: {', '.join(map(repr, self.masses))}.")
+        if not isinstance(name, str) or name not in self.masses:
+            why = f" (left out: {self.excluded[name]})" if isinstance(name, str) and name in self.excluded else ""
+            raise InputError(
+                f"no identified run {described(name)}{why}", f"There are: {', '.join(map(repr, self.masses))}."
+            )
         return self.stiffness[self.springs[name]]
 
     def base_difference(self, from_base: str, to_base: str) -> Estimate:
@@ -180,9 +183,9 @@ class IdentifiedParameters(Model):
             If a base label has no identified base mass.
         """
         for base in (from_base, to_base):
-            if base not in self.base_mass:
+            if not isinstance(base, str) or base not in self.base_mass:
                 known = ", ".join(map(repr, self.base_mass)) or "none"
-                raise InputError(f"no base mass for base {base!r}", f"Base labels with a mass: {known}.")
+                raise InputError(f"no base mass for base {described(base)}", f"Base labels with a mass: {known}.")
         value = self.base_mass[to_base] - self.base_mass[from_base]
         labels = [f"base_mass[{base}]" for base in (from_base, to_base)]
         if self.covariance is None or not set(labels) <= set(self.covariance_labels):
@@ -193,9 +196,11 @@ class IdentifiedParameters(Model):
 
     def correlation(self, one: str, two: str) -> float:
         """Correlation of the errors of two values, named as in `covariance_labels`."""
-        if self.covariance is None or one not in self.covariance_labels or two not in self.covariance_labels:
+        known = all(isinstance(label, str) and label in self.covariance_labels for label in (one, two))
+        if self.covariance is None or not known:
             raise InputError(
-                f"no covariance of {one!r} and {two!r}", f"There are: {', '.join(self.covariance_labels) or 'none'}."
+                f"no covariance of {described(one)} and {described(two)}",
+                f"There are: {', '.join(self.covariance_labels) or 'none'}.",
             )
         i, j = self.covariance_labels.index(one), self.covariance_labels.index(two)
         scale = math.sqrt(float(self.covariance[i, i] * self.covariance[j, j]))

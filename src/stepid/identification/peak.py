@@ -8,6 +8,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from stepid.core.base import Array, Model
+from stepid.core.takes import able, optional
 from stepid.identification.second_order import damping_ratio, natural_frequency
 
 _WINDOW = 0.25  # half width of the fitted stretch, as a fraction of the peak time
@@ -105,6 +106,10 @@ class Peak(Protocol):
 
     def locate(self, time: Array, swing: Array, *, level: float, noise: float) -> PeakReading:
         """Read the peak of a swing; see `SampledPeak.locate`."""
+
+
+a_peak = optional(able("locate", "a way to read peaks with its brackets, as InterpolatedPeak()"))
+"""Check of an argument `peak`."""
 
 
 def fit_peak(time: Array, swing: Array, near: float, half_width: float, *, noise: float) -> PeakReading:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from stepid.core.base import Array
 from stepid.core.experiment import WEIGHT, WEIGHT_UNCERTAINTY
 from stepid.core.recorded import recorded
+from stepid.core.takes import a, able, optional, takes
 from stepid.identification.characteristics_model import Characteristics
 from stepid.identification.parameters import IdentifiedParameters, ParameterUncertainty, StackedSystem
 from stepid.identification.solvers import Solver, WeightedLeastSquares, require_sense, run_covariances, scaled_rows
@@ -38,6 +39,11 @@ def damping_from_stiffness(stiffness: Array, damped_frequency: Array, damping_ra
     return np.asarray(2 * damping_ratio * stiffness * np.sqrt(1 - damping_ratio**2) / damped_frequency)
 
 
+a_solver = optional(able("unknowns", "a solver with its brackets, as WeightedLeastSquares()"))
+"""Check of an argument `solver`."""
+
+
+@takes(system=a(StackedSystem, "a StackedSystem from stepid.assemble"), solver=a_solver)
 @recorded(solver=WeightedLeastSquares)
 def solve(system: StackedSystem, *, solver: Solver | None = None) -> IdentifiedParameters:
     """Solve the stacked system for masses and stiffnesses, then for the damping constants.

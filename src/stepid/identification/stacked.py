@@ -10,6 +10,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import MassOffset
 from stepid.core.recorded import recorded
+from stepid.core.takes import a, each, takes
 from stepid.errors import InputError, UndeterminedError
 from stepid.identification.characteristics_model import Characteristics
 from stepid.identification.parameters import StackedSystem
@@ -32,6 +33,10 @@ def frequency_row(damped_frequency: float, damping_ratio: float) -> tuple[float,
     return damped_frequency**2, damping_ratio**2 - 1.0
 
 
+@takes(
+    characteristics=each(a(Characteristics, ""), "characteristics, one a run, as stepid.characterize returns them"),
+    mass_offsets=each(a(MassOffset, ""), "mass differences, as campaign.mass_offsets"),
+)
 @recorded()
 def assemble(characteristics: Sequence[Characteristics], mass_offsets: Sequence[MassOffset]) -> StackedSystem:
     """Stack the frequency rows (Eq. 6) and the mass rows (Eq. 9) of several runs into one system (Eq. 10).

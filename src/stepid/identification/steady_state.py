@@ -10,6 +10,9 @@ import numpy as np
 from stepid.core.base import Array
 
 _SETTLED = 0.01  # envelope, as a fraction of the steady displacement, from where on the tail counts
+_MANY = 100_000  # samples of a tail, beyond which it is fitted the quicker way
+_WELL = 1e8  # condition of the normal equations that loses half of the digits
+_LONG = 1001  # samples of a window, beyond which fast convolution smooths
 
 
 class SteadyState(NamedTuple):
@@ -64,14 +67,24 @@ def steady_state(
         [np.ones_like(since), envelope * np.cos(damped_frequency * since), envelope * np.sin(damped_frequency * since)]
     )
     reference = float(position[-1])  # keeps an added constant out of the rounding
-    inverse = np.linalg.pinv(basis)
-    coefficients = inverse @ (position[first:] - reference)
+    coefficients, spread = _solved(basis, position[first:] - reference)
     misfit = position[first:] - reference - basis @ coefficients
     rms = float(np.sqrt(misfit @ misfit / max(since.size - 3, 1)))
-    spread = noise * float(np.linalg.norm(inverse[0]))
+    spread *= noise
     if rms > 1.5 * noise:  # what is left is no white noise: count half periods, not samples
         spread = math.hypot(spread, rms / math.sqrt(max(float(since[-1]) / half_period, 1.0)))
     return SteadyState(reference + float(coefficients[0]), spread, first)
+
+
+def _solved(basis: Array, values: Array) -> tuple[Array, float]:
+    """Coefficients by least squares, and the standard uncertainty of the first for white noise of 1."""
+    if len(basis) > _MANY:  # normal equations are quick, and exact enough where nothing nearly cancels
+        normal = basis.T @ basis
+        if np.linalg.cond(normal) < _WELL:
+            covariance = np.linalg.inv(normal)
+            return covariance @ (values @ basis), math.sqrt(covariance[0, 0])
+    inverse = np.linalg.pinv(basis)
+    return inverse @ values, float(np.linalg.norm(inverse[0]))
 
 
 def last_swing(time: Array, position: Array, half_period: float) -> float:
@@ -108,9 +121,9 @@ def settling_time_measured(
     error = np.abs(swing - level)
     window = 2 * round(0.15 * half_period / float(time[1] - time[0])) + 1
     if noise > 0 and 5 <= window < time.size:  # a cubic over ±0.15 half periods bends the response by less than 1e-3
-        from scipy.signal import savgol_coeffs, savgol_filter
+        from scipy.signal import savgol_coeffs
 
-        error = np.abs(savgol_filter(swing - level, window, 3))
+        error = np.abs(_smoothed(swing - level, window))
         noise *= float(np.linalg.norm(savgol_coeffs(window, 3)))
     margin, width = 2 * math.hypot(noise, spread), band * abs(level)
     if margin >= width:
@@ -119,6 +132,19 @@ def settling_time_measured(
     if late is None or usual is None or time[-1] - late < half_period:
         return None
     return usual, (late - (early or 0.0)) / 4
+
+
+def _smoothed(values: Array, window: int) -> Array:
+    """Values, shape (n,), smoothed by a cubic over each window, an odd number of samples; n is larger."""
+    from scipy.signal import oaconvolve, savgol_coeffs, savgol_filter
+
+    if window <= _LONG:
+        return np.asarray(savgol_filter(values, window, 3))
+    half = window // 2  # the same by fast convolution: the filter takes samples times window
+    place = np.linspace(-1.0, 1.0, window)
+    first, last = (np.polynomial.Polynomial.fit(place, part, 3) for part in (values[:window], values[-window:]))
+    middle = oaconvolve(values, savgol_coeffs(window, 3), mode="valid")
+    return np.concatenate([first(place[:half]), middle, last(place[-half:])])
 
 
 def _last_exit(time: Array, error: Array, limit: float) -> float | None:

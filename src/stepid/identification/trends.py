@@ -9,6 +9,7 @@ from stepid.core.base import Label, Model
 from stepid.core.estimate import format_value
 from stepid.core.recorded import recorded
 from stepid.core.tables import html_table, text_table
+from stepid.core.takes import a, each, takes
 from stepid.errors import InputError
 from stepid.identification.characteristics_model import Characteristics
 
@@ -109,6 +110,7 @@ class Trends(Model):
 _HEADER = ("run", *(f"{quantity.replace('_', ' ')} [{unit}]" for quantity, unit in _QUANTITIES))
 
 
+@takes(runs=each(a(object, ""), "[stepid.characterize(run) for run in campaign.experiments]"))
 @recorded()
 def find_trends(runs: Iterable[Characteristics]) -> Trends:
     """Group runs in which only damping, only mass, or only stiffness varies.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,25 +12,32 @@ from stepid.core.arguments import as_campaign
 from stepid.core.atomic_write import staged
 from stepid.core.experiment import WEIGHT_UNCERTAINTY, Campaign, Experiment
 from stepid.core.recorded import recorded
+from stepid.core.takes import described
 from stepid.errors import InputError
 from stepid.io.ecp_write import render_export
 from stepid.io.manifest import parse_manifest, render_manifest
 from stepid.io.readers import EcpReader, Reader, TableReader
+from stepid.io.safe_read import inside
 from stepid.io.textfile import as_path, decode, read_bytes
 
 MANIFEST = "campaign.toml"
+LARGEST_MANIFEST = 1_000_000
+"""Bytes of a manifest: more than 3,000 runs."""
 READERS: dict[str, Reader] = {"ecp": EcpReader(), "table": TableReader()}
 """Formats of records by the name that a manifest gives them; the first is the default. Add your own."""
 
 
 @recorded()
-def read_campaign(path: str | os.PathLike[str]) -> Campaign:
+def read_campaign(path: str | os.PathLike[str], *, allow_outside: bool = False) -> Campaign:
     """Read a campaign from its manifest and the records that it names.
 
     Parameters
     ----------
     path : path-like
         The manifest, or the folder in which it is called ``campaign.toml``. Files are looked for beside it.
+    allow_outside : bool
+        Read files outside of the manifest's folder, too: by absolute paths, ``..`` or links. Only for manifests that
+        you trust: one from a stranger could take any file of yours for a record.
 
     Returns
     -------
@@ -58,15 +66,18 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     manifest = as_path(path)
     if os.path.isdir(manifest):  # pathlib's is_dir raises on names that the system refuses
         manifest = manifest / MANIFEST
+    if not isinstance(allow_outside, bool):
+        raise InputError(f"allow_outside is {described(allow_outside)}", "Give True or False.")
     where = str(manifest)
-    return campaign_of(decode(read_bytes(manifest), where), manifest)
+    text = decode(read_bytes(manifest, largest=LARGEST_MANIFEST), where)
+    return campaign_of(text, manifest, allow_outside=allow_outside)
 
 
-def campaign_of(text: str, manifest: Path) -> Campaign:
+def campaign_of(text: str, manifest: Path, *, allow_outside: bool = False) -> Campaign:
     """Read a campaign from the text of its manifest; files are looked for beside `manifest`, which need not exist."""
     where = str(manifest)
     keys, runs = parse_manifest(text, where, READERS)
-    experiments = tuple(_read_run(kind, run, manifest) for kind, run in runs)
+    experiments = tuple(_read_run(kind, run, manifest, allow_outside=allow_outside) for kind, run in runs)
     try:
         return Campaign(experiments=experiments, **keys)
     except InputError as error:
@@ -75,17 +86,22 @@ def campaign_of(text: str, manifest: Path) -> Campaign:
 
 @recorded()
 def read_as(text: str, manifest: Path) -> Campaign:
-    """Read a campaign like `campaign_of`; it knows the files that it comes from."""
-    return campaign_of(text, manifest)
+    """Read a campaign like `campaign_of`, from wherever its files are; it knows the files that it comes from."""
+    return campaign_of(text, manifest, allow_outside=True)
 
 
-def _read_run(kind: str, run: dict[str, Any], manifest: Path) -> Experiment:
+def named_files(run: Mapping[str, Any]) -> tuple[str, ...]:
+    """Files that a run of a manifest names, in order."""
+    return tuple(run.get("files", ())) or (run["file"],)
+
+
+def _read_run(kind: str, run: dict[str, Any], manifest: Path, *, allow_outside: bool) -> Experiment:
     who = f"{manifest}, run {run['name']!r}"
-    keys = dict(run)
+    names = named_files(run)
+    keys = {key: value for key, value in run.items() if key not in ("file", "files")}
     if "step" in keys:
         keys["input"] = keys.pop("step")
-    names = keys.pop("files", None) or (keys.pop("file"),)
-    paths = [manifest.parent / name for name in names]
+    paths = [inside(manifest.parent, name, who, allow_outside=allow_outside) for name in names]
     for name, path in zip(names, paths, strict=True):
         if not os.path.exists(path):
             raise InputError(

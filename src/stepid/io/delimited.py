@@ -11,9 +11,20 @@ from pathlib import Path
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.takes import described
 from stepid.core.units import NO_COLUMN
 from stepid.errors import InputError
-from stepid.io.textfile import common_width, decode_as, is_name, is_number, parse_numbers, read_bytes, split_lines
+from stepid.io.plain_table import Places, parse_plain
+from stepid.io.textfile import (
+    common_width,
+    decode,
+    decode_as,
+    is_name,
+    is_number,
+    parse_numbers,
+    read_bytes,
+    split_lines,
+)
 from stepid.io.workbook import is_workbook, workbook_lines
 
 _REPAIR = (
@@ -24,6 +35,7 @@ _OTHER_MARK = {
     ".": 'Give decimal = "," if its numbers have decimal commas.',
     ",": 'Leave out decimal = "," if its numbers have decimal points.',
 }
+_HEAD = 64  # lines above which a file is large: from there on it may be read as plain numbers
 _WITH_COMMA = re.compile(r"[+-]?\d+(,\d+)?(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 
 
@@ -44,28 +56,31 @@ class Layout:
     sheet: str | None = None
     stop: int | None = None
 
-    def lines(self, file: Path) -> list[str]:
-        """Read a file; the rows of a workbook come with tabs between their cells."""
-        raw = read_bytes(file)
+    def lines(self, raw: bytes, where: str) -> list[str]:
+        """Lines of a file's bytes; the rows of a workbook come with tabs between their cells."""
         if is_workbook(raw):
-            return workbook_lines(raw, str(file), self.sheet)
+            return workbook_lines(raw, where, self.sheet)
         if self.sheet is not None:
-            raise InputError(f"{file}: is no workbook, so it has no sheet {self.sheet!r}", "Leave sheet out.")
-        return split_lines(decode_as(raw, str(file), self.encoding))
+            raise InputError(f"{where}: is no workbook, so it has no sheet {self.sheet!r}", "Leave sheet out.")
+        return split_lines(decode_as(raw, where, self.encoding))
 
     def check(self, where: str) -> None:
         """Refuse a layout that cannot be; InputError names the argument."""
         if self.delimiter is not None and (not isinstance(self.delimiter, str) or not self.delimiter):
-            raise InputError(f"{where}: delimiter is {self.delimiter!r}", "Give the text that separates columns.")
-        if self.decimal not in (".", ","):
-            raise InputError(f"{where}: decimal is {self.decimal!r}", 'Give "." or ",".')
+            raise InputError(
+                f"{where}: delimiter is {described(self.delimiter)}", "Give the text that separates columns."
+            )
+        if not isinstance(self.decimal, str) or self.decimal not in (".", ","):
+            raise InputError(f"{where}: decimal is {described(self.decimal)}", 'Give "." or ",".')
         if self.decimal == self.delimiter:
             raise InputError(f"{where}: delimiter and decimal are both {self.decimal!r}", "Correct one of them.")
         for label, text in (("encoding", self.encoding), ("sheet", self.sheet)):
-            if text is not None and (not isinstance(text, str) or not text):
-                raise InputError(f"{where}: {label} is {text!r}", "Give its name as text.")
-        if type(self.skiprows) is not int or self.skiprows < 0:
-            raise InputError(f"{where}: skiprows is {self.skiprows!r}", "Give the number of lines above the header.")
+            if text is not None and (not isinstance(text, str) or not text or "\0" in text):
+                raise InputError(f"{where}: {label} is {described(text)}", "Give its name as text.")
+        if type(self.skiprows) is not int or not 0 <= self.skiprows < 10**9:
+            raise InputError(
+                f"{where}: skiprows is {described(self.skiprows)}", "Give the number of lines above the header."
+            )
 
     def separator(self, text: str) -> str | None:
         """Return what separates the columns of a line, None for blanks."""
@@ -83,7 +98,7 @@ class Table:
 
     names: tuple[str, ...]  # empty without a header
     values: Array
-    places: Sequence[str]  # "file, line n" of each row
+    places: Places
 
     @property
     def listed(self) -> str:
@@ -100,7 +115,7 @@ class Table:
             index = which
         else:
             remedy = f"Correct {role}=…{', or give ' + NO_COLUMN if role == 'input' else ''}."
-            raise InputError(f"{where}: has no column {which!r} for {role} ({self.listed})", remedy)
+            raise InputError(f"{where}: has no column {described(which)} for {role} ({self.listed})", remedy)
         values: Array = self.values[:, index]
         return values
 
@@ -114,9 +129,50 @@ def parse_table(file: Path, layout: Layout) -> Table:
         Naming file, line and column.
     """
     where = str(file)
-    lines = list(enumerate(layout.lines(file), 1))[layout.skiprows :]
-    kept = [(i, text) for i, line in lines if (text := line.strip(" ")) and text.strip()]
-    body = [(i, text) for i, text in kept if not text.lstrip().startswith(("#", "%"))]
+    raw = read_bytes(file)
+    plain = _plain(raw, layout, where)
+    return _parse(layout.lines(raw, where), layout, where) if plain is None else plain
+
+
+def _plain(raw: bytes, layout: Layout, where: str) -> Table | None:
+    """Parse a file of which all but the first lines are rows of plain numbers, fast; None where it is another."""
+    end = 0
+    if layout.encoding is not None or layout.sheet is not None or layout.stop is not None or is_workbook(raw):
+        return None
+    for _ in range(layout.skiprows + _HEAD):
+        end = raw.find(b"\n", end) + 1
+        if end == 0:
+            return None
+    try:
+        lines = split_lines(decode(raw[:end], where))
+        head = _parse(lines, layout, where)
+    except InputError:  # of the whole file it says more
+        return None
+    first = layout.skiprows + _HEAD + 1
+    body = _body(lines, layout)
+    if len(lines) != first or head.places[-1] != f"{where}, line {body[-1][0]}":
+        return None
+    last = len(raw)
+    while raw[last - 1] in b" \r\n":
+        last -= 1
+    width = head.values.shape[1]
+    separator = layout.separator(body[-1][1])
+    values = parse_plain(memoryview(raw)[end:last], width=width, separator=separator, decimal=layout.decimal)
+    if values is None:
+        return None
+    rest = Places([(where, range(first, first + len(values)))])
+    return Table(head.names, np.concatenate([head.values, values]), Places([*head.places.pieces, *rest.pieces]))
+
+
+def _body(lines: Sequence[str], layout: Layout) -> list[tuple[int, str]]:
+    """Lines that are neither blank nor comments, each with its number."""
+    kept = list(enumerate(lines, 1))[layout.skiprows :]
+    texts = [(i, text) for i, line in kept if (text := line.strip(" ")) and text.strip()]
+    return [(i, text) for i, text in texts if not text.lstrip().startswith(("#", "%"))]
+
+
+def _parse(lines: Sequence[str], layout: Layout, where: str) -> Table:
+    body = _body(lines, layout)
     if not body:
         below = f" below line {layout.skiprows}" if layout.skiprows else ""
         raise InputError(f"{where}: holds no rows of numbers{below}", "Export the record again.")
@@ -159,12 +215,12 @@ def parse_table(file: Path, layout: Layout) -> Table:
         decimal=layout.decimal,
         other_mark=_OTHER_MARK[layout.decimal],
     )
-    return Table(names, values, [f"{where}, line {i}" for i in numbers])
+    return Table(names, values, Places([(where, numbers)]))
 
 
 def header(file: Path, layout: Layout) -> tuple[str, ...]:
     """Names of a file's columns, () where it has no header; InputError where it has no line."""
-    lines = [line for line in layout.lines(file)[layout.skiprows :] if line.strip()]
+    lines = [line for line in layout.lines(read_bytes(file), str(file))[layout.skiprows :] if line.strip()]
     body = [line.strip(" ") for line in lines if not line.lstrip().startswith(("#", "%"))]
     if not body:
         raise InputError(f"{file}: holds no rows of numbers", "Export the record again.")
@@ -180,7 +236,10 @@ def join_tables(tables: Sequence[Table]) -> Table:
             raise InputError(
                 f"{table.places[0]}: has other columns than {first.places[0]}", "Join files of one layout only."
             )
-    return Table(first.names, np.concatenate([t.values for t in tables]), [place for t in tables for place in t.places])
+    if len(tables) == 1:
+        return first
+    places = Places([piece for table in tables for piece in table.places.pieces])
+    return Table(first.names, np.concatenate([t.values for t in tables]), places)
 
 
 def _any_is(used: Sequence[object], index: int, name: str) -> bool:

@@ -12,6 +12,8 @@ from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.recorded import recorded
 from stepid.core.samples import InputBetween, Starts
+from stepid.core.takes import described, taken
+from stepid.core.takes import number as a_number
 from stepid.core.units import check_number
 from stepid.errors import InputError
 from stepid.io.ecp_layout import COMMANDED, EFFORT, SAMPLE, TIME, Export, encoder_column, parse_export, repeats
@@ -141,6 +143,7 @@ def export_experiment(
         ("effort_scale", effort_scale),
     ):
         check_number(label, number, where)
+    taken(where, "counts_per_meter", counts_per_meter, a_number("counts a meter of travel, with their sign"))
     if counts_per_meter == 0 or effort_scale == 0:
         raise InputError(f"{where}: counts_per_meter or effort_scale is zero", "Give the scale, with its sign.")
     if len(export.lines) < FEWEST:
@@ -184,8 +187,10 @@ def export_experiment(
 def _encoder(export: Export, encoder: object, where: str) -> str:
     there = [name for name in export.columns if name.startswith("Encoder ")]
     listed = ", ".join(there) or "none"
-    if isinstance(encoder, bool) or not isinstance(encoder, Integral) or encoder < 1:
-        raise InputError(f"{where}: encoder is {encoder!r}", f"Give the number of an encoder; the file has {listed}.")
+    if isinstance(encoder, bool) or not isinstance(encoder, Integral) or not 1 <= int(encoder) < 10**9:
+        raise InputError(
+            f"{where}: encoder is {described(encoder)}", f"Give the number of an encoder; the file has {listed}."
+        )
     column = encoder_column(int(encoder))
     if column not in export:
         raise InputError(f"{where}: has no column {column!r}", f"Choose encoder=…; the file has {listed}.")

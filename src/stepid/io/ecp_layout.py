@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.takes import described
 from stepid.errors import InputError
 from stepid.io.textfile import common_width, is_number, parse_numbers
 
@@ -67,7 +68,8 @@ def parse_export(lines: Sequence[str], *, columns: Sequence[str] | None, where: 
     """
     preamble, rows, numbers, bracketed = _split(lines, where)
     header = next((found for line in reversed(preamble) if len(found := _names(line)) > 1), ())
-    width = _width(rows, columns or header)
+    names_given = () if columns is None or not isinstance(columns, Sequence) else columns
+    width = _width(rows, names_given or header)
     if columns is not None:
         names = _stated(columns, width, where)
     elif header:
@@ -188,8 +190,9 @@ def _width(rows: Sequence[Sequence[str]], names: Sequence[str]) -> int:
 
 
 def _stated(columns: Sequence[str], width: int, where: str) -> tuple[str, ...]:
-    if isinstance(columns, str) or not all(isinstance(name, str) for name in columns):
-        raise InputError(f"{where}: columns is {columns!r}", "Give a tuple of column names, one a column.")
+    listed = isinstance(columns, Sequence) and not isinstance(columns, str | bytes)
+    if not listed or not all(isinstance(name, str) for name in columns):
+        raise InputError(f"{where}: columns is {described(columns)}", "Give a tuple of column names, one a column.")
     matches = [(name, _KNOWN.fullmatch(name.strip())) for name in columns]
     names = tuple(_canonical(match) if match else name.strip() for name, match in matches)
     if len(names) != width:

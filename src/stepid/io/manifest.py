@@ -48,6 +48,8 @@ SHARED: Mapping[str, Check] = {
 }
 """Keys that a run of every format may have; its reader has more."""
 OWN = ("name", "file", "files")  # never the same for all runs
+_WORK = 10_000_000  # sum of the squared numbers of points a line; 3,000 files on one line are below it
+_DEEPEST = 16  # points in the name of a table
 REQUIRED = ("name", "added_mass", "spring", "damper")
 
 
@@ -75,6 +77,7 @@ def parse_manifest(text: str, where: str, readers: Readers) -> tuple[dict[str, A
     stepid.errors.InputError
         Naming the file, the run and the key.
     """
+    _check_depth(text, where)
     try:
         document = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
@@ -102,6 +105,19 @@ def parse_manifest(text: str, where: str, readers: Readers) -> tuple[dict[str, A
         only, remedy = _owner(idle[0], readers)
         raise InputError(f"{where}: the key {idle[0]!r} is for {only}, and no run is one", remedy)
     return {key: above[key] for key in CAMPAIGN if key in above}, parsed
+
+
+def _check_depth(text: str, where: str) -> None:
+    """Refuse keys of very many parts: the time that they take grows with the square of their number."""
+    work = 0
+    for number, line in enumerate(text.split("\n"), 1):
+        dots = line.count(".")
+        work += dots * dots
+        if work > _WORK or (dots > _DEEPEST and line.lstrip().startswith("[")):
+            raise InputError(
+                f"{where}, line {number}: holds {dots} points, more than the keys and numbers of a manifest",
+                "Write a list of many files on several lines.",
+            )
 
 
 def _one_of(readers: Readers) -> Check:

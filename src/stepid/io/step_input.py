@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from stepid.core.base import Array, Finite, Model
 from stepid.core.samples import is_even
+from stepid.core.takes import described, number, taken
 from stepid.errors import InputError
 
 
@@ -49,6 +50,9 @@ class StepInput(Model):
         stepid.errors.InputError
             If the step starts outside the record or ends before it starts.
         """
+        if not (isinstance(time, np.ndarray) and time.dtype.kind in "fiu" and time.ndim == 1 and time.size > 1):
+            raise InputError(f"time is {described(time)}", "Give the record's times, an array of two numbers or more.")
+        taken("StepInput.values", "before", before, number())
         step = (time[-1] - time[0]) / (time.size - 1)
         with np.errstate(all="ignore"):
             first = _number(time, step, self.start)
@@ -82,6 +86,8 @@ def sample_input(given: object, time: Array, *, before: float, where: str) -> Ar
     try:
         if isinstance(given, StepInput):
             return given.values(time, before=before)
+        if isinstance(given, np.ma.MaskedArray):
+            raise InputError("input is a masked array", "Leave out what is masked, or give its values.")
         values = np.asarray(given)
         if values.dtype.kind not in "fiu" or values.shape != time.shape:
             raise InputError(
@@ -90,7 +96,7 @@ def sample_input(given: object, time: Array, *, before: float, where: str) -> Ar
             )
     except InputError as error:
         raise InputError(f"{where}: {error.cause}", error.remedy) from None
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, OverflowError) as error:
         raise InputError(
             f"{where}: input is not an array ({error})", "Give StepInput(level=…, start=…) or an array."
         ) from None

@@ -13,6 +13,7 @@ from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.recorded import recorded
 from stepid.core.samples import InputBetween, Starts
+from stepid.core.takes import described
 from stepid.core.units import check_number, check_release, check_scales, in_si
 from stepid.errors import InputError
 from stepid.io.delimited import Layout, Table, join_tables, parse_table
@@ -166,7 +167,7 @@ def as_files(paths: object) -> list[Path]:
     if isinstance(paths, str | os.PathLike):
         return [as_path(paths)]
     if not isinstance(paths, Sequence) or isinstance(paths, bytes) or not paths:
-        raise InputError(f"paths is {paths!r}", "Give one path, or a sequence of paths in order.")
+        raise InputError(f"paths is {described(paths)}", "Give one path, or a sequence of paths in order.")
     return [as_path(path) for path in paths]
 
 
@@ -175,7 +176,8 @@ def _stretch(start: int, stop: int | None, rows: int, where: str) -> slice:
     for label, value in (("start", start), ("stop", last)):
         if type(value) is not int or not 0 <= value <= rows:
             raise InputError(
-                f"{where}: {label} is {value!r}; the record has {rows} rows", "Count rows from 0 over all files."
+                f"{where}: {label} is {described(value)}; the record has {rows} rows",
+                "Count rows from 0 over all files.",
             )
     if last - start < FEWEST:
         raise InputError(

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from stepid.core.experiment import Experiment
 from stepid.core.recorded import recorded
+from stepid.core.takes import described, each, taken, text
 from stepid.errors import InputError
 from stepid.io.delimited import Layout, header
 from stepid.io.side_by_side import columns_of_runs, run_name
@@ -74,10 +75,16 @@ def read_tables(
     where = str(files[0])
     layout = Layout(delimiter, decimal, skiprows, (), encoding, sheet)
     layout.check(where)
+    if not isinstance(position, str):
+        raise InputError(f"{where}: position is {described(position)}", 'Give what the columns have in common: "x".')
     stems: dict[str, object] = {"position": position, "time": time, "input": input if isinstance(input, str) else None}
     for role, stem in stems.items():
         if stem is not None and (not isinstance(stem, str) or not stem.strip()):
-            raise InputError(f"{where}: {role} is {stem!r}", 'Give what the columns have in common: "x" for x1, x2, ….')
+            raise InputError(
+                f"{where}: {role} is {described(stem)}", 'Give what the columns have in common: "x" for x1, x2, ….'
+            )
+    if runs is not None:
+        runs = taken("read_tables", "runs", runs, each(text(), 'names of runs, as ("1", "2")', least=1))
     names = header(files[0], layout)
     if not names:
         raise InputError(

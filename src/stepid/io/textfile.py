@@ -12,7 +12,9 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.recorded import note_read
+from stepid.core.takes import described
 from stepid.errors import InputError
+from stepid.io.safe_read import LARGEST, read_regular
 
 _FOREIGN = re.compile(r"[^0-9eE+\-.]")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -24,10 +26,12 @@ _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)|-?1\.#\w+", re.IGNORECASE)
 def as_path(path: object) -> Path:
     """Return `path` as a `Path`; InputError where it is neither text nor path-like."""
     if not isinstance(path, str | os.PathLike):
-        raise InputError(f"{path!r} is not a path", "Give the file's path as text or pathlib.Path.")
+        raise InputError(f"{described(path)} is not a path", "Give the file's path as text or pathlib.Path.")
     spelled = os.fspath(path)
     if not isinstance(spelled, str) or not spelled:
         raise InputError(f"{path!r} is not a path", "Give the file's path as text or pathlib.Path.")
+    if "\0" in spelled:
+        raise InputError(f"{path!r} cannot be read or written: it holds a zero byte", "Correct the path.")
     return Path(spelled)
 
 
@@ -39,8 +43,7 @@ def read_lines(path: Path) -> list[str]:
     stepid.errors.InputError
         If the file is missing, unreadable, empty, binary or not UTF-8.
     """
-    text = decode(read_bytes(path), str(path))
-    return split_lines(text)
+    return split_lines(decode(read_bytes(path), str(path)))
 
 
 def decode_as(raw: bytes, where: str, encoding: str | None) -> str:
@@ -73,12 +76,14 @@ def split_lines(text: str) -> list[str]:
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
-def read_bytes(path: Path) -> bytes:
-    """Read a file whole; whatever the operating system objects to becomes an InputError."""
+def read_bytes(path: Path, *, largest: int = LARGEST) -> bytes:
+    """Read a regular file whole; whatever the operating system objects to becomes an InputError."""
     try:
-        raw = path.read_bytes()
+        raw = read_regular(path, largest=largest)
         note_read(path, raw)
         return raw
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file", "Check the path, and the folder it starts from.") from None
     except IsADirectoryError:
@@ -104,7 +109,7 @@ def decode(raw: bytes, where: str) -> str:
             f"{where}, line {line}: byte 0x{raw[start]:02x} is not UTF-8 text",
             "Save the file as UTF-8 or ASCII (it may be Latin-1), or remove the accented letters.",
         ) from None
-    if not text.strip():
+    if not text or text.isspace():
         raise InputError(f"{where}: is empty", "Export the record again.")
     return text
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive
 from stepid.core.tables import html_table, text_table
+from stepid.core.takes import a, described
 from stepid.errors import InputError
 from stepid.lab.hashes import answer_digest
 
@@ -89,10 +90,10 @@ class Answers(Model):
     def __getitem__(self, group: str) -> Answer:
         """Return a group's answer; InputError names the groups there are."""
         for answer in self.answers:
-            if answer.group == group:
+            if isinstance(group, str) and answer.group == group:
                 return answer
         raise InputError(
-            f"there is no answer for group {group!r}", f"The groups are {', '.join(map(repr, self.groups))}."
+            f"there is no answer for group {described(group)}", f"The groups are {', '.join(map(repr, self.groups))}."
         )
 
     def _rows(self) -> list[tuple[str, ...]]:
@@ -117,3 +118,7 @@ class Answers(Model):
 
     def _repr_html_(self) -> str:
         return html_table(_HEADER, self._rows(), title=_TITLE)
+
+
+an_answer = a(Answer, "an Answer: answers[group] of stepid.lab.open_answers")
+"""Check of an argument `answer`."""

@@ -13,15 +13,24 @@ from pydantic import model_validator
 from stepid.core.atomic_write import staged
 from stepid.core.base import Model
 from stepid.core.experiment import Campaign
+from stepid.core.takes import takes
 from stepid.errors import InputError
 from stepid.io.campaign_files import read_campaign, write_campaign
+from stepid.io.safe_read import LARGEST_NOTE
 from stepid.io.textfile import as_path, decode, read_bytes
-from stepid.lab.answers import Answer, Answers
+from stepid.lab.answers import Answer, Answers, an_answer
 from stepid.lab.hashes import digest
 from stepid.lab.seal import seal, unseal
 
 SEALED, COMMITMENT = "answers.sealed", "commitment.txt"
+_SAFE = 12  # letters or digits of a seed: to try 10^12 numbers takes a core more than a year
+LONG_ENOUGH = f"Take a sentence that nobody else knows, or a number nobody has seen, of {_SAFE} characters or more."
 _PADDED = 8192  # bytes a group: more than any answer, so that the sealed file's length tells nothing
+
+
+def guessable(seed: int | str) -> bool:
+    """Tell whether a program that tries all seeds would soon come to this one."""
+    return len(str(seed)) < _SAFE
 
 
 class Assignment(Model):
@@ -79,11 +88,13 @@ class Assignment(Model):
         Raises
         ------
         stepid.errors.InputError
-            If the folder exists or cannot be written, or the passphrase is too short.
+            If the folder exists or cannot be written, the passphrase is too short, or so is the seed.
         """
         target = as_path(folder)
         if os.path.lexists(target):
             raise InputError(f"{target}: exists already", "Choose a new folder, or move it away.")
+        if guessable(self.answers.seed):
+            raise InputError(f"seed {self.answers.seed!r} can be guessed, and with it all answers", LONG_ENOUGH)
         sealed = seal(self.answers.model_dump_json(), passphrase=passphrase, padded=_PADDED * max(len(self.groups), 1))
         with staged(target.parent) as scratch:
             whole = scratch / target.name
@@ -133,9 +144,12 @@ def open_answers(path: str | os.PathLike[str], *, passphrase: str) -> Answers:
     file = as_path(path)
     if os.path.isdir(file):
         file = file / SEALED
-    return Answers.model_validate_json(unseal(read_bytes(file), passphrase=passphrase, where=str(file)))
+    return Answers.model_validate_json(
+        unseal(read_bytes(file, largest=LARGEST_NOTE), passphrase=passphrase, where=str(file))
+    )
 
 
+@takes(answer=an_answer)
 def confirm(answer: Answer, folder: str | os.PathLike[str]) -> None:
     """Show that an answer is the one that a group's folder was handed out with.
 
@@ -153,7 +167,7 @@ def confirm(answer: Answer, folder: str | os.PathLike[str]) -> None:
     """
     where = as_path(folder)
     note = where / COMMITMENT
-    found = re.search(r"^[0-9a-f]{64}$", decode(read_bytes(note), str(note)), re.MULTILINE)
+    found = re.search(r"^[0-9a-f]{64}$", decode(read_bytes(note, largest=LARGEST_NOTE), str(note)), re.MULTILINE)
     if found is None:
         raise InputError(f"{note}: holds no SHA-256", "Take the file as it was handed out.")
     if found[0] != answer.commitment:

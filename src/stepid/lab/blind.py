@@ -13,13 +13,14 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
 from stepid.core.noise import rms
-from stepid.effects import CATALOGUE, Effect
+from stepid.core.takes import a, described, optional, takes
+from stepid.effects import CATALOGUE, Effect, a_catalogue
 from stepid.errors import InputError
 from stepid.fitting.covariance import estimates
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.problem import build
 from stepid.lab.answers import Answer, Answers
-from stepid.lab.assignment import SEALED, Assignment
+from stepid.lab.assignment import LONG_ENOUGH, SEALED, Assignment, guessable
 from stepid.lab.choice import Choice, Draw, chosen_for, stream
 from stepid.lab.hashes import digest
 from stepid.lab.hide import Start, campaign_of, linear_misfit, model_of, respond, sized
@@ -29,10 +30,15 @@ from stepid.simulation.records import lay_out
 from stepid.simulation.simulate import pack
 
 _NAME = re.compile(r"\w(?:[\w .+-]{0,38}\w)?")  # of a group: also a folder's
+_choice = a(
+    (Draw, Sequence, Mapping), 'a Draw, effects in a sequence as ("coulomb_friction",), or a mapping of group to those'
+)
 _UNITS = ("kg", "N/m", "N·s/m", "N/V")
+_DIGITS = 1000  # of a seed
 _ZERO = 50  # counts by which a record's zero may be off
 
 
+@takes(catalogue=a_catalogue, rig=optional(a(Rig, "stepid.lab.Rig(…)")), effects=optional(_choice))
 def make(
     *,
     seed: int | str,
@@ -51,8 +57,8 @@ def make(
     ----------
     seed : int or str
         The same seed makes the same campaigns with the same versions of stepid and numpy. **Whoever knows it can make
-        the answers, too**: where it matters, take a text that nobody can guess. A group's campaign does not depend on
-        the other groups.
+        the answers, too**: take a text that nobody can guess, of 12 characters at least. A shorter whole number is good
+        for trying things out; `Assignment.write` refuses it. A group's campaign does not depend on the other groups.
     groups : sequence of str
         Names: letters, digits, blanks and ``_ . + -``; each becomes a folder.
     effects : Draw, sequence, or mapping of group to sequence; optional
@@ -74,7 +80,8 @@ def make(
     Raises
     ------
     stepid.errors.InputError
-        If a name of a group, an effect or its parameter is wrong, or an effect cannot be made visible on this rig.
+        If a text as seed is too short, a name of a group, an effect or its parameter is wrong, or an effect cannot be
+        made visible on this rig.
     stepid.errors.ConvergenceError
         If values that you have chosen make the response run away.
 
@@ -100,11 +107,12 @@ def make(
 
 def _groups(groups: object) -> tuple[str, ...]:
     if isinstance(groups, str) or not isinstance(groups, Sequence) or not groups:
-        raise InputError(f"groups is {groups!r}", 'Give a sequence of names, as in ("A", "B").')
+        raise InputError(f"groups is {described(groups)}", 'Give a sequence of names, as in ("A", "B").')
     for name in groups:
         if not isinstance(name, str) or not _NAME.fullmatch(name) or name.lower() == SEALED:
             raise InputError(
-                f"a group cannot be called {name!r}", "Use letters, digits, blanks and _ . + -, at most 40 in all."
+                f"a group cannot be called {described(name)}",
+                "Use letters, digits, blanks and _ . + -, at most 40 in all.",
             )
     if len({name.lower() for name in groups}) < len(groups):
         raise InputError("two groups have the same name, or differ in capitals only", "Each name becomes a folder.")
@@ -113,7 +121,11 @@ def _groups(groups: object) -> tuple[str, ...]:
 
 def _seed(seed: object) -> int | str:
     if isinstance(seed, bool) or not isinstance(seed, int | str) or seed == "":
-        raise InputError(f"seed is {seed!r}", "Give a whole number or a text.")
+        raise InputError(f"seed is {described(seed)}", "Give a whole number or a text.")
+    if isinstance(seed, str) and guessable(seed):  # a number may be for trying things out, until it is written
+        raise InputError(f"seed {seed!r} can be guessed", LONG_ENOUGH)
+    if isinstance(seed, int) and abs(seed) >= 10**_DIGITS:
+        raise InputError(f"seed is {described(seed)}", f"Give a whole number of up to {_DIGITS} digits, or a text.")
     return seed
 
 
@@ -123,7 +135,9 @@ def _range(visibility: object) -> tuple[float, float]:
     except (TypeError, ValueError):
         low = high = math.nan
     if not 1.5 <= low <= high < 1e6:
-        raise InputError(f"visibility is {visibility!r}", "Give two numbers from 1.5 up, the smaller one first.")
+        raise InputError(
+            f"visibility is {described(visibility)}", "Give two numbers from 1.5 up, the smaller one first."
+        )
     return low, high
 
 

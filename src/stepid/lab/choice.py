@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from stepid.core.base import Model
+from stepid.core.takes import described
 from stepid.effects import Effect, resolve
 from stepid.errors import InputError
 from stepid.simulation.model import EffectModel
@@ -83,8 +84,11 @@ def chosen_for(
         hidden = choice[group]
     else:
         hidden = choice
-    if isinstance(hidden, str | EffectModel):
-        raise InputError(f"effects of group {group!r} is {hidden!r}", "Give a sequence of effects, as in (effect,).")
+    several = isinstance(hidden, Sequence) and not isinstance(hidden, str)
+    if not several or not all(isinstance(h, str | EffectModel) for h in hidden):
+        raise InputError(
+            f"effects of group {group!r} is {described(hidden)}", "Give a sequence of effects, as in (effect,)."
+        )
     effects = resolve([h.name if isinstance(h, EffectModel) else h for h in hidden], catalogue=catalogue)
     given = [h if isinstance(h, EffectModel) else None for h in hidden]
     for effect, values in zip(effects, given, strict=True):

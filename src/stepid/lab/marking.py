@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from difflib import get_close_matches
 
+from stepid.core.takes import number, takes
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import InputError
-from stepid.lab.answers import Answer, in_words
+from stepid.lab.answers import Answer, an_answer, in_words
 from stepid.lab.checks import Check, Naming, ParameterCheck
-from stepid.lab.submission import Submission
+from stepid.lab.submission import Submission, a_submission
 
+_share = number("a positive share, such as 0.05 for 5 %", above=0.0)
 _REACH = 3.0  # attainable standard uncertainties within which a value is close
 
 
+@takes(answer=an_answer, submission=a_submission, tolerance=_share)
 def check(
     answer: Answer, submission: Submission, *, tolerance: float = 0.05, catalogue: tuple[Effect, ...] = CATALOGUE
 ) -> Check:
@@ -48,8 +51,6 @@ def check(
         raise InputError(
             f"the {who} is not for the answer of group {answer.group!r}", "Take answers[submission.group]."
         )
-    if not (isinstance(tolerance, int | float) and math.isfinite(tolerance) and tolerance > 0):
-        raise InputError(f"tolerance is {tolerance!r}", "Give a positive share, such as 0.05 for 5 %.")
     units = _units(answer, submission, who, catalogue)
     _refuse_wrong(submission, units, who)
     named = {n for effects in (submission.effects, *submission.alternatives) for n in effects}

@@ -6,12 +6,13 @@ from collections.abc import Iterable
 
 from stepid.core.base import Model
 from stepid.core.tables import html_table, text_table
+from stepid.core.takes import a, each, takes
 from stepid.effects import CATALOGUE, Effect
 from stepid.errors import InputError
 from stepid.lab.answers import Answers, in_words
 from stepid.lab.checks import Check
 from stepid.lab.marking import check
-from stepid.lab.submission import Submission
+from stepid.lab.submission import Submission, a_submission
 
 _HEADER = ("group", "hidden", "named", "close", "inside", "verdict")
 _TITLE = "Results"
@@ -90,6 +91,10 @@ class Results(Model):
         return html_table(_HEADER, self._rows(), title=_TITLE)
 
 
+@takes(
+    answers=a(Answers, "the Answers of stepid.lab.open_answers"),
+    submissions=each(a_submission, "submissions, as stepid.lab.read_submissions returns them"),
+)
 def check_all(
     answers: Answers,
     submissions: Iterable[Submission],

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from stepid.core.base import Array, Finite, Label, Model, NonNegative, Positive
 from stepid.core.experiment import Experiment
+from stepid.core.takes import number, taken
 from stepid.identification.second_order import overshoot_of
 
 _FEWEST = 20  # samples before and after the step back
@@ -109,6 +110,7 @@ class Rig(Model):
 
     def inputs(self, level: float) -> Array:
         """Input of a run, V, shape (n,): zero, the step, zero again."""
+        taken("Rig.inputs", "level", level, number("a level in V"))
         begin = round(self.before / self.sample_time)
         end = begin + round(self.hold / self.sample_time)
         volts = np.zeros(end + round(self.after / self.sample_time))

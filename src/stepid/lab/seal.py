@@ -13,6 +13,7 @@ import json
 import os
 import unicodedata
 
+from stepid.core.takes import described
 from stepid.errors import InputError
 
 FORMAT = "stepid sealed answers 1"
@@ -92,7 +93,7 @@ def unseal(sealed: bytes, *, passphrase: str, where: str) -> str:
     salt, sign, tag, body = _parts(sealed, where)
     if not isinstance(passphrase, str):
         raise InputError(
-            f"{where}: the passphrase is {passphrase!r}", "Give the text that the answers were sealed with."
+            f"{where}: the passphrase is {described(passphrase)}", "Give the text that the answers were sealed with."
         )
     cipher, check, expected = _keys(passphrase, salt)
     if not hmac.compare_digest(expected, sign):

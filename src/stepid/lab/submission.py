@@ -10,7 +10,9 @@ from pathlib import Path
 from stepid.core.atomic_write import staged
 from stepid.core.base import Label, Model
 from stepid.core.estimate import Estimate
+from stepid.core.takes import a
 from stepid.errors import InputError
+from stepid.io.safe_read import LARGEST_NOTE
 from stepid.io.textfile import as_path, decode, read_bytes
 
 
@@ -69,6 +71,10 @@ class Submission(Model):
     __str__ = __repr__
 
 
+a_submission = a(Submission, "a Submission, as stepid.lab.read_submission returns it")
+"""Check of an argument `submission`."""
+
+
 def read_submission(path: str | os.PathLike[str]) -> Submission:
     """Read what a group handed in.
 
@@ -90,7 +96,7 @@ def read_submission(path: str | os.PathLike[str]) -> Submission:
     """
     file = as_path(path)
     try:
-        return Submission.model_validate_json(decode(read_bytes(file), str(file)))
+        return Submission.model_validate_json(decode(read_bytes(file, largest=LARGEST_NOTE), str(file)))
     except InputError as error:
         said = error.cause if error.cause.startswith(str(file)) else f"{file}: {error.cause}"
         raise InputError(said, error.remedy) from None

@@ -8,14 +8,17 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
+from stepid.core.takes import a, each, optional, takes, text
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.text import answer
 from stepid.errors import InputError
 from stepid.plot.causes import candidates, force_against_position, force_against_velocity, phase_bars
-from stepid.plot.gap import gap_bars, gap_residual, gap_response
+from stepid.plot.gap import a_diagnosis, gap_bars, gap_residual, gap_response
 from stepid.plot.layout import new_figure, one_legend, stacked_axes
 from stepid.plot.style import PAGE, styled
 
+_names = each(text(), "names of runs, as a tuple")
+_panels = optional(a(Mapping, "a mapping of panels to axes"))
 _RUNS = 3  # side by side
 _PANELS: dict[str, Callable[..., Axes]] = {
     "gap": gap_bars,
@@ -26,6 +29,7 @@ _PANELS: dict[str, Callable[..., Axes]] = {
 }
 
 
+@takes(d=a_diagnosis, runs=_names, axes=_panels)
 def diagnosis(d: Diagnosis, *, runs: Sequence[str] = (), axes: Mapping[str, Axes] | None = None) -> dict[str, Axes]:
     """Draw a whole diagnosis on one page.
 

@@ -6,26 +6,30 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 
+from stepid.core.takes import a, described, number, optional, takes
 from stepid.diagnosis.result import Diagnosis, RunGap
 from stepid.diagnosis.wording import length
 from stepid.errors import InputError
 from stepid.plot.layout import one_legend, page_of_pairs
 from stepid.plot.scale import length_unit, plain_logarithm, reach_of
-from stepid.plot.style import MARK, MEASURED, MODEL, OTHER, dress, styled
+from stepid.plot.style import MARK, MEASURED, MODEL, OTHER, an_axes, beside, dress, laid_out, styled
 
 BEFORE, AFTER, NOISE = OTHER, MODEL, MARK
+a_diagnosis = a(Diagnosis, "a Diagnosis, as stepid.diagnose returns it")
+"""Check of an argument `d`."""
 
 
 def _run(d: Diagnosis, name: str) -> RunGap:
     for run in d.runs:
-        if run.name == name:
+        if isinstance(name, str) and run.name == name:
             return run
     raise InputError(
-        f"the diagnosis of {d.campaign!r} has no run {name!r}",
+        f"the diagnosis of {d.campaign!r} has no run {described(name)}",
         f"Its runs are {', '.join(repr(run.name) for run in d.runs)}.",
     )
 
 
+@takes(d=a_diagnosis, axes=an_axes)
 def gap_response(d: Diagnosis, name: str, *, axes: Axes) -> Axes:
     """Draw a run as measured, as the linear model says, and as the model with the effects says.
 
@@ -67,6 +71,7 @@ def _title(d: Diagnosis, run: RunGap) -> str:
     return f"{run.name}: {length(run.before)} → {length(run.after)}"
 
 
+@takes(d=a_diagnosis, axes=an_axes, largest=optional(number("a length in m", above=0.0)))
 def gap_residual(d: Diagnosis, name: str, *, axes: Axes, largest: float | None = None) -> Axes:
     """Draw measured minus simulated before and after, with the noise as a band of two standard deviations.
 
@@ -116,6 +121,7 @@ def gap_residual(d: Diagnosis, name: str, *, axes: Axes, largest: float | None =
     return axes
 
 
+@takes(d=a_diagnosis, axes=an_axes)
 def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     """Draw the gap as bars: before, after and noise floor, of the runs that were fitted and of those held out.
 
@@ -174,6 +180,7 @@ def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     return axes
 
 
+@takes(d=a_diagnosis, columns=beside)
 def gap_runs(d: Diagnosis, *, columns: int = 3, axes: npt.NDArray[np.object_] | None = None) -> npt.NDArray[np.object_]:
     """Draw every run on one page: measured, before and after, each with its residual below on one common scale.
 
@@ -191,7 +198,7 @@ def gap_runs(d: Diagnosis, *, columns: int = 3, axes: npt.NDArray[np.object_] | 
     array of matplotlib.axes.Axes, shape (runs, 2)
         Response and residual by run.
     """
-    drawn = page_of_pairs(len(d.runs), columns=columns, ratio=2.0) if axes is None else axes
+    drawn = page_of_pairs(len(d.runs), columns=columns, ratio=2.0) if axes is None else laid_out(axes, (len(d.runs), 2))
     for run, (upper, lower) in zip(d.runs, drawn, strict=True):
         gap_response(d, run.name, axes=upper)
         gap_residual(d, run.name, axes=lower)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from matplotlib.axes import Axes
 
+from stepid.core.takes import a, takes
 from stepid.datasets.replication import PaperResponse
 from stepid.plot.layout import column_axes
 from stepid.plot.scale import length_unit, reach_of
-from stepid.plot.style import MARK, MODEL, OTHER, dress, styled
+from stepid.plot.style import MARK, MODEL, OTHER, dress, laid_out, styled
 
 
+@takes(run=a(PaperResponse, "a response of stepid.rebuild_paper: rebuilt.responses[0]"))
 def paper_figure(run: PaperResponse, *, axes: tuple[Axes, Axes] | None = None) -> tuple[Axes, Axes]:
     """Draw one verification figure of the paper.
 
@@ -27,7 +29,7 @@ def paper_figure(run: PaperResponse, *, axes: tuple[Axes, Axes] | None = None) -
     -------
     pair of matplotlib.axes.Axes
     """
-    upper, lower = axes or column_axes()
+    upper, lower = column_axes() if axes is None else laid_out(axes, (2,))
     difference = run.rebuilt - run.printed
     scale, unit = length_unit(reach_of([difference]))
     with styled():

@@ -8,14 +8,17 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 
+from stepid.core.takes import a, takes
 from stepid.plot.layout import column_axes, one_legend, page_of_pairs
 from stepid.plot.scale import length_unit, reach_of
-from stepid.plot.style import MARK, MEASURED, MODEL, dress, styled
+from stepid.plot.style import MARK, MEASURED, MODEL, an_axes, beside, dress, laid_out, styled
 from stepid.transfer.verification import Verification, VerificationRun
 
 AxesPair = tuple[Axes, Axes]
+_a_run = a(VerificationRun, "a run of a Verification: verified[name]")
 
 
+@takes(run=_a_run, axes=an_axes)
 def response(run: VerificationRun, *, axes: Axes) -> Axes:
     """Draw the measured response as dots and the model's as a line, with the first peak marked.
 
@@ -41,6 +44,7 @@ def response(run: VerificationRun, *, axes: Axes) -> Axes:
     return axes
 
 
+@takes(run=_a_run, axes=an_axes)
 def residual(run: VerificationRun, *, axes: Axes) -> Axes:
     """Draw measured minus model, with the first peak marked.
 
@@ -77,6 +81,7 @@ def _mark_peak(run: VerificationRun, axes: Axes) -> None:
         axes.axvline(run.peak_time, color=MARK, linewidth=0.9, linestyle="--", label="first peak")
 
 
+@takes(run=_a_run)
 def verification(run: VerificationRun, *, axes: AxesPair | None = None) -> AxesPair:
     """Draw one run's verification response with its residual below.
 
@@ -91,12 +96,13 @@ def verification(run: VerificationRun, *, axes: AxesPair | None = None) -> AxesP
     -------
     pair of matplotlib.axes.Axes
     """
-    axes = axes or column_axes()
-    response(run, axes=axes[0])
-    residual(run, axes=axes[1])
-    return axes
+    upper, lower = column_axes() if axes is None else laid_out(axes, (2,))
+    response(run, axes=upper)
+    residual(run, axes=lower)
+    return upper, lower
 
 
+@takes(verified=a(Verification, "what stepid.verify returns"), columns=beside)
 def verification_grid(
     verified: Verification, *, columns: int = 3, axes: npt.NDArray[np.object_] | None = None
 ) -> npt.NDArray[np.object_]:
@@ -116,7 +122,11 @@ def verification_grid(
     array of matplotlib.axes.Axes, shape (runs, 2)
         Response and residual by run.
     """
-    drawn = page_of_pairs(len(verified.runs), columns=columns, ratio=2.2) if axes is None else axes
+    drawn = (
+        page_of_pairs(len(verified.runs), columns=columns, ratio=2.2)
+        if axes is None
+        else laid_out(axes, (len(verified.runs), 2))
+    )
     for run, (upper, lower) in zip(verified.runs, drawn, strict=True):
         verification(run, axes=(upper, lower))
     if axes is None:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+
+from stepid.core.takes import a, count, takes
+from stepid.errors import InputError
 
 COLUMN = 85 / 25.4  # inches, one journal column of 85 mm
 PAGE = 7.2  # inches, two columns
@@ -62,6 +68,22 @@ def figure_of(axes: Axes) -> Figure:
     return figure
 
 
+an_axes = a(Axes, "axes of matplotlib")
+"""Check of an argument `axes`."""
+beside = count("how many stand side by side at most, 1 or more", most=1000)
+"""Check of an argument `columns`."""
+
+
+def laid_out(axes: object, shape: tuple[int, ...]) -> npt.NDArray[np.object_]:
+    """Return axes that a caller made as an array; InputError where there are not as many as are drawn."""
+    many = np.empty(0, dtype=object) if isinstance(axes, Axes) else np.array(axes, dtype=object)
+    if many.shape != shape or not all(isinstance(one, Axes) for one in many.flat):
+        size = " × ".join(map(str, shape))
+        raise InputError(f"axes are no {size} axes of matplotlib", f"Give {size} of them, or leave axes out.")
+    return many
+
+
+@takes(axes=an_axes, path=a((str, os.PathLike), "the path of a picture, as text or pathlib.Path"))
 def save(axes: Axes, path: str | Path) -> Path:
     """Write the figure that holds the axes, and close it.
 
@@ -76,9 +98,20 @@ def save(axes: Axes, path: str | Path) -> Path:
     -------
     pathlib.Path
         Where it was written.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If it cannot be written there.
     """
     figure = figure_of(axes)
-    with styled():
-        figure.savefig(path)
+    try:
+        with styled():
+            figure.savefig(path)
+    except (OSError, ValueError) as error:  # a folder that is not there, an ending that no format has
+        raise InputError(
+            f"{os.fspath(path)!r}: the picture cannot be written ({error})",
+            "Give a path that ends in .png, .pdf or .svg, in a folder that is there.",
+        ) from None
     plt.close(figure)
     return Path(path)

@@ -9,9 +9,10 @@ import numpy.typing as npt
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 
+from stepid.core.takes import a, takes
 from stepid.identification.trends import Trend, Trends
 from stepid.plot.layout import new_figure
-from stepid.plot.style import MARKERS, PAGE, SERIES, dress, styled
+from stepid.plot.style import MARKERS, PAGE, SERIES, dress, laid_out, styled
 
 _QUANTITIES = (  # field, label, factor from SI
     ("peak_time", "peak time [s]", 1.0),
@@ -22,6 +23,7 @@ _QUANTITIES = (  # field, label, factor from SI
 _ROOM = 24  # letters that fit below one axes
 
 
+@takes(one=a(Trend, "a Trend: one of the trends of stepid.find_trends"))
 def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
     """Draw peak time, overshoot, settling time and static gain of runs in which one thing varies.
 
@@ -77,6 +79,7 @@ def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
     return axes
 
 
+@takes(found=a(Trends, "what stepid.find_trends returns"))
 def trends(found: Trends, *, axes: npt.NDArray[np.object_] | None = None) -> npt.NDArray[np.object_]:
     """Draw all trends on one page, a row each.
 
@@ -95,6 +98,7 @@ def trends(found: Trends, *, axes: npt.NDArray[np.object_] | None = None) -> npt
         with styled():
             figure = new_figure(width=PAGE, height=2.2 * len(found.trends))
             axes = figure.subplots(len(found.trends), len(_QUANTITIES), squeeze=False)
+    axes = laid_out(axes, (len(found.trends), len(_QUANTITIES)))
     for one, row in zip(found.trends, axes, strict=True):
         trend(one, axes=row.tolist())
     return axes

@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 from stepid.core.base import Finite, Label, Model
+from stepid.core.takes import a
 
 
 class EffectModel(Model):
@@ -81,3 +82,7 @@ class PlantModel(Model):
     force_gain: Finite
     effects: tuple[EffectModel, ...] = ()
     runs: Mapping[str, RunState] = {}
+
+
+a_model = a(PlantModel, "a PlantModel, as fit.model or diagnosis.model")
+"""Check of an argument `model`."""

@@ -9,10 +9,11 @@ import numpy as np
 from stepid.core.arguments import as_campaign
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
+from stepid.core.takes import takes
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, InputError
 from stepid.simulation.layout import DEVIATIONS, own_state_names
-from stepid.simulation.model import PlantModel, RunState
+from stepid.simulation.model import PlantModel, RunState, a_model
 from stepid.simulation.records import Records, lay_out
 from stepid.simulation.simulator import FINE, PATIENT, Simulator, Solved
 
@@ -76,6 +77,7 @@ def solve_model(
     return records, solved
 
 
+@takes(model=a_model)
 def simulate(model: PlantModel, campaign: Campaign, *, catalogue: tuple[Effect, ...] = CATALOGUE) -> dict[str, Array]:
     """Simulate a plant model on a campaign's measured inputs, between the samples as each run's `input_between` says.
 

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepid.core.arguments import a_run
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.samples import InputBetween, course
+from stepid.core.takes import a, takes
 from stepid.effects import CATALOGUE, Effect
 from stepid.errors import IdentificationError
 from stepid.identification.parameters import IdentifiedParameters
@@ -20,6 +22,10 @@ if TYPE_CHECKING:
     import control
 
 
+_a_source = a((IdentifiedParameters, PlantModel), "what stepid.identify returns, or a PlantModel, as fit.model")
+
+
+@takes(source=_a_source, run=a_run)
 def transfer_function(
     source: IdentifiedParameters | PlantModel, run: str | Experiment, *, catalogue: tuple[Effect, ...] = CATALOGUE
 ) -> control.TransferFunction:
@@ -63,6 +69,7 @@ def transfer_function(
     return control.tf(numerator, denominator, name=system_name(name), inputs="voltage", outputs="position")
 
 
+@takes(source=_a_source, run=a_run)
 def state_space(
     source: IdentifiedParameters | PlantModel, run: str | Experiment, *, catalogue: tuple[Effect, ...] = CATALOGUE
 ) -> control.StateSpace:

@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepid.core.arguments import a_run
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.takes import takes
 from stepid.effects import CATALOGUE, Effect
-from stepid.simulation.model import PlantModel
+from stepid.simulation.model import PlantModel, a_model
 from stepid.transfer.express import refuse, system_name, why_not_nonlinear
 from stepid.transfer.plant import plant_of
 
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     import control
 
 
+@takes(model=a_model, run=a_run)
 def nonlinear_system(
     model: PlantModel, run: Experiment, *, catalogue: tuple[Effect, ...] = CATALOGUE
 ) -> control.NonlinearIOSystem:
@@ -76,6 +79,7 @@ def nonlinear_system(
     return made
 
 
+@takes(model=a_model, run=a_run)
 def initial_state(model: PlantModel, run: Experiment, *, catalogue: tuple[Effect, ...] = CATALOGUE) -> Array:
     """State in which one run begins, for `nonlinear_system` and `state_space` of the same model and run.
 

@@ -9,8 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid.core.arguments import as_experiment
+from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.samples import InputBetween, Starts
+from stepid.core.takes import able, described, takes
 from stepid.errors import InputError
 
 if TYPE_CHECKING:
@@ -39,7 +41,7 @@ def to_time_response(run: Experiment, *, position: npt.ArrayLike | None = None) 
     import control
 
     run = as_experiment(run)
-    shown = np.array(run.position if position is None else position, dtype=np.float64)
+    shown = run.position if position is None else _numbers(position, run.name)
     if shown.shape != run.time.shape:
         raise InputError(
             f"run {run.name!r} has {run.time.size} samples, the position handed over has shape {shown.shape}",
@@ -47,7 +49,7 @@ def to_time_response(run: Experiment, *, position: npt.ArrayLike | None = None) 
         )
     return control.TimeResponseData(
         np.array(run.time),
-        shown,
+        np.array(shown),
         inputs=np.array(run.input),
         issiso=True,
         output_labels=["position"],
@@ -57,6 +59,19 @@ def to_time_response(run: Experiment, *, position: npt.ArrayLike | None = None) 
     )
 
 
+def _numbers(position: npt.ArrayLike, run: str) -> Array:
+    try:
+        if isinstance(position, np.ma.MaskedArray):
+            raise TypeError("a masked array")
+        return np.array(position, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(
+            f"run {run!r}: the position handed over is no array of numbers ({error})",
+            "Give positions in m, one a sample.",
+        ) from None
+
+
+@takes(data=able("to_pandas", "the TimeResponseData that a simulation of python-control returns"))
 def from_time_response(
     data: control.TimeResponseData,
     *,
@@ -140,6 +155,8 @@ def _choose(what: str, wanted: int | str | None, count: int, labels: Sequence[st
             f"run {run!r}: the response data have {count} {what}s", f"Choose one with {what}=…: {', '.join(names)}."
         )
     index = list(labels or ()).index(wanted) if isinstance(wanted, str) and wanted in (labels or ()) else wanted
-    if not isinstance(index, int) or not 0 <= index < count:
-        raise InputError(f"run {run!r}: the response data have no {what} {wanted!r}", f"There are: {', '.join(names)}.")
+    if not isinstance(index, int) or isinstance(index, bool) or not 0 <= index < count:
+        raise InputError(
+            f"run {run!r}: the response data have no {what} {described(wanted)}", f"There are: {', '.join(names)}."
+        )
     return index

@@ -13,6 +13,7 @@ from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.releases import release_index
 from stepid.core.samples import CLOSE, course, off_even_clock
+from stepid.core.takes import described
 from stepid.errors import ConvergenceError, InputError
 from stepid.transfer.linear import sampled
 
@@ -55,7 +56,12 @@ def simulate_system(
     """
     import control
 
-    _check(system, as_experiment(run), initial_state)
+    run = as_experiment(run)
+    if not isinstance(system, control.InputOutputSystem):
+        raise InputError(
+            f"system is {described(system)}", "Give a system of python-control, as stepid.transfer_function returns it."
+        )
+    _check(system, run, initial_state)
     name = system.name
     if off_even_clock(run.time).max() > CLOSE:
         raise InputError(

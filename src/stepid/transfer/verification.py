@@ -11,6 +11,7 @@ from pydantic import model_validator
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive, Vector
 from stepid.core.frames import make_frame
 from stepid.core.tables import html_table, text_table
+from stepid.core.takes import described
 from stepid.errors import InputError
 
 if TYPE_CHECKING:
@@ -74,9 +75,11 @@ class Verification(Model):
     def __getitem__(self, name: str) -> VerificationRun:
         """Return the run called `name`; InputError names the runs there are."""
         for run in self.runs:
-            if run.name == name:
+            if isinstance(name, str) and run.name == name:
                 return run
-        raise InputError(f"no verified run {name!r}", f"There are: {', '.join(repr(run.name) for run in self.runs)}.")
+        raise InputError(
+            f"no verified run {described(name)}", f"There are: {', '.join(repr(run.name) for run in self.runs)}."
+        )
 
     @property
     def fit_percent(self) -> Mapping[str, float]:

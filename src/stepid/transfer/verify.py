@@ -11,6 +11,7 @@ from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.noise import rms
 from stepid.core.recorded import recorded
+from stepid.core.takes import a, takes
 from stepid.errors import IdentificationError
 from stepid.identification.characteristics import characterize, characterize_each
 from stepid.identification.characteristics_model import Characteristics
@@ -23,6 +24,7 @@ from stepid.transfer.verification import Verification, VerificationRun
 _REST = 20  # samples before a later step that show where the plant rests
 
 
+@takes(parameters=a(IdentifiedParameters, "what stepid.identify returns"))
 @recorded()
 def verify(parameters: IdentifiedParameters, campaign: Campaign) -> Verification:
     """Simulate each identified run on its measured input with python-control, and compare.

@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from stepid.core.base import Model
+from stepid.core.takes import number, taken
 
 Count = Annotated[int, Field(ge=1)]
 Share = Annotated[float, Field(gt=0, le=1)]
@@ -109,5 +110,6 @@ class Effort(Model):
 
     def scaled(self, times: float) -> Effort:
         """Return an effort with `times` as many fits, rounds and candidates."""
+        taken("Effort.scaled", "times", times, number("a number above 0", above=0.0))
         counts = ("fits", "first", "width", "share", "beam", "rounds", "starts", "keep", "promoted", "polish")
         return self.model_copy(update={name: max(1, round(times * getattr(self, name))) for name in counts})

@@ -1,0 +1,140 @@
+"""Large tables of nothing but numbers: parsed a piece at a time, without a Python object for each."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Iterator, Sequence
+from typing import overload
+
+import numpy as np
+
+from stepid.core.base import Array
+
+_PIECE = 1 << 22  # bytes parsed at once
+_BLANKS = re.compile(rb"(?: +(?=[\n,;\t])|(?<=[\n,;\t]) +)")
+_SEVERAL = re.compile(rb" {2,}")
+
+
+class Places(Sequence[str]):
+    """Where rows come from, "file, line n" of each, made when one is asked for.
+
+    Parameters
+    ----------
+    pieces : sequence of (file, line numbers)
+        Of files that are joined, in order.
+    """
+
+    def __init__(self, pieces: Sequence[tuple[str, Sequence[int]]]) -> None:
+        self._pieces = tuple(pieces)
+
+    @property
+    def pieces(self) -> tuple[tuple[str, Sequence[int]], ...]:
+        """Files and their line numbers."""
+        return self._pieces
+
+    def __len__(self) -> int:
+        return sum(len(lines) for _, lines in self._pieces)
+
+    @overload
+    def __getitem__(self, index: int) -> str: ...
+    @overload
+    def __getitem__(self, index: slice) -> Places: ...
+    def __getitem__(self, index: int | slice) -> str | Places:
+        """Return the place of a row, or those of a stretch of rows."""
+        if isinstance(index, slice):
+            first, last, step = index.indices(len(self))
+            if step != 1:
+                raise ValueError("rows are kept in one stretch")
+            return Places(tuple(self._between(first, last)))
+        i = range(len(self))[index]
+        file, lines = next(self._between(i, i + 1))
+        return f"{file}, line {lines[0]}"
+
+    def _between(self, first: int, last: int) -> Iterator[tuple[str, Sequence[int]]]:
+        for file, lines in self._pieces:
+            own = lines[max(first, 0) : max(last, 0)]
+            if len(own):
+                yield file, own
+            first, last = first - len(lines), last - len(lines)
+
+
+def parse_plain(body: bytes | memoryview, *, width: int, separator: str | None, decimal: str) -> Array | None:
+    """Parse rows of plain decimal numbers, nothing else.
+
+    Parameters
+    ----------
+    body : bytes
+        Lines, without header.
+    width : int
+        Numbers in a row.
+    separator : str or None
+        What stands between them; None for blanks.
+    decimal : str
+        ``"."`` or ``","``.
+
+    Returns
+    -------
+    array, shape (n, width), or None
+        None where anything is not plain, for a parser that says what: empty lines or cells, names, quotes, comments,
+        infinities, rows of another length.
+    """
+    mark = b" " if separator is None else separator.encode()
+    if len(mark) != 1 or mark not in b" ,;\t" or (mark == b"," and decimal == ","):
+        return None
+    parts = []
+    begin = 0
+    while begin < len(body):
+        end = min(begin + _PIECE, len(body))
+        if end < len(body):
+            cut = bytes(body[begin:end]).rfind(b"\n")
+            if cut < 0:
+                return None
+            end = begin + cut + 1
+        part = _parse(bytes(body[begin:end]), width, mark, decimal)
+        if part is None:
+            return None
+        parts.append(part)
+        begin = end
+    if not parts:
+        return None
+    out = np.empty((sum(len(part) for part in parts), width))
+    row = 0
+    for i, part in enumerate(parts):
+        out[row : row + len(part)] = part
+        row += len(part)
+        parts[i] = part[:0]  # so that not all is held twice
+    return out
+
+
+def _parse(text: bytes, width: int, mark: bytes, decimal: str) -> Array | None:
+    text = text.replace(b"\r\n", b"\n").removesuffix(b"\n")
+    if text.translate(None, b"0123456789+-eE. \n" + mark + (b"," if decimal == "," else b"")):
+        return None
+    if b" " in text:
+        text = _SEVERAL.sub(b" ", text).strip(b" ") if mark == b" " else text
+        text = _BLANKS.sub(b"", text).strip(b" ")
+    if decimal == ",":
+        if b"." in text:
+            return None
+        text = text.replace(b",", b".")
+    letters = np.frombuffer(text, dtype=np.uint8)
+    found = letters[(letters == mark[0]) | (letters == 10)]
+    rows = found.size // width + 1
+    if (found.size + 1) != rows * width:
+        return None
+    grid = np.append(found, 10).reshape(rows, width) == 10
+    if not grid[:, -1].all() or grid[:, :-1].any():
+        return None
+    joined = text.replace(b"\n", b",") if mark == b"," else text.replace(b"\n", b",").replace(mark, b",")
+    if (b",," in joined) or joined[:1] == b"," or joined[-1:] == b",":
+        return None
+    try:
+        with warnings.catch_warnings():  # how it says that it did not come to the end
+            warnings.simplefilter("error", DeprecationWarning)
+            values = np.fromstring(joined, dtype=np.float64, sep=",")
+    except (ValueError, DeprecationWarning):
+        return None
+    if values.size != rows * width or not np.isfinite(values).all():
+        return None
+    return values.reshape(rows, width)
