@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from stepid.core.takes import a, each, optional, takes
 from stepid.core.mass_offset import WEIGHT_UNCERTAINTY
 from stepid.core.recorded import recorded
+from stepid.core.takes import a, each, optional, takes
 from stepid.design.arguments import Asked, checked, wants
 from stepid.design.candidate import Design, Step, enumerate_designs
 from stepid.design.guess import Given, Guess, as_plant, lasting, parameter_values, reach, sized, typical
