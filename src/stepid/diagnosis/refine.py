@@ -14,6 +14,7 @@ from stepid.fitting.reading_faults import outliers_of
 from stepid.fitting.record_fault import RecordFault
 
 _BELOW = 0.85  # times the floor that a fit leaves where the floor was read too high
+_NOISE = 1.5  # times the floor that most of a residual may be, for what stands out of it to be wrong readings
 _MANY = 0.02  # share of samples, beyond which they are no isolated wrong readings
 _UNTRUSTED = 1e-6  # square-root weight of a reading that is left out
 
@@ -50,6 +51,8 @@ def _again(
 
 def _without_outliers(context: FitContext, best: Candidate) -> FitContext | None:
     records, residual = context.records, best.optimum.residual
+    if 1.4826 * float(np.median(np.abs(residual))) > _NOISE * context.floor:
+        return None  # what stands out of a misfit is a part of it
     weight, faults = records.weight.copy(), []
     for run, piece in zip(records.runs, records.pieces(), strict=True):
         mask = outliers_of(residual[piece], context.floor) & (weight[piece] > _UNTRUSTED)
