@@ -23,7 +23,7 @@ from stepid.diagnosis.verdict import judge
 from stepid.diagnosis.wording import length
 from stepid.effects import CATALOGUE, Effect, a_catalogue, among_themselves
 from stepid.errors import UndeterminedError
-from stepid.fitting.eccentricity import find_eccentricity
+from stepid.fitting.eccentricity import find_eccentricity, without_eccentricity
 from stepid.fitting.fit import prepare
 from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.multistart import FitContext
@@ -142,7 +142,13 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
     faults = (*accused, *found.context.faults)
     if fault is None and not at_floor(found.context, how.criteria, found.best):
         eccentric = find_eccentricity(found.best.optimum, found.context.floor)
-        faults += (eccentric.fault,) if eccentric is not None else ()
+        if eccentric is not None and all(f.kind != eccentric.fault.kind for f in accused):
+            corrected = without_eccentricity(campaign, eccentric)
+            told = eccentric.fault.model_copy(update={"words": f"{eccentric.fault.words} It is subtracted."})
+            done = _diagnosed(corrected, prepare(corrected, workers=how.workers), how, (*accused, told))
+            if done.effects or done.verdict == "adequate":
+                return done.model_copy(update={"data": campaign})
+            faults += (eccentric.fault,)
     evidence = EvidenceRecord(found.context, how.criteria, found.candidates, fault, faults)
     return report(campaign, evidence, judge(evidence))
 

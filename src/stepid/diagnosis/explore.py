@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
+
+import numpy as np
 
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, is_white, price, weigh
@@ -15,13 +18,16 @@ from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.proposal import Proposal
 from stepid.diagnosis.selection.search import Search
 from stepid.effects.base import Effect
+from stepid.fitting.deviations import with_deviations
 from stepid.fitting.fit import fit_effects
-from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
+from stepid.fitting.problem import build
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.run_fault import accuse
 
 _LOOKS = 3  # at the readings
+_STEPS = 8  # of a fit that was at its end
 
 
 class Found(NamedTuple):
@@ -91,7 +97,23 @@ def explored(
         again = refined(context, found.best) if look < _LOOKS else None
         if again is None:
             return found
+        if again.floor == context.floor and at_floor(context, criteria, found.best):
+            same = _fitted_again(again, found.candidates)
+            if at_floor(again, criteria, min(same, key=lambda c: c.optimum.cost)):
+                return Found(again, same)
         context, look = again, look + 1
+
+
+def _fitted_again(context: FitContext, candidates: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
+    """The same candidates without some readings: where the best is at the floor, no other need be sought."""
+    out = []
+    for c in candidates:
+        problem = with_deviations(build(context.records, c.effects, workers=context.workers), c.deviations)
+        local = np.where(problem.active, c.optimum.local, 0.0)
+        fitted = minimize(problem, c.optimum.shared, local, tolerance=context.tolerance, iterations=_STEPS)
+        if fitted is not None:
+            out.append(replace(c, optimum=fitted, structure=block_means(context, fitted)))
+    return tuple(out) or (linear_candidate(context),)
 
 
 def _search(

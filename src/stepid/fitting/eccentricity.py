@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.experiment import Campaign
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.record_fault import ALL_RUNS, RecordFault
 
@@ -69,6 +70,17 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
     )
     fault = RecordFault(run=ALL_RUNS, kind="encoder eccentricity", size=amplitude, unit="m", words=words)
     return Eccentricity(amplitude, pitch, float(np.arctan2(values[1], values[0])), fault)
+
+
+def without_eccentricity(campaign: Campaign, found: Eccentricity) -> Campaign:
+    """Subtract an encoder's line from the readings of a campaign."""
+    runs = []
+    for run in campaign.experiments:
+        turn = 2 * np.pi * run.position / found.pitch + found.phase
+        position = run.position - found.amplitude * np.sin(turn)
+        position.setflags(write=False)
+        runs.append(run.model_copy(update={"position": position}))
+    return campaign.model_copy(update={"experiments": tuple(runs)})
 
 
 def _fitted(waves: Array, residual: Array) -> tuple[Array, float]:
