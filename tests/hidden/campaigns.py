@@ -23,6 +23,7 @@ from .readings import balance, experiments, misfit, simulate, without
 
 ROUNDS = 6
 HEAVIEST = 0.05  # noise RMS over static displacement
+EXACT = 1e-9  # kg: the weights are what the records say
 
 
 @dataclass(frozen=True)
@@ -207,7 +208,7 @@ def _finish(draft: Draft, perturbed: Perturbed | None = None) -> tuple[stepid.Ca
     }
     if perturbed is not None:
         truth |= perturbed.truth(draft.sigma, found.rms) | {"refused": refused}
-    return stepid.Campaign(name=name, experiments=tuple(made)), truth
+    return stepid.Campaign(name=name, experiments=tuple(made), weight_uncertainty=EXACT), truth
 
 
 def _finish_perturbed(draft: Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
