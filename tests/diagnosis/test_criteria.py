@@ -14,7 +14,7 @@ import pytest
 from broken_campaigns import campaign
 from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, context, evidence, losing, white
 from stepid.core.estimate import Estimate
-from stepid.diagnosis import vetoes
+from stepid.diagnosis import gather, vetoes
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.explore import linear_candidate
@@ -171,6 +171,7 @@ def slow(times: float) -> Candidate:
 def _known_to_a_third(monkeypatch: pytest.MonkeyPatch) -> None:
     known = {"coulomb_friction.level": Estimate(value=0.3, uncertainty=0.1, unit="N")}
     monkeypatch.setattr(vetoes, "estimates", lambda *_: (known, None))
+    monkeypatch.setattr(gather, "imitators", lambda *_: {})
 
 
 @pytest.mark.parametrize("name", Criteria.model_fields)

@@ -20,6 +20,7 @@ PLAY = candidate(["free_play"])
 @pytest.fixture(autouse=True)
 def _all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
+    monkeypatch.setattr(gather, "imitators", lambda *_: {})
 
 
 def test_rivals_are_no_larger_than_the_best_and_told_once() -> None:
@@ -34,11 +35,12 @@ def test_the_order_of_effects_is_no_difference() -> None:
     assert e.rivals == ()
 
 
-def test_an_imitator_does_not_lead(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_imitator_is_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
     imitated = {"cogging": "the spring"}
     monkeypatch.setattr(gather, "imitators", lambda *a: imitated if "cogging" in a[2].names else {})
     e = evidence(candidate(["cogging"], times=2.0), candidate(["quadratic_damping"], times=2.5))
-    assert e.best.names == ("cogging",)
+    assert e.likeliest.names == ("cogging",)
+    assert e.best.names == ("quadratic_damping",)
     assert e.lead.names == ("quadratic_damping",)
     assert e.weight(e.lead) > 0.99
 

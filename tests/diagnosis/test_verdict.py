@@ -29,6 +29,7 @@ class Told:
 
     best: Candidate = FRICTION
     linear: Candidate = LINEAR
+    likeliest: Candidate = FRICTION
     lead: Candidate = FRICTION
     white: bool = False
     rivals: tuple[Candidate, ...] = ()

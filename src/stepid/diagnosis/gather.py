@@ -61,8 +61,13 @@ class EvidenceRecord:
 
     @cached_property
     def best(self) -> Candidate:
-        """The simplest of the best: a further effect has to earn more than chance among the catalogue."""
-        return self._simplest(self.weighed)
+        """The simplest of the best that may be named: a further effect must earn more than chance does."""
+        return self._simplest(tuple(w for w in self.weighed if not self.imitators(w.candidate)) or self.weighed)
+
+    @property
+    def likeliest(self) -> Candidate:
+        """The candidate of most evidence, also where it cannot be named."""
+        return self.weighed[0].candidate
 
     def _simplest(self, weighed: tuple[Weighed, ...]) -> Candidate:
         effect, condition = self.criteria.further - self.criteria.tie, self.criteria.scatter - self.criteria.tie

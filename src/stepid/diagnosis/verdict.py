@@ -149,7 +149,7 @@ def unexplained(e: EvidenceRecord) -> Answer | None:
         f"The best candidate, {_title(best)}, leaves {length(best.optimum.rms)}, "
         f"{e.times(best):.3g} times the noise floor.",
     )
-    imitated = e.imitators(best)
+    imitated = e.imitators(e.likeliest)
     said += tuple(f"{_title_of(name)} cannot be told from {what} here." for name, what in imitated.items())
     return Answer("unexplained", best, (), said)
 

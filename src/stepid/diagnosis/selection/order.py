@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 
-from stepid.diagnosis.selection.candidate import Key
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.selection.candidate import Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.proposal import Node, Proposal
+from stepid.diagnosis.vetoes import imitators
+from stepid.fitting.multistart import FitContext
 
 
 def worthy(
@@ -45,6 +48,11 @@ def worthy(
         elif p.base in leading and (taken[p.base] <= effort.first or p.gain > effort.worth * most[p.base]):
             then.append(p)
     return first + then
+
+
+def nameable(fit: FitContext, criteria: Criteria, nodes: Sequence[Node]) -> list[Node]:
+    """Of some nodes those without an effect that a linear parameter can stand in for."""
+    return [n for n in nodes if not imitators(fit, criteria, Candidate(n.effects, n.deviations, n.best, 0.0))]
 
 
 def hoped(proposal: Proposal, effort: Effort) -> float:

@@ -17,7 +17,7 @@ from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.specialize import Specialize
-from stepid.diagnosis.selection.order import hoped, worthy
+from stepid.diagnosis.selection.order import hoped, nameable, worthy
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.diagnosis.vetoes import imitators
@@ -106,10 +106,7 @@ class Search:
         return [best, *sorted(others, key=lambda c: self._qbic(c.optimum))[: self.effort.beam - 1]]
 
     def _steady(self) -> list[Node]:
-        """The best single effects in all runs alike, where the best answer lets conditions differ: they may need less.
-
-        A condition that is free in every run takes much of what an effect does that steps of several sizes show.
-        """
+        """The best single effects, where the best answer is conditions that differ: these take much of what they do."""
         best = self.best
         if not best.deviations or best.effects:
             return []
@@ -148,7 +145,9 @@ class Search:
         return float(counts.sum()) * math.log(cost) + price(optimum, counts)
 
     def _complete(self, best: Candidate) -> bool:
-        """Tell whether the best leaves nothing that a further effect could explain."""
+        """Tell whether the best may be named and leaves nothing that a further effect could explain."""
+        if imitators(self.fit, self.criteria, best):
+            return False
         return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, self.criteria.white / 2)
 
     # ---- proposals ------------------------------------------------------------------------------------------------
@@ -174,10 +173,13 @@ class Search:
 
     def _nameable(self, order: Sequence[Node]) -> list[Node]:
         """Of some nodes those that may be named where a rest remains; none where the first leaves only noise."""
-        if order[0].cost <= self.fit.floored:
-            return []
-        fits = [Candidate(n.effects, n.deviations, n.best, 0.0) for n in order]
-        return [n for n, fit in zip(order, fits, strict=True) if not imitators(self.fit, self.criteria, fit)]
+        named = nameable(self.fit, self.criteria, order)
+        return [] if order[0].cost <= self.fit.floored and named[:1] == [order[0]] else named
+
+    def _least(self) -> Node:
+        """The node that leaves least, of those at the noise floor one that may be named."""
+        order = sorted(self.nodes.values(), key=lambda n: n.cost)
+        return next(n for n in order if n.cost > self.fit.floored or nameable(self.fit, self.criteria, [n]))
 
     def _promising(self, bases: Collection[Key] | None = None) -> list[Proposal]:
         """The proposals to fit next: the smallest sets first, of these the most promising.
@@ -192,7 +194,7 @@ class Search:
                 best[p.key] = p
         order = sorted(best.values(), key=lambda p: p.rank)
         nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
-        least, named = nodes[0].cost, (self._nameable(nodes) or nodes)[0].cost
+        least, named = self._least().cost, (self._nameable(nodes) or nodes)[0].cost
         new = [p for p in worthy(order, self.nodes, self.effort, _RIVALS) if self._new(p)]
         out = [p for p in new if self._gains(least, named, p)]
         if bases is not None:
@@ -205,7 +207,7 @@ class Search:
 
     def _idle(self, proposal: Proposal) -> bool:
         """Tell whether a set is at the noise floor already, and another promises far less than it did."""
-        least = min(self.nodes.values(), key=lambda n: n.cost)
+        least = self._least()
         if least.cost > self.fit.floored:
             return False
         if proposal.base != self.root.key:  # its rivals are looked for from where it stands
@@ -274,7 +276,6 @@ class Search:
         near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
         first = order[: self.effort.polish] + self._nameable(order)[: self.effort.polish]
         for node in order:
-            # one that is not near is fitted once: it may go on for long, and cannot win
             if self._value(node) < near or (any(node is f for f in first) and node.fitted.polished is None):
                 self._polish(node)
         found = self.best
