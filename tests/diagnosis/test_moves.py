@@ -88,8 +88,8 @@ def sound(move: Move, from_: Node, proposals: list[Proposal]) -> None:
 
 
 def test_each_move_has_a_name_of_its_own() -> None:
-    assert len({m.name for m in MOVES}) == len(MOVES) == 7
-    assert {m.name for m in (*EXPLORING, *CONFIRMING)} == {m.name for m in MOVES}
+    types = {type(m) for m in (*EXPLORING, *CONFIRMING)}
+    assert len({m.name for m in MOVES}) == len(MOVES) == len(types), "two moves have one name"
 
 
 def test_add_offers_every_simple_effect_the_right_one_first() -> None:

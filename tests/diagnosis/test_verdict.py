@@ -74,6 +74,7 @@ def _all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_rules_stand_in_this_order() -> None:
+    """The order decides answers: a rule of your own gets its place here as well."""
     names = [rule.__name__ for rule in RULES]
     assert names == [
         "input_is_wrong",

@@ -22,6 +22,10 @@ PLAIN = {0, 1, 2, 0.5}
 WORDS = {e.name for e in CATALOGUE} | {q.unit for e in CATALOGUE for q in (*e.parameters, *e.run_parameters)} - {""}
 LINES, BRANCHES = 60, 12
 MODELS = [(Criteria, 20), (Effort, 25)]
+NUMBER = "what decides is a field of `Criteria`, what saves time one of `Effort`; `wording` puts numbers into words"
+WORD = "effects say what they are (`dry`, `contains`, `affine`, …): ask that, not their name or unit"
+FULL = "no room for another number: use one that is there, or give a reason here to raise the limit"
+PAGE = DIAGNOSIS.parents[2] / "docs" / "how-to" / "add-a-move-or-rule.md"
 
 
 def constants(tree: ast.AST) -> Iterator[ast.Constant]:
@@ -51,12 +55,20 @@ def names(path: Path) -> str:
 
 @pytest.mark.parametrize("path", DECIDING, ids=names)
 def test_numbers_are_in_criteria_and_effort(path: Path) -> None:
-    assert numbers(path.read_text("utf-8")) == []
+    assert numbers(path.read_text("utf-8")) == [], NUMBER
 
 
 @pytest.mark.parametrize("path", DECIDING, ids=names)
 def test_no_effect_is_known_by_its_name_or_unit(path: Path) -> None:
-    assert known_words(path.read_text("utf-8")) == []
+    assert known_words(path.read_text("utf-8")) == [], WORD
+
+
+def test_the_examples_on_the_page_could_be_put_in() -> None:
+    blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text("utf-8"), flags=re.DOTALL)
+    examples = [b for b in blocks if "def propose" in b or "-> Answer" in b]
+    assert len(examples) == 2
+    for example in examples:
+        assert (numbers(example), known_words(example)) == ([], [])
 
 
 def test_a_number_and_a_name_would_be_seen() -> None:
@@ -84,7 +96,7 @@ def test_functions_have_few_branches(path: Path) -> None:
 
 @pytest.mark.parametrize(("model", "most"), MODELS, ids=["Criteria", "Effort"])
 def test_few_numbers_each_with_its_reason(model: type[Model], most: int) -> None:
-    assert len(model.model_fields) <= most
+    assert len(model.model_fields) <= most, FULL
     told = dict(re.findall(r"^    (\w+) : \w+\n((?:        .+\n)+)", model.__doc__ or "", flags=re.MULTILINE))
     assert list(told) == list(model.model_fields)
     assert all(len(words.split()) >= 4 for words in told.values())

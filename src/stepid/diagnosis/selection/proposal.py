@@ -24,7 +24,7 @@ class SearchContext:
 
 @dataclass
 class Node:
-    """A set of effects in the search, with its fit so far; `settled` says which moves were made from it."""
+    """A set of effects in the search, with its fit so far; `moves_made` are the names of those made from it."""
 
     fitted: CandidateFit
     moves_made: set[str] = field(default_factory=set)
@@ -80,7 +80,7 @@ class Proposal:
     costly : float
         By which what it promises to gain is divided, in the order of proposals.
     move : str
-        Who proposed it.
+        Name of the move that proposed it.
     """
 
     effects: tuple[Effect, ...]

@@ -1,4 +1,4 @@
-"""The moves of the search, one a file; a move of your own is a file and an entry in `MOVES`."""
+"""The moves of the search, one a file; a move of your own is a file and an entry in `EXPLORING` or `CONFIRMING`."""
 
 from __future__ import annotations
 
@@ -18,3 +18,4 @@ CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Exchange(), Drop(), 
 """Moves to sets that may explain as much: rivals of an answer."""
 
 MOVES: tuple[Move, ...] = tuple({m.name: m for m in (*EXPLORING, *CONFIRMING)}.values())
+"""All of them, each once: follows from the two above."""
