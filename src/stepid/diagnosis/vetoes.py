@@ -8,6 +8,7 @@ import numpy as np
 
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.selection.candidate import Candidate
+from stepid.effects.base import Effect
 from stepid.effects.swing import Swing
 from stepid.fitting.covariance import estimates
 from stepid.fitting.multistart import FitContext
@@ -33,6 +34,8 @@ def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
 
 def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict[str, str]:
     """Effects of a candidate that a linear parameter can stand in for, to which one."""
+    if all(type(e).imitates is Effect.imitates for e in found.effects):
+        return {}
     how = swing(context, criteria, found)
     places = found.optimum.problem.layout.values
     said = {
