@@ -13,7 +13,7 @@ from stepid.core.base import Array
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
-from stepid.diagnosis.selection.candidate import Candidate, Deviations
+from stepid.diagnosis.selection.candidate import Candidate, Deviations, is_free
 from stepid.diagnosis.vetoes import imitators, undetermined
 from stepid.effects.base import Effect
 from stepid.fitting.cross_validation import held_out_residuals
@@ -288,11 +288,6 @@ class EvidenceRecord:
         single = [taken([i]) for i in before]
         steady = min(single) / max(single) if max(single) > 0 else 0.0
         return taken(list(before)), max(steady, 0.0)
-
-
-def is_free(found: Candidate) -> bool:
-    """Tell whether a candidate has an effect with a freedom of its own in every run."""
-    return any(e.run_parameters for e in found.effects)
 
 
 def includes(bigger: tuple[Effect, ...], smaller: tuple[Effect, ...]) -> bool:

@@ -244,10 +244,9 @@ class IdentifiedParameters(Model):
 
     def summary(self) -> str:
         """Return tables of value ± standard uncertainty: by run, then what the runs share, then what was left out."""
+        title = f"Identified parameters{' by ' * bool(self.solver)}{self.solver}"
         parts = [
-            text_table(
-                _RUN_HEADER, self._runs(), title=f"Identified parameters{' by ' * bool(self.solver)}{self.solver}"
-            ),
+            text_table(_RUN_HEADER, self._runs(), title=title),
             text_table(("shared", "value", "unit"), shared_rows(self)),
             *(f"left out: {name}: {why}" for name, why in self.excluded.items()),
             *self.notes,

@@ -31,4 +31,9 @@ class Candidate:
         return frozenset(self.names), self.deviations
 
 
+def is_free(found: Candidate) -> bool:
+    """Tell whether a candidate has an effect with a freedom of its own in every run."""
+    return any(e.run_parameters for e in found.effects)
+
+
 Key = tuple[frozenset[str], Deviations]
