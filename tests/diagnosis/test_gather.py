@@ -39,10 +39,12 @@ def test_an_imitator_is_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
     imitated = {"cogging": "the spring"}
     monkeypatch.setattr(gather, "imitators", lambda *a: imitated if "cogging" in a[2].names else {})
     e = evidence(candidate(["cogging"], times=2.0), candidate(["quadratic_damping"], times=2.5))
-    assert e.likeliest.names == ("cogging",)
-    assert e.best.names == ("quadratic_damping",)
+    assert e.likeliest.names == e.best.names == ("cogging",)  # where nothing is at the floor, none is named by that
     assert e.lead.names == ("quadratic_damping",)
     assert e.weight(e.lead) > 0.99
+    e = evidence(candidate(["cogging"]), candidate(["cubic_stiffness"], times=1.04))
+    assert e.likeliest.names == ("cogging",)
+    assert e.best.names == ("cubic_stiffness",)
 
 
 def test_a_lead_has_two_effects_at_most(monkeypatch: pytest.MonkeyPatch) -> None:

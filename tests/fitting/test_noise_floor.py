@@ -95,7 +95,7 @@ def sparsely_sampled(cubic: float, *, samples: int, count: int) -> tuple[stepid.
         )
         for added in (0.0, 0.5, 1.0)
     )
-    plain = stepid.Campaign(name="sparse", experiments=runs)
+    plain = stepid.Campaign(name="sparse", experiments=runs, weight_uncertainty=1e-9)  # the weights are exact
     size = max(float(np.abs(y).max()) for y in stepid.simulate(SPARSE, plain).values())
     effect = stepid.EffectModel(name="cubic_stiffness", values={"coefficient": cubic * 200.0 / size**2})
     moved = stepid.simulate(SPARSE.model_copy(update={"effects": (effect,)}) if cubic else SPARSE, plain)

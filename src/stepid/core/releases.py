@@ -70,9 +70,11 @@ def release_index(experiment: Experiment) -> int:
     fast = near.start + int(np.argmax(speed[near]))
     slow = np.flatnonzero(speed[:fast] < _SURE * speed[fast])
     first = (int(slow[-1]) + 1 if slow.size else 0) + (width + 1) // 2
-    if not slow.size and first < _RESTING:
-        return 0
-    return 0 if first <= 3 * width and _swings_through(experiment, first) else first
+    if not slow.size:
+        return first if _rests(experiment, first) else 0
+    if first > 3 * width or _rests(experiment, first):
+        return first
+    return 0 if _swings_through(experiment, first) else first
 
 
 def _fall(away: Array) -> tuple[int, int, float] | None:
@@ -89,8 +91,8 @@ def _fall(away: Array) -> tuple[int, int, float] | None:
     return top + int(np.flatnonzero(side * away[top:end] > high)[-1]), end, side
 
 
-def _swings_through(experiment: Experiment, first: int) -> bool:
-    """Tell whether the free swing from a sample on, carried back, goes through the samples before it.
+def _carried_back(experiment: Experiment, first: int) -> tuple[Array, Array] | None:
+    """How far samples before a given one are off the free swing from there on, carried back; and how it follows.
 
     A damped swing of about the record's period is 1, cos, sin, t·cos and t·sin over so short a time.
     """
@@ -98,22 +100,31 @@ def _swings_through(experiment: Experiment, first: int) -> bool:
     period = _period(y[first:])
     last = first + round(_HALF * period)
     if not _TERMS < last - first <= y.size - first:
-        return False
+        return None
     turn = 2 * np.pi / period * (np.arange(last) - first)
     terms = np.column_stack([np.ones(last), np.cos(turn), np.sin(turn), turn * np.cos(turn), turn * np.sin(turn)])
-    inverse = np.linalg.pinv(terms[first:])
-    off = y[:first] - terms[:first] @ inverse @ y[first:last]
-    if _rests(y[:first], off, experiment):
+    back = terms[:first] @ np.linalg.pinv(terms[first:])
+    return y[:first] - back @ y[first:last], back
+
+
+def _swings_through(experiment: Experiment, first: int) -> bool:
+    """Tell whether the free swing from a sample on, carried back, goes through the samples before it."""
+    carried = _carried_back(experiment, first)
+    if carried is None:
         return False
+    y, (off, back) = experiment.position, carried
     noise = noise_level(y, resolution=experiment.resolution)
-    back = terms[:first] @ inverse
     covariance = noise**2 * (np.eye(first) + back @ back.T) + (_NEAR * float(np.ptp(y))) ** 2 * np.eye(first)
     chance = first + _CHANCE * np.sqrt(2.0 * first)
     return bool(off @ np.linalg.solve(covariance, off) <= chance)
 
 
-def _rests(y: Array, off: Array, experiment: Experiment) -> bool:
+def _rests(experiment: Experiment, first: int) -> bool:
     """Tell whether the cart rests at first, by samples that are nearer to one place than to the swing carried back."""
+    carried = _carried_back(experiment, first)
+    if carried is None:
+        return False
+    y, off = experiment.position[:first], carried[0]
     noise = noise_level(experiment.position, resolution=experiment.resolution)
     small = max(_SEEN * noise, experiment.resolution or 0.0)
     away = np.abs(y - y[0]) > small

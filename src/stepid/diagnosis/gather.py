@@ -61,8 +61,9 @@ class EvidenceRecord:
 
     @cached_property
     def best(self) -> Candidate:
-        """The simplest of the best that may be named: a further effect must earn more than chance does."""
-        return self._simplest(tuple(w for w in self.weighed if not self.imitators(w.candidate)) or self.weighed)
+        """The simplest of the best: a further effect must earn more than chance does, and imitators stand back."""
+        able = self._simplest(tuple(w for w in self.weighed if not self.imitators(w.candidate)) or self.weighed)
+        return able if self.at_floor(able) else self._simplest(self.weighed)
 
     @property
     def likeliest(self) -> Candidate:

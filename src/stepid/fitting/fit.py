@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -12,6 +13,7 @@ from stepid.core.noise import rms
 from stepid.core.recorded import recorded
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
+from stepid.fitting.added_masses import weight_errors
 from stepid.fitting.covariance import estimates, most_likely
 from stepid.fitting.eccentricity import find_eccentricity
 from stepid.fitting.fit_result import Fit as Fit
@@ -39,6 +41,7 @@ _NOISY = 0.05  # of the cost of noise, within which a start need not be bettered
 _AGREE = 2  # further starts that end at the same cost, for it to be taken as the least
 _SAME = 1e-3  # relative difference of costs that are the same
 _NOTABLE, _REACHED = 1.02, 1.05  # times the floor, before and after weights are free within their uncertainty
+_CHANCE = 2.33  # standard deviations of χ², one in a hundred
 _MISFIT = 1.1  # times the floor, beyond which a run may be to blame
 NOT_CONVERGED = "The fit did not converge; what is shown is the best so far."
 
@@ -64,8 +67,14 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
     floor, colored = colored_floor(records, records.position - linear.solved.reading)
     floor = bounded_floor(records, floor, linear.rms, int(linear.problem.free.sum() + linear.problem.active.sum()))
     likely = most_likely(linear, floor) if linear.rms > _NOTABLE * floor else linear
-    by_weights = likely if likely is not linear and likely.rms <= _REACHED * floor else None
+    by_weights = likely if likely is not linear and likely.rms <= _REACHED * floor and _is_likely(likely) else None
     return FitContext(records, linear, floor, workers=workers, faults=faults, colored=colored, by_weights=by_weights)
+
+
+def _is_likely(linear: Optimum) -> bool:
+    """Tell whether errors of the weights are such as their uncertainty makes, by χ²."""
+    found = weight_errors(linear.problem.records).found
+    return float(found @ found) <= found.size + _CHANCE * math.sqrt(2.0 * found.size)
 
 
 def _begun(campaign: Campaign, wrong: Mapping[str, Mask], workers: int) -> tuple[Records, Optimum, float]:

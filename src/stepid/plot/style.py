@@ -76,7 +76,7 @@ beside = count("how many stand side by side at most, 1 or more", most=1000)
 
 def laid_out(axes: object, shape: tuple[int, ...]) -> npt.NDArray[np.object_]:
     """Return axes that a caller made as an array; InputError where there are not as many as are drawn."""
-    many = np.empty(0, dtype=object) if isinstance(axes, Axes) else np.array(axes, dtype=object)
+    many = np.empty(0, dtype=object) if isinstance(axes, Axes) else np.asarray(axes, dtype=object)
     if many.shape != shape or not all(isinstance(one, Axes) for one in many.flat):
         size = " × ".join(map(str, shape))
         raise InputError(f"axes are no {size} axes of matplotlib", f"Give {size} of them, or leave axes out.")
