@@ -63,18 +63,20 @@ def release_index(experiment: Experiment) -> int:
     begin, end, side = steepest
     width = max(1, round(_WIDTH * (end - begin)))
     speed = -side * (away[width:] - away[:-width]) / (time[width:] - time[:-width])
-    far = int(
-        np.flatnonzero(side * away[:end] > _FAR * float(np.abs(away).max()))[-1]
-    )  # a damped cart falls from there
-    near = slice(max(0, min(begin, far) - width), end)
-    fast = near.start + int(np.argmax(speed[near]))
+    slow, first = _slow(speed, max(0, begin - width), end, width)
+    if slow:
+        swings = first <= 3 * width and not _rests(experiment, first) and _swings_through(experiment, first)
+        return 0 if swings else first
+    far = int(np.flatnonzero(side * away[:end] > _FAR * float(np.abs(away).max()))[-1])
+    first = _slow(speed, max(0, min(begin, far) - width), end, width)[1]  # a damped cart falls from there
+    return first if _rests(experiment, first) else 0
+
+
+def _slow(speed: Array, begin: int, end: int, width: int) -> tuple[bool, int]:
+    """Whether a cart is slow before it falls fastest within some samples, and the first at which it surely falls."""
+    fast = begin + int(np.argmax(speed[begin:end]))
     slow = np.flatnonzero(speed[:fast] < _SURE * speed[fast])
-    first = (int(slow[-1]) + 1 if slow.size else 0) + (width + 1) // 2
-    if not slow.size:
-        return first if _rests(experiment, first) else 0
-    if first > 3 * width or _rests(experiment, first):
-        return first
-    return 0 if _swings_through(experiment, first) else first
+    return bool(slow.size), (int(slow[-1]) + 1 if slow.size else 0) + (width + 1) // 2
 
 
 def _fall(away: Array) -> tuple[int, int, float] | None:

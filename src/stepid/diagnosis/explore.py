@@ -17,6 +17,7 @@ from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.proposal import Proposal
 from stepid.diagnosis.selection.search import Search
+from stepid.effects import resolve
 from stepid.effects.base import Effect
 from stepid.fitting.deviations import with_deviations
 from stepid.fitting.fit import fit_effects
@@ -67,9 +68,13 @@ def fault_beside(found: Found, criteria: Criteria) -> RecordFault | None:
     best = found.likeliest
     if not best.deviations or not best.effects:
         return None
-    plain = fit_effects(found.context, best.effects)
-    one = None if plain is None else accuse(plain, found.context.floor, sure=criteria.size)
-    return one.fault if plain and one and outweighs(one.cost, plain, found, criteria) else None
+    inner = [resolve((name,)) for name in best.effects[0].contains] if len(best.effects) == 1 else []
+    for effects in (best.effects, *inner):  # a general law can take a fault's part
+        plain = fit_effects(found.context, effects)
+        one = None if plain is None else accuse(plain, found.context.floor, sure=criteria.size)
+        if plain and one and outweighs(one.cost, plain, found, criteria):
+            return one.fault
+    return None
 
 
 def linear_candidate(context: FitContext) -> Candidate:

@@ -199,8 +199,8 @@ class Search:
         out = [p for p in new if self._gains(least, named, p)]
         if bases is not None:
             nearest = [p for p in new if p.move == Exchange.name and p not in out][: self.effort.share]
-            few = sorted(out, key=lambda p: len(p.effects) + len(p.deviations))  # what needs less is asked first
-            return [*few, *nearest][: self.effort.width]
+            out.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
+            return [*out, *nearest][: self.effort.width]
         smallest = min((p.size for p in out), default=0)
         out = [p for p in out if p.size == smallest]
         return out[: max(min(self.effort.width, self.effort.fits - self.fits), 0)]
