@@ -9,7 +9,7 @@ import pytest
 
 from made_up_evidence import FLOOR, RUNS, candidate, evidence
 from stepid.diagnosis import gather, vetoes
-from stepid.diagnosis.gather import includes
+from stepid.diagnosis.selection.candidate import includes
 from stepid.effects import resolve
 
 LINEAR = candidate(times=10.0)
@@ -100,3 +100,11 @@ def test_includes() -> None:
     assert includes((coulomb, play), (coulomb,))
     assert not includes((coulomb,), (stribeck,))
     assert includes((coulomb,), ())
+
+
+def test_the_law_that_weighty_candidates_share_leads() -> None:
+    laws = (["sine_stiffness", "asymmetric_friction"], ["sine_stiffness", "coulomb_friction"])
+    best, shared = (candidate(names, times=3.0 + 0.01 * i) for i, names in enumerate(laws))
+    e = evidence(best, shared, candidate(["sine_stiffness", "coulomb_friction", "flexible_coupling"], times=2.9))
+    assert e.weight(best) < e.criteria.sure <= e.weight(shared)
+    assert e.lead.names == shared.names

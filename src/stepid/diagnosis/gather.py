@@ -13,9 +13,8 @@ from stepid.core.base import Array
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
-from stepid.diagnosis.selection.candidate import Candidate, Deviations, is_free
+from stepid.diagnosis.selection.candidate import Candidate, Deviations, includes, is_free
 from stepid.diagnosis.vetoes import imitators, undetermined
-from stepid.effects.base import Effect
 from stepid.fitting.cross_validation import held_out_residuals
 from stepid.fitting.deviations import with_deviations
 from stepid.fitting.input_fault import InputFault
@@ -169,7 +168,16 @@ class EvidenceRecord:
     def lead(self) -> Candidate:
         """The best of those that may lead where a rest remains, with no more in it than takes a notable part."""
         best = self._without_trifle(self._simpler_law(self._simplest(self._able)))
-        return self._predicting(best) if len(best.effects) < 2 else self._determined(best)
+        best = self._predicting(best) if len(best.effects) < 2 else self._determined(best)
+        return self._shared_law(best)
+
+    def _shared_law(self, best: Candidate) -> Candidate:
+        """The simpler law inside that weighty candidates share, where the best's own weight is not enough."""
+        if self.weight(best) >= self.criteria.sure:
+            return best
+        inside = [w.candidate for w in self._able if len(w.candidate.effects) == len(best.effects)]
+        inside = [c for c in inside if includes(best.effects, c.effects) and self.weight(c) >= self.criteria.sure]
+        return inside[0] if inside else best
 
     def _predicting(self, one: Candidate) -> Candidate:
         """The same effect with conditions alike in all runs, where free ones do not predict and it leads without."""
@@ -205,7 +213,7 @@ class EvidenceRecord:
             and len(w.candidate.effects) == len(best.effects)
             and includes(best.effects, w.candidate.effects)
         ]
-        return min(near, key=lambda c: (_n_parameters(c), self._loss(c)))
+        return min(near, key=lambda c: (sum(len(e.parameters) for e in c.effects), self._loss(c)))
 
     def _without_trifle(self, pair: Candidate) -> Candidate:
         """One effect of two, where it leads and the other takes no such part of what it leaves."""
@@ -255,10 +263,9 @@ class EvidenceRecord:
         return math.fsum(held) / total
 
     def held_out(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
-        """Residuals of runs left out: linear plant, in which the same conditions differ from run to run, and candidate.
+        """Residuals of runs left out, linear plant with the same conditions free and candidate; see docs/evidence.md.
 
-        Freedoms that a candidate has in every run are estimated on its first part, and the rest judges; where it has
-        none but the initial state, the whole run does: most motion follows a step at once.
+        The whole run judges a candidate that has no freedom in it but its start: most motion follows a step at once.
         """
         first = self.criteria.first if is_free(found) or found.deviations else 1.0
         before = held_out_residuals(self._plain(found.deviations), tolerance=self.context.tolerance, first=first)
@@ -289,12 +296,3 @@ class EvidenceRecord:
         single = [taken([i]) for i in before]
         steady = min(single) / max(single) if max(single) > 0 else 0.0
         return taken(list(before)), max(steady, 0.0)
-
-
-def includes(bigger: tuple[Effect, ...], smaller: tuple[Effect, ...]) -> bool:
-    """Tell whether every effect of `smaller` is in `bigger` or contained in one of its effects."""
-    return all(any(e.name == b.name or e.name in b.contains for b in bigger) for e in smaller)
-
-
-def _n_parameters(found: Candidate) -> int:
-    return sum(len(e.parameters) for e in found.effects)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from stepid.diagnosis.gather import EvidenceRecord, includes
+from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.result import Verdict
-from stepid.diagnosis.selection.candidate import Candidate, is_free
+from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
 from stepid.diagnosis.vetoes import undetermined
 from stepid.diagnosis.wording import effect_names, length, percent
 

@@ -36,4 +36,9 @@ def is_free(found: Candidate) -> bool:
     return any(e.run_parameters for e in found.effects)
 
 
+def includes(bigger: tuple[Effect, ...], smaller: tuple[Effect, ...]) -> bool:
+    """Tell whether every effect of `smaller` is in `bigger` or contained in one of its effects."""
+    return all(any(e.name == b.name or e.name in b.contains for b in bigger) for e in smaller)
+
+
 Key = tuple[frozenset[str], Deviations]
