@@ -276,6 +276,7 @@ class Search:
         near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
         first = order[: self.effort.polish] + self._nameable(order)[: self.effort.polish]
         for node in order:
+            # one that is not near is fitted once: it may go on for long, and cannot win
             if self._value(node) < near or (any(node is f for f in first) and node.fitted.polished is None):
                 self._polish(node)
         found = self.best
