@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import stepid
-from stepid.cli.said import Said, numbers, taking_answers
+from stepid.cli.said import Said, taking_answers
 from stepid.cli.terminal import console
 from stepid.errors import InputError
+from stepid.io.guess.spoken import spoken
 
 if TYPE_CHECKING:
     from stepid.core.experiment import Campaign
@@ -189,9 +190,4 @@ def _heard(question: Question, answer: str, said: Said) -> Said:
     key = question.key
     if key == "position":
         return dataclasses.replace(said, columns={**said.columns, "position": answer})
-    value: object = answer
-    if key == "added_mass":
-        value = numbers(answer, "the answer")
-    elif key in ("weight", "counts_per_meter", "sample_time", "step"):
-        (value,) = numbers(answer.replace(",", "."), "the answer") or (None,)
-    return said.hearing(key, value)
+    return said.hearing(key, spoken(key, answer))

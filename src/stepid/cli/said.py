@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import functools
 import inspect
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
-from stepid.errors import InputError
+from stepid.io.guess.spoken import numbers
 
 if TYPE_CHECKING:
     from stepid.io.guess.answers import Answers
@@ -88,17 +87,6 @@ def taking_answers(command: Callable[..., None]) -> Callable[..., None]:
     wrapped.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     wrapped.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return wrapped
-
-
-def numbers(text: str, flag: str) -> tuple[float, ...]:
-    """Read numbers parted by commas; where semicolons or blanks part them, commas are decimal marks."""
-    parts = text.split(";") if ";" in text else text.split(",")
-    if ";" not in text and len(text.split()) > 1 and not re.search(r",\s", text):
-        parts = text.split()
-    try:
-        return tuple(float(re.sub(r"\s*kg\s*$", "", part).strip().replace(",", ".")) for part in parts)
-    except ValueError:
-        raise InputError(f"{flag} is {text!r}", "Give numbers parted by commas: 0,0.5,1.5.") from None
 
 
 def _said(options: dict[str, Any]) -> Said:

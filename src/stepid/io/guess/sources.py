@@ -1,0 +1,69 @@
+"""What was understood of recordings, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stepid.io.guess.draft import Draft
+
+
+def sources(drafts: Sequence[Draft]) -> dict[str, list[str]]:
+    """Columns of a table, a row a draft: where its time, position and input are from, and in which unit.
+
+    What is not known is ``?``, what is taken by its size alone ends in ``?``.
+    """
+    return {
+        "from": [_file(draft) for draft in drafts],
+        "time": [_time(draft) for draft in drafts],
+        "position": [_column(draft, "position") for draft in drafts],
+        "input": [_input(draft) for draft in drafts],
+    }
+
+
+def _file(draft: Draft) -> str:
+    layout = draft.layout
+    extra = [str(layout[key]) for key in ("encoding", "sheet") if key in layout]
+    if layout.get("decimal") == ",":
+        extra.append("decimal ,")
+    return draft.file.name + (f" ({', '.join(extra)})" if extra else "")
+
+
+def _time(draft: Draft) -> str:
+    seconds = draft.si("time")
+    if seconds is not None and seconds.size > 1:
+        step = float(np.median(np.diff(seconds)))
+    elif draft.sample_time is not None:
+        step = draft.sample_time.value
+    else:
+        return _column(draft, "time") if "time" in draft.columns else "?"
+    size = max((values.size for values in draft.readings.values()), default=0)
+    unit = draft.units.get("time")
+    sure = "?" if unit is not None and unit.assumed else ""
+    return f"{size} × {1000 * step:.4g} ms{sure}"
+
+
+def _column(draft: Draft, role: str) -> str:
+    if role not in draft.columns:
+        return "?"
+    unit, scale = draft.units.get(role), draft.scale(role)
+    named = "?" if unit is None and scale is None else f"{scale:g} per unit" if unit is None else unit.value
+    sure = "?" if unit is not None and unit.assumed and role not in draft.scales else ""
+    sign = ", falling" if role == "position" and draft.falling else ""
+    return f"{draft.titles[role]} in {named}{sure}{sign}"
+
+
+def _input(draft: Draft) -> str:
+    if "input" in draft.columns:
+        return _column(draft, "input")
+    if draft.step is not None:
+        return f"step {draft.step.value[0]:g} V" if draft.step.value[0] else "release"
+    return "release" if draft.release else "?"
+
+
+def mass_of(draft: Draft) -> str:
+    """The added mass."""
+    if draft.mass is not None:
+        return f"{draft.mass.value:g} kg{'?' if draft.mass.assumed else ''}"
+    return "?" if draft.weights is None else f"{draft.weights} × ? kg"
