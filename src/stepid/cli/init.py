@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -125,24 +124,20 @@ def _drafts(files: Sequence[Path], said: Said) -> tuple[Draft, ...]:
 
 def _files(paths: Sequence[Path]) -> tuple[list[Path], tuple[str, ...]]:
     """Files, and those of folders, in the order of their numbers; and why some that hold no table are left out."""
+    from stepid.io.guess.file_names import natural
     from stepid.io.guess.understand import recordings
 
     out: list[Path] = []
     for path in paths:
         inside = [file for file in path.iterdir() if _looks_like_records(file)] if path.is_dir() else [path]
-        out += sorted(inside, key=_natural) if path.is_dir() else inside
+        out += sorted(inside, key=natural) if path.is_dir() else inside
     if not out:
         raise InputError(f"{paths[0]}: holds no recordings ({', '.join(_KINDS)})", "Name the files.")
     if len(out) > _MANY:
         raise InputError(f"{len(out)} files are more than a campaign has", "Name those of one campaign.")
-    files = sorted(out, key=_natural) if len({file.parent for file in out}) == 1 else out
+    files = sorted(out, key=natural) if len({file.parent for file in out}) == 1 else out
     taken, refused = recordings(files) if len(files) > 1 else (files, ())
     return (taken, refused) if taken else (files, ())
-
-
-def _natural(file: Path) -> list[tuple[int, str]]:
-    parts = re.split(r"(\d+(?:\.\d+)?)", file.stem.lower())
-    return [(int(float(part) * 1000), "") if i % 2 else (0, part) for i, part in enumerate(parts)]
 
 
 def _target(files: Sequence[Path], out: Path | None, *, force: bool) -> Path:

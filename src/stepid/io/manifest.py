@@ -191,6 +191,11 @@ def _right(check: Callable[[object], T], key: str, value: object, who: str) -> T
         raise InputError(f"{who}: {key} is {shown}", f"It must be {wanted}.") from None
 
 
+def check_value(key: str, value: object, who: str) -> object:
+    """Check the value of a key of `SHARED` as in a manifest; InputError names `who`."""
+    return _right(SHARED[key], key, value, who)
+
+
 def render_manifest(campaign: Mapping[str, object], experiments: Sequence[Mapping[str, object]]) -> str:
     """Write the text of a manifest; numbers in full, so that they read back equal."""
     blocks = [_lines(campaign), *("[[experiment]]\n" + _lines(run) for run in experiments)]

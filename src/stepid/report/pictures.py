@@ -54,7 +54,7 @@ def pictures(d: Diagnosis, verified: Sequence[VerificationRun]) -> dict[str, Any
     left = reach_of(run.measured - run.simulated for run in verified)
     for run in verified:
         if run.name in place:
-            drawn[f"verification-{place[run.name]}"] = _verification(run, left)
+            drawn[f"verification-{place[run.name]}"] = verification(run, left)
     for i, gap in enumerate(d.runs):
         drawn[f"run-{i}"] = _run(d, gap, reach)
     return {name: figure.to_plotly_json() for name, figure in drawn.items()}
@@ -98,7 +98,8 @@ def _noise_band(figure: go.Figure, reach: float, axis: str) -> None:
     )  # fmt: skip
 
 
-def _verification(run: VerificationRun, reach: float) -> go.Figure:
+def verification(run: VerificationRun, reach: float) -> go.Figure:
+    """Draw a verification response above what is left of it, whose scale ends at ±`reach` [m]."""
     scale, what = length_unit(reach)
     left = scale * (run.measured - run.simulated)
     kept = kept_samples(run.measured, left)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
 _NUMBER = r"(?P<number>\d+(?:[.,p]\d+)?|[.,]\d+)"
 _KG = re.compile(rf"(?<![\d.,]){_NUMBER}[\s_-]*(?:kg|kilo(?:gram(?:me)?)?s?)(?![a-z])", re.IGNORECASE)
@@ -109,3 +110,9 @@ def plain_name(stem: str) -> str:
 
 def _float(text: str) -> float:
     return float(re.sub("[,p]", ".", text))
+
+
+def natural(file: Path) -> list[tuple[int, str]]:
+    """Order files by the numbers in their names."""
+    parts = re.split(r"(\d+(?:\.\d+)?)", file.stem.lower())
+    return [(int(float(part) * 1000), "") if i % 2 else (0, part) for i, part in enumerate(parts)]

@@ -1,0 +1,67 @@
+"""Pictures of the page beside those of the report, as plotly's JSON; colors are named as there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.core.experiment import Experiment
+from stepid.plot.scale import length_unit, reach_of
+from stepid.report.axes import own_line, paired
+from stepid.report.pictures import verification
+from stepid.report.thin import kept_samples
+from stepid.transfer.verification import Verification
+
+Drawn = dict[str, Any]
+
+
+def record(run: Experiment) -> Drawn:
+    """Draw a record: position above, input below."""
+    time, position, volts = run.time, 1e3 * run.position, run.input
+    kept = kept_samples(position, volts)
+    figure = paired("V", 1.0)
+    low, high = float(min(volts.min(), run.input_before)), float(max(volts.max(), run.input_before))
+    edge = 0.1 * (high - low) or 1.0
+    figure.update_layout(
+        yaxis2={"range": [low - edge, high + edge], "title": {"text": "input [V]"}, "zeroline": False}, height=260
+    )
+    line = own_line("left", "position", "mm")
+    figure.add_scatter(x=_listed(time[kept]), y=_listed(position[kept]), **line)
+    shape = {"held": "hv"}.get(run.input_between, "linear")
+    driven = own_line("before", "input", "V")
+    driven["line"] = {"color": "var(--before)", "width": 1.5, "shape": shape}
+    figure.add_scatter(x=_listed(time[kept]), y=_listed(volts[kept]), yaxis="y2", **driven)
+    return _json(figure)
+
+
+def verified(found: Verification) -> dict[str, Drawn]:
+    """Draw the verification responses, by run, on one scale for what is left."""
+    reach = reach_of(run.measured - run.simulated for run in found.runs)
+    return {run.name: _json(verification(run, reach)) for run in found.runs}
+
+
+def played(run: Experiment, simulated: Array | None, *, reach: float) -> Drawn:
+    """Draw a record and a simulated response, what is left below on a scale that ends at ±`reach` [m]."""
+    scale, what = length_unit(reach)
+    left = None if simulated is None else scale * (run.position - simulated)
+    kept = kept_samples(run.position) if simulated is None else kept_samples(run.position, simulated)
+    figure = paired(what, scale * reach)
+    time = _listed(run.time[kept])
+    figure.add_scatter(x=time, y=_listed(1e3 * run.position[kept]), **own_line("measured", "measured", "mm"))
+    if simulated is not None and left is not None:
+        figure.add_scatter(x=time, y=_listed(1e3 * simulated[kept]), **own_line("after", "simulated", "mm"))
+        figure.add_scatter(x=time, y=_listed(left[kept]), yaxis="y2", **own_line("left", "residual", what))
+    middle, span = 1e3 * float(np.mean(run.position)), 1e3 * float(np.ptp(run.position))
+    figure.update_layout(yaxis={"range": [middle - span, middle + span]})
+    return _json(figure)
+
+
+def _json(figure: Any) -> Drawn:
+    drawn: Drawn = figure.to_plotly_json()
+    return {"data": list(drawn["data"]), "layout": drawn["layout"]}
+
+
+def _listed(values: Array) -> list[float]:
+    return [float(f"{v:.5g}") for v in values]

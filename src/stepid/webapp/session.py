@@ -1,0 +1,132 @@
+"""What one person's page holds: files, the table, the campaign, and results; nothing of it is shared."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import stepid
+from stepid.core.experiment import Campaign
+from stepid.diagnosis.result import Diagnosis
+from stepid.errors import InputError, StepidError
+from stepid.report.hand import HandMethod, by_hand
+from stepid.webapp import intake as reading
+from stepid.webapp import runs as table
+from stepid.webapp.inbox import Inbox
+from stepid.webapp.intake import Intake, Row
+from stepid.webapp.work import Work
+
+
+class Session:
+    """The state of a page. Its methods are what a person does; a refusal leaves all as it was.
+
+    Parameters
+    ----------
+    campaign : Campaign, optional
+        To begin with.
+    """
+
+    def __init__(self, campaign: Campaign | None = None) -> None:
+        self.inbox = Inbox()
+        self.present = True
+        self._begin(Intake("") if campaign is None else reading.of_campaign(campaign))
+
+    def _begin(self, intake: Intake) -> None:
+        self.intake = intake
+        self.name = intake.name
+        self.rows: tuple[Row, ...] = intake.rows
+        self._forget()
+
+    def _forget(self) -> None:
+        """Results are of one campaign: where it changes, they go, and the work on them ends."""
+        if (running := getattr(self, "work", None)) is not None:
+            running.cancel()
+        self.work: Work[Diagnosis] | None = None
+        self.found: Diagnosis | None = None
+
+    def drop(self, files: Mapping[str, bytes]) -> None:
+        """Take files in place of those before; StepidError, in words fit for the page, where they cannot be read."""
+        self.inbox.put(files)
+        try:
+            intake = reading.of_files(self.inbox)
+        except StepidError as error:
+            self._begin(Intake(""))
+            raise type(error)(self.inbox.hidden(error.cause), self.inbox.hidden(error.remedy)) from None
+        self._begin(intake)
+
+    def example(self) -> None:
+        """Take the made-up lab campaign."""
+        self.inbox.put({})
+        self._begin(reading.of_campaign(stepid.datasets.lab_campaign()))
+
+    def answer(self, key: str, text: str) -> None:
+        """Say what the files do not; see `stepid.webapp.intake.SETTINGS`."""
+        try:
+            intake = reading.answered(self.inbox, self.intake, key, text)
+        except StepidError as error:
+            raise type(error)(self.inbox.hidden(error.cause), self.inbox.hidden(error.remedy)) from None
+        same = len(intake.rows) == len(self.rows)
+        typed = [(now, was) for now, was in zip(self.rows, self.intake.rows, strict=True)] if same else []
+        rows, name = intake.rows, self.name
+        self._begin(intake)
+        # what was typed into the table stays
+        self.rows = tuple(now if now != was else new for new, (now, was) in zip(rows, typed, strict=True)) or rows
+        self.name = name
+
+    def edit(self, place: int, key: str, value: object) -> None:
+        """Change a cell of the table; InputError where a manifest would be refused with it."""
+        self.rows = table.edited(self.rows, place, key, value)
+        self._forget()
+
+    def rename(self, name: str) -> None:
+        """Give the campaign another name."""
+        if not name.strip():
+            raise InputError("the campaign has no name", "Give it one.")
+        self.name = name.strip()
+        self._forget()
+
+    @property
+    def campaign(self) -> Campaign:
+        """The campaign as the table says; InputError names what is missing."""
+        if self.intake.recorded is None:
+            if self.intake.questions:
+                asked = " ".join(question.text for question in self.intake.questions)
+                raise InputError(f"the files do not say all: {asked}", "Answer it above the table.")
+            raise InputError("there are no records yet", "Drop files, or try the example.")
+        return table.labeled(self.intake.recorded, self.rows, self.name)
+
+    def by_hand(self) -> HandMethod:
+        """Go the paper's way: Table 2's numbers and the verification responses.
+
+        Raises
+        ------
+        stepid.errors.StepidError
+            If the campaign is not complete, or the method cannot use it.
+        """
+        found = by_hand(self.campaign)
+        if isinstance(found, StepidError):
+            raise found
+        return found
+
+    def diagnose(self, effort: stepid.Effort | None = None) -> Work[Diagnosis]:
+        """Begin a diagnosis, in place of one that runs."""
+        campaign = self.campaign
+        self._forget()
+        self.work = Work(
+            lambda tell: stepid.diagnose(campaign, effort=effort, progress=tell), wanted=lambda: self.present
+        ).start()
+        return self.work
+
+    def take(self) -> bool:
+        """Keep what finished work has found; say whether it has just ended."""
+        work = self.work
+        if work is None or work.status.running:
+            return False
+        self.found, self.work = work.status.result, None
+        self.last = work.status
+        return True
+
+    def close(self) -> None:
+        """End its work, and remove its files."""
+        self.present = False
+        self._forget()
+        self.inbox.close()

@@ -1,0 +1,1 @@
+"""What the page shows: the only place that imports Panel."""
