@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import stepid
 from stepid.core.experiment import Campaign
@@ -13,7 +13,7 @@ from stepid.webapp import intake as reading
 from stepid.webapp import runs as table
 from stepid.webapp.inbox import Inbox
 from stepid.webapp.intake import Intake, Row
-from stepid.webapp.work import Work
+from stepid.webapp.work import Status, Work
 
 
 class Session:
@@ -28,6 +28,8 @@ class Session:
     def __init__(self, campaign: Campaign | None = None) -> None:
         self.inbox = Inbox()
         self.present = True
+        self.watched: Callable[[], bool] = lambda: True  # whether somebody has the page open
+        self.work: Work[Diagnosis] | None = None
         self._begin(Intake("") if campaign is None else reading.of_campaign(campaign))
 
     def _begin(self, intake: Intake) -> None:
@@ -38,10 +40,11 @@ class Session:
 
     def _forget(self) -> None:
         """Results are of one campaign: where it changes, they go, and the work on them ends."""
-        if (running := getattr(self, "work", None)) is not None:
-            running.cancel()
-        self.work: Work[Diagnosis] | None = None
+        if self.work is not None:
+            self.work.cancel()
+        self.work = None
         self.found: Diagnosis | None = None
+        self.last: Status[Diagnosis] = Status(running=False)
 
     def drop(self, files: Mapping[str, bytes]) -> None:
         """Take files in place of those before; StepidError, in words fit for the page, where they cannot be read."""
@@ -112,7 +115,7 @@ class Session:
         campaign = self.campaign
         self._forget()
         self.work = Work(
-            lambda tell: stepid.diagnose(campaign, effort=effort, progress=tell), wanted=lambda: self.present
+            lambda tell: stepid.diagnose(campaign, effort=effort, progress=tell), wanted=lambda: self.present and self.watched()
         ).start()
         return self.work
 

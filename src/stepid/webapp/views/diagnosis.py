@@ -1,0 +1,108 @@
+"""The fourth section: the diagnosis, with live progress, and its answer as the report tells it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from html import escape
+
+import panel as pn
+
+from stepid.diagnosis.result import Diagnosis
+from stepid.diagnosis.selection.effort import Effort
+from stepid.diagnosis.text import answer
+from stepid.diagnosis.wording import effect_names
+from stepid.errors import StepidError
+from stepid.report.hand import HandMethod
+from stepid.report.pictures import pictures
+from stepid.report.provenance import of_diagnosis
+from stepid.report.story import tell
+from stepid.webapp.session import Session
+from stepid.webapp.views.chapter import chapter
+from stepid.webapp.views.parts import card, column, html, note, row, said
+from stepid.webapp.work import Status
+
+_EFFORTS = {"quick": Effort.quick, "default": Effort, "thorough": Effort.thorough}
+_CHAPTERS = ("missing", "gap", "where", "parameters", "next", "notes")  # the others are above
+_LEAD = (
+    "Is a linear model adequate, and if not, which effect is missing? The effects of the catalogue are tried, alone "
+    "and together, until none promises more."
+)
+
+
+class DiagnosisView:
+    """A button, progress, and the answer; `started` is called when a diagnosis begins."""
+
+    def __init__(self, session: Session, started: Callable[[], None]) -> None:
+        self._session, self._started = session, started
+        self._effort = pn.widgets.Select(name="Effort", options=list(_EFFORTS), value="default", width=140, margin=0)
+        self._start = pn.widgets.Button(name="Diagnose", button_type="primary", margin=0, disabled=True)
+        self._cancel = pn.widgets.Button(name="Cancel", margin=0, disabled=True)
+        self._start.on_click(self._begin)
+        self._cancel.on_click(self._stop)
+        self._progress = html()
+        self._found = column()
+        self.view = card(
+            4, "Diagnosis", html(note(_LEAD)), row(self._effort, self._start, self._cancel), self._progress, self._found
+        )
+
+    def clear(self, *, ready: bool) -> None:
+        """Show nothing yet; `ready` where a diagnosis could begin."""
+        self._start.disabled, self._cancel.disabled = not ready, True
+        self._progress.object = ""
+        self._found[:] = []
+
+    def _begin(self, _: object) -> None:
+        self.clear(ready=False)
+        try:
+            self._session.diagnose(_EFFORTS[self._effort.value]())
+        except StepidError as error:
+            self._progress.object = said(str(error), bad=True)
+            self._start.disabled = False
+            return
+        self._cancel.disabled = False
+        self._started()
+
+    def _stop(self, _: object) -> None:
+        if self._session.work is not None:
+            self._session.work.cancel()
+            self._cancel.disabled = True
+
+    def watch(self, status: Status[Diagnosis]) -> None:
+        """Show how far it is."""
+        stage = status.stage
+        rows = {
+            "trying": effect_names((stage,)),
+            "best answer so far": effect_names(stage.best) or "linear model",
+            "left to try": f"{stage.left}" + f", may take {100 * stage.promise:.0f} % of the rest" * bool(stage.promise),
+            "time": f"{status.seconds:.0f} s",
+        }
+        told = "".join(f"<dt>{name}</dt><dd>{escape(value)}</dd>" for name, value in rows.items())
+        self._progress.object = f'<div class="bar"><span></span></div><dl class="progress">{told}</dl>'
+
+    def end(self, status: Status[Diagnosis], hand: HandMethod | None) -> None:
+        """Show how it ended."""
+        self._start.disabled, self._cancel.disabled = False, True
+        if status.result is None:
+            self._progress.object = said("Canceled.") if status.canceled else said(status.failure, bad=True)
+            return
+        self._progress.object = said(f"Done in {status.seconds:.1f} s.")
+        d = status.result
+        drawn = pictures(d, ())
+        places = {run.name: i for i, run in enumerate(d.runs)}
+        story = [one for one in tell(d, hand, of_diagnosis(d)) if one.name in _CHAPTERS and _says(one.lead, one.points)]
+        story.sort(key=lambda one: _CHAPTERS.index(one.name))
+        self._found[:] = [
+            html(f'<p class="answer" data-verdict="{d.verdict}">{escape(answer(d))}</p>'),
+            *(chapter(one, drawn, places) for one in story),
+            pn.Card(
+                html(f"<pre>{escape(d.summary())}</pre>"),
+                title="The same as text",
+                collapsed=True,
+                sizing_mode="stretch_width",
+                margin=(8, 0),
+            ),
+        ]
+
+
+def _says(lead: str, points: tuple[str, ...]) -> bool:
+    return bool(points) or lead not in ("", "None.", "There is nothing to advise.")

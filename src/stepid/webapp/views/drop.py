@@ -1,0 +1,125 @@
+"""The first section: files are dropped, what was understood is told, what is open is asked for."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Any
+
+import panel as pn
+
+from stepid.errors import StepidError
+from stepid.io.guess.sources import sources
+from stepid.report.chapter import Table
+from stepid.webapp.inbox import LARGEST_UPLOAD
+from stepid.webapp.intake import SETTINGS
+from stepid.webapp.session import Session
+from stepid.webapp.views.parts import card, column, html, note, points, row, said, tables_html
+
+_PAUSE = 0.4  # s without another file, before what was dropped is read
+_LEAD = (
+    "Recordings as your lab left them: text, CSV, workbooks or exports of the ECP program, or a campaign.toml with the "
+    "files that it names. They stay on this computer."
+)
+
+
+class DropView:
+    """Files in, records out; `changed` is called when they are others."""
+
+    def __init__(self, session: Session, changed: Callable[[], None]) -> None:
+        self._session, self._changed, self._dropped = session, changed, 0
+        self._files = pn.widgets.FileDropper(
+            multiple=True, max_file_size=f"{LARGEST_UPLOAD // 1_000_000}MB", sizing_mode="stretch_width", margin=0
+        )
+        self._files.param.watch(self._drop, "value")
+        self._example = pn.widgets.Button(name="Try the example", margin=0)
+        self._example.on_click(self._try)
+        self._message = html()
+        self._open = column()
+        self._understood = html()
+        self._settings = column()
+        self._more = pn.Card(
+            self._understood,
+            self._settings,
+            title="What was understood, and where to correct it",
+            collapsed=True,
+            visible=False,
+            sizing_mode="stretch_width",
+            margin=(8, 0, 0, 0),
+        )
+        self.view = card(
+            1, "Recordings", html(note(_LEAD)), self._files, row(self._example), self._message, self._open, self._more
+        )
+        self.show()
+
+    async def _drop(self, _: object) -> None:
+        self._dropped += 1
+        mine = self._dropped
+        await asyncio.sleep(_PAUSE)  # several files come one by one
+        if mine == self._dropped:
+            files = {n: v.encode() if isinstance(v, str) else v for n, v in self._files.value.items()}
+            if files:
+                self._do(lambda: self._session.drop(files))
+
+    def _try(self, _: object) -> None:
+        self._do(self._session.example)
+
+    def _answer(self, key: str, event: Any) -> None:
+        try:
+            self._session.answer(key, event.new)
+        except StepidError as error:
+            self.tell(str(error))
+            return
+        self.show()
+        self._changed()
+
+    def _do(self, act: Callable[[], None]) -> None:
+        try:
+            act()
+        except StepidError as error:
+            self.show()
+            self.tell(str(error))
+        else:
+            self.show()
+        self._changed()
+
+    def tell(self, text: str) -> None:
+        """Show what is wrong."""
+        self._message.object = said(text, bad=True)
+
+    def show(self) -> None:
+        """Show what the session holds."""
+        intake = self._session.intake
+        runs = len(intake.rows)
+        words = f"{runs} run{'s' * (runs > 1)} read." if intake.recorded is not None else ""
+        if intake.questions:
+            words = "The files do not say all. Please answer:"
+        self._message.object = said(words) + points(f"{words}; left out" for words in intake.left_out)
+        asked = {question.key: question for question in intake.questions}
+        self._open[:] = [self._ask(q.key, q.text, placeholder=q.default) for q in asked.values()]
+        self._more.visible = bool(intake.drafts)
+        if not intake.drafts:
+            return
+        told = sources(intake.drafts)
+        told = {"run": [draft.name for draft in intake.drafts], **told}
+        table = Table(
+            caption="What ends in ? no file says: it is taken by its size, or as usual",
+            header=tuple(told),
+            rows=tuple(zip(*told.values(), strict=True)),
+            words=tuple(range(len(told))),
+        )
+        doubts = [f"{draft.named}: {doubt}" for draft in intake.drafts for doubt in draft.doubts]
+        self._understood.object = tables_html([table]) + points(doubts)
+        self._settings[:] = [self._ask(key, words) for key, words in SETTINGS.items() if key not in asked]
+
+    def _ask(self, key: str, words: str, placeholder: str = "") -> pn.widgets.TextInput:
+        asked = pn.widgets.TextInput(
+            name=words,
+            value=self._session.intake.said.get(key, ""),
+            placeholder=placeholder,
+            sizing_mode="stretch_width",
+            max_width=560,
+            margin=(4, 0),
+        )
+        asked.param.watch(lambda event: self._answer(key, event), "value")
+        return asked

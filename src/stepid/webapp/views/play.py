@@ -1,0 +1,140 @@
+"""The fifth section: an effect's knobs, and the response that they make, against a record."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import panel as pn
+
+from stepid.core.experiment import Campaign
+from stepid.diagnosis.result import Diagnosis
+from stepid.effects import resolve
+from stepid.webapp import pictures, play
+from stepid.webapp.play import NONE, Bench, Knob
+from stepid.webapp.views.chapter import key
+from stepid.webapp.views.parts import card, grid, html, note, row, said
+from stepid.webapp.views.picture import picture
+from stepid.webapp.work import Work
+
+_LEAD = "Choose an effect, turn its knobs, and see what it does to a run."
+_KEY = (("measured", "measured"), ("after", "simulated"), ("left", "what is left"))
+
+
+class PlayView:
+    """Knobs and a picture; `started` is given the work that a long computation is."""
+
+    def __init__(self, started: Callable[[Work[Bench], Callable[[Any], None]], None]) -> None:
+        self._started = started
+        self._bench: Bench | None = None
+        self._filling = self._due = False
+        self._run = pn.widgets.Select(name="Run", options=[], sizing_mode="stretch_width", max_width=260, margin=0)
+        self._effect = pn.widgets.Select(
+            name="Effect", options=play.effect_choices(), value=NONE, sizing_mode="stretch_width", max_width=320, margin=0
+        )
+        self._fit = pn.widgets.Button(name="Fit to all runs", margin=0)
+        self._back = pn.widgets.Button(name="Knobs back", margin=0)
+        self._message = html()
+        self._seen = html()
+        self._knobs = grid()
+        self._picture = picture({}, "Measured and simulated position, what is left below.")
+        self._body = pn.Column(
+            row(self._run, self._effect, self._back, self._fit),
+            self._seen,
+            self._knobs,
+            html(key(_KEY)),
+            self._picture,
+            sizing_mode="stretch_width",
+            margin=0,
+            visible=False,
+        )
+        self._run.param.watch(self._set_up, "value")
+        self._effect.param.watch(self._set_up, "value")
+        self._back.on_click(self._set_up)
+        self._fit.on_click(self._fit_all)
+        self.view = card(5, "Play", html(note(_LEAD)), self._message, self._body)
+
+    def clear(self, why: str) -> None:
+        """Show why there is nothing to play with."""
+        self._bench = None
+        self._body.visible = False
+        self._message.object = said(why)
+
+    def begin(self, campaign: Campaign, found: Diagnosis | None = None) -> None:
+        """Fit the plant that one plays with."""
+        self._message.object = said("Fitting the linear plant …")
+        self._started(Work(lambda _: play.bench(campaign, found)), self._take)
+
+    def _fit_all(self, _: object) -> None:
+        at, effect = self._bench, self._effect.value
+        if at is None or effect == NONE:
+            return
+        self._fit.disabled = True
+        self._message.object = said("Fitting to all runs …")
+        self._started(Work(lambda _: play.best(at, effect)), self._take)
+
+    def _take(self, status: Any) -> None:
+        self._fit.disabled = False
+        if status.result is None:
+            self._message.object = said(status.failure, bad=True)
+            return
+        self._bench = at = status.result
+        self._filling = True
+        names = [run.name for run in at.campaign]
+        self._run.options = names
+        self._run.value = self._run.value if self._run.value in names else names[0]
+        if (known := list(at.fitted)) and self._effect.value == NONE:
+            self._effect.value = known[-1]
+        self._filling = False
+        self._message.object = ""
+        self._body.visible = True
+        self._set_up()
+
+    def _set_up(self, *_: object) -> None:
+        """Knobs for this run and effect."""
+        if self._bench is None or self._filling:
+            return
+        effect = self._effect.value
+        self._fit.disabled = effect == NONE
+        self._seen.object = "" if effect == NONE else f'<p class="soft">{_described(effect)}</p>'
+        self._knobs[:] = [self._slider(knob) for knob in play.knobs(self._bench, self._run.value, effect)]
+        self._draw()
+
+    def _slider(self, knob: Knob) -> pn.widgets.FloatSlider:
+        slider = pn.widgets.FloatSlider(
+            name=knob.label,
+            start=knob.low,
+            end=knob.high,
+            step=knob.step,
+            value=min(max(knob.value, knob.low), knob.high),
+            format="0.0000a" if abs(knob.high) < 1 else "0.000a",
+            sizing_mode="stretch_width",
+            margin=(0, 10),
+            tags=[knob.key],
+        )
+        slider.param.watch(self._turned, "value")
+        return slider
+
+    def _turned(self, _: object) -> None:
+        """Draw once for all turns that came meanwhile."""
+        document = pn.state.curdoc
+        if document is None or document.session_context is None:
+            self._draw()
+        elif not self._due:
+            self._due = True
+            document.add_next_tick_callback(self._draw)
+
+    def _draw(self) -> None:
+        self._due = False
+        at, run, effect = self._bench, self._run.value, self._effect.value
+        if at is None:
+            return
+        model = play.turned(at, run, effect, {slider.tags[0]: slider.value for slider in self._knobs})
+        simulated, words = play.response(at, run, model)
+        self._picture.figure = pictures.played(at.campaign[run], simulated, reach=play.reach(at, run))
+        self._message.object = said(words, bad=simulated is None)
+
+
+def _described(effect: str) -> str:
+    one = resolve((effect,))[0]
+    return f"Its force: {one.law}. What a lab sees: {one.seen}." if one.law else one.seen

@@ -1,0 +1,122 @@
+"""The second section: each record in a picture, and the table of the runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from html import escape
+from typing import Any
+
+import panel as pn
+
+from stepid.core.frames import make_frame
+from stepid.errors import StepidError
+from stepid.webapp import pictures
+from stepid.webapp.runs import COLUMNS, massless
+from stepid.webapp.session import Session
+from stepid.webapp.views.parts import card, column, grid, html, note, said
+from stepid.webapp.views.picture import picture
+
+_TITLES = {"name": "run", "added_mass": "added mass [kg]", "spring": "spring", "damper": "damper"}
+_LEAD = (
+    "Runs with the same spring or damper label share one stiffness or damping. Added masses are the known weights on "
+    "top of the cart. Click a cell, or press Enter on it, to change it."
+)
+_TABLE = """
+.tabulator { background: var(--card); color: var(--ink); border: 1px solid var(--grid); font-size: 0.92rem; }
+.tabulator .tabulator-header, .tabulator .tabulator-header .tabulator-col { background: var(--paper); color: var(--ink);
+  border-color: var(--line); }
+.tabulator .tabulator-tableholder, .tabulator .tabulator-tableholder .tabulator-table { background: var(--card);
+  color: var(--ink); }
+.tabulator-row, .tabulator-row.tabulator-row-even { background: var(--card); color: var(--ink);
+  border-bottom: 1px solid var(--grid); }
+.tabulator-row.tabulator-selectable:hover { background: var(--paper); }
+.tabulator-row .tabulator-cell { border-right-color: var(--grid); }
+.tabulator-row .tabulator-cell:focus { outline: 3px solid var(--accent); outline-offset: -3px; }
+.tabulator-row .tabulator-cell input { background: var(--card); color: var(--ink); }
+"""
+
+
+class RecordsView:
+    """The runs; `changed` is called when a cell or the name was changed."""
+
+    def __init__(self, session: Session, changed: Callable[[], None]) -> None:
+        self._session, self._changed = session, changed
+        self._name = pn.widgets.TextInput(
+            name="Name of the campaign", sizing_mode="stretch_width", max_width=420, margin=(0, 0, 8, 0)
+        )
+        self._name.param.watch(self._rename, "value")
+        self._message = html()
+        self._table = pn.widgets.Tabulator(
+            make_frame({key: [] for key in COLUMNS}),
+            titles=_TITLES,
+            editors={key: {"type": "input", "elementAttributes": {"aria-label": _TITLES[key]}} for key in COLUMNS},
+            formatters={key: {"type": "plaintext"} for key in COLUMNS},
+            show_index=False,
+            sortable=False,
+            selectable=False,
+            layout="fit_columns",
+            theme="simple",
+            stylesheets=[_TABLE],
+            sizing_mode="stretch_width",
+            margin=(0, 0, 8, 0),
+        )
+        self._table.on_edit(self._edit)
+        self._pictures = grid()
+        self._telling = False
+        self.view = card(
+            2, "Runs", html(note(_LEAD)), self._name, self._message, self._table, self._pictures
+        )
+
+    def show(self) -> None:
+        """Show the records of the session anew."""
+        session = self._session
+        self._telling = True
+        self._name.value = session.name
+        self._telling = False
+        self._fill()
+        recorded = session.intake.recorded
+        self._pictures[:] = [
+            column(
+                html(f"<h3>{escape(run.name)} <small>{run.time.size} samples</small></h3>"),
+                picture(pictures.record(run), f"Position and input of {run.name} against time."),
+            )
+            for run in (recorded or ())
+        ]
+
+    def _fill(self) -> None:
+        rows = self._session.rows
+        cells = {key: [_text(getattr(row, key)) for row in rows] for key in COLUMNS}
+        self._table.value = make_frame(cells)
+        missing = massless(rows)
+        text = f"Which masses were added? Put them into the table, in kg: {', '.join(missing)}." if missing else ""
+        self._message.object = said(text, bad=True)
+
+    def _edit(self, event: Any) -> None:
+        place, key = int(event.row), str(event.column)
+        if _text(getattr(self._session.rows[place], key)) == str(event.value).strip():
+            return
+        try:
+            self._session.edit(place, key, event.value)
+        except StepidError as error:
+            self._fill()
+            self._message.object = said(str(error), bad=True)
+            return
+        self._fill()
+        if key == "name":
+            head = self._pictures[place][0]
+            head.object = f"<h3>{escape(self._session.rows[place].name)}</h3>"
+        self._changed()
+
+    def _rename(self, event: Any) -> None:
+        if self._telling or event.new == self._session.name:
+            return
+        try:
+            self._session.rename(event.new)
+        except StepidError as error:
+            self._message.object = said(str(error), bad=True)
+            return
+        self._changed()
+
+
+def _text(value: object) -> str:
+    return "" if value is None else f"{value:.10g}" if isinstance(value, float) else str(value)
