@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.plot.scale import length_unit, reach_of
@@ -53,8 +51,9 @@ def played(run: Experiment, simulated: Array | None, *, reach: float) -> Drawn:
     if simulated is not None and left is not None:
         figure.add_scatter(x=time, y=_listed(1e3 * simulated[kept]), **own_line("after", "simulated", "mm"))
         figure.add_scatter(x=time, y=_listed(left[kept]), yaxis="y2", **own_line("left", "residual", what))
-    middle, span = 1e3 * float(np.mean(run.position)), 1e3 * float(np.ptp(run.position))
-    figure.update_layout(yaxis={"range": [middle - span, middle + span]})
+    low, high = 1e3 * float(run.position.min()), 1e3 * float(run.position.max())
+    room = 0.35 * (high - low) or 1.0  # the scale stays while knobs are turned
+    figure.update_layout(yaxis={"range": [low - room, high + room]})
     return _json(figure)
 
 

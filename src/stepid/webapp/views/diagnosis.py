@@ -18,11 +18,12 @@ from stepid.report.provenance import of_diagnosis
 from stepid.report.story import tell
 from stepid.webapp.session import Session
 from stepid.webapp.views.chapter import chapter
-from stepid.webapp.views.parts import card, column, html, note, row, said
+from stepid.webapp.views.parts import button, card, column, folded, html, note, row, said
 from stepid.webapp.work import Status
 
 _EFFORTS = {"quick": Effort.quick, "default": Effort, "thorough": Effort.thorough}
-_CHAPTERS = ("missing", "gap", "where", "parameters", "next", "notes")  # the others are above
+_SHOWN = ("missing", "gap", "next")
+_FOLDED = ("where", "parameters", "notes")  # what is in neither stands above
 _LEAD = (
     "Is a linear model adequate, and if not, which effect is missing? The effects of the catalogue are tried, alone "
     "and together, until none promises more."
@@ -35,8 +36,8 @@ class DiagnosisView:
     def __init__(self, session: Session, started: Callable[[], None]) -> None:
         self._session, self._started = session, started
         self._effort = pn.widgets.Select(name="Effort", options=list(_EFFORTS), value="default", width=140, margin=0)
-        self._start = pn.widgets.Button(name="Diagnose", button_type="primary", margin=0, disabled=True)
-        self._cancel = pn.widgets.Button(name="Cancel", margin=0, disabled=True)
+        self._start = button("Diagnose", primary=True, disabled=True)
+        self._cancel = button("Cancel", disabled=True)
         self._start.on_click(self._begin)
         self._cancel.on_click(self._stop)
         self._progress = html()
@@ -89,18 +90,16 @@ class DiagnosisView:
         d = status.result
         drawn = pictures(d, ())
         places = {run.name: i for i, run in enumerate(d.runs)}
-        story = [one for one in tell(d, hand, of_diagnosis(d)) if one.name in _CHAPTERS and _says(one.lead, one.points)]
-        story.sort(key=lambda one: _CHAPTERS.index(one.name))
+        told = {one.name: one for one in tell(d, hand, of_diagnosis(d)) if _says(one.lead, one.points)}
         self._found[:] = [
             html(f'<p class="answer" data-verdict="{d.verdict}">{escape(answer(d))}</p>'),
-            *(chapter(one, drawn, places) for one in story),
-            pn.Card(
-                html(f"<pre>{escape(d.summary())}</pre>"),
-                title="The same as text",
-                collapsed=True,
-                sizing_mode="stretch_width",
-                margin=(8, 0),
+            *(chapter(told[name], drawn, places) for name in _SHOWN if name in told),
+            *(
+                folded(told[name].title, chapter(told[name], drawn, places, titled=False))
+                for name in _FOLDED
+                if name in told
             ),
+            folded("The whole answer as text", html(f'<div class="scroll" tabindex="0"><pre>{escape(d.summary())}</pre></div>')),
         ]
 
 

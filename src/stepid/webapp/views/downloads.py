@@ -5,13 +5,11 @@ from __future__ import annotations
 import io
 from collections.abc import Callable
 
-import panel as pn
-
 from stepid.report.chapter import Table
 from stepid.report.file_names import file_names
 from stepid.webapp import downloads
 from stepid.webapp.session import Session
-from stepid.webapp.views.parts import card, html, note, row
+from stepid.webapp.views.parts import card, download, html, note, row
 
 _LEAD = "The campaign is a folder that stepid reads again; the report is one page; the tables are CSV."
 
@@ -21,9 +19,9 @@ class DownloadView:
 
     def __init__(self, session: Session, tables: Callable[[], tuple[Table, ...]]) -> None:
         self._session, self._tables = session, tables
-        self._campaign = self._button("Campaign", self._zip)
-        self._report = self._button("Report", self._page)
-        self._csv = self._button("Tables", self._sheets)
+        self._campaign = download("Campaign", self._zip)
+        self._report = download("Report", self._page)
+        self._csv = download("Tables", self._sheets)
         self.view = card(
             6, "Take it with you", html(note(_LEAD)), row(self._campaign, self._report, self._csv)
         )
@@ -34,11 +32,6 @@ class DownloadView:
         self._campaign.filename, self._campaign.disabled = f"{stem}.zip", not complete
         self._report.filename, self._report.disabled = f"{stem}-report.html", self._session.found is None
         self._csv.filename, self._csv.disabled = f"{stem}-tables.zip", not self._tables()
-
-    def _button(self, name: str, make: Callable[[], io.BytesIO]) -> pn.widgets.FileDownload:
-        return pn.widgets.FileDownload(
-            callback=make, filename=f"{name.lower()}.zip", label=name, button_type="default", disabled=True, margin=0
-        )
 
     def _zip(self) -> io.BytesIO:
         return io.BytesIO(downloads.campaign_zip(self._session.campaign))

@@ -14,7 +14,7 @@ from stepid.report.chapter import Table
 from stepid.webapp.inbox import LARGEST_UPLOAD
 from stepid.webapp.intake import SETTINGS
 from stepid.webapp.session import Session
-from stepid.webapp.views.parts import card, column, html, note, points, row, said, tables_html
+from stepid.webapp.views.parts import button, card, column, folded, html, note, points, row, said, tables_html
 
 _PAUSE = 0.4  # s without another file, before what was dropped is read
 _LEAD = (
@@ -32,21 +32,13 @@ class DropView:
             multiple=True, max_file_size=f"{LARGEST_UPLOAD // 1_000_000}MB", sizing_mode="stretch_width", margin=0
         )
         self._files.param.watch(self._drop, "value")
-        self._example = pn.widgets.Button(name="Try the example", margin=0)
+        self._example = button("Try the example")
         self._example.on_click(self._try)
         self._message = html()
         self._open = column()
         self._understood = html()
         self._settings = column()
-        self._more = pn.Card(
-            self._understood,
-            self._settings,
-            title="What was understood, and where to correct it",
-            collapsed=True,
-            visible=False,
-            sizing_mode="stretch_width",
-            margin=(8, 0, 0, 0),
-        )
+        self._more = folded("What was understood, and where to correct it", self._understood, self._settings)
         self.view = card(
             1, "Recordings", html(note(_LEAD)), self._files, row(self._example), self._message, self._open, self._more
         )

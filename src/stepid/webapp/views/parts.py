@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from importlib.resources import files
 from typing import Any
@@ -22,6 +23,20 @@ CARD = """
 GRID = """
 :host { display: grid !important; grid-template-columns: repeat(auto-fill, minmax(min(19.5rem, 100%), 1fr));
   gap: 0.8rem 1.2rem; width: 100%; }
+.scroll-button { display: none; }
+"""
+_BUTTON = """
+.bk-btn { font-size: 0.95rem; padding: 0.4rem 1rem; border-radius: 5px; }
+.bk-btn.bk-btn-default { background: var(--paper); color: var(--ink); border: 1px solid var(--line); }
+.bk-btn.bk-btn-primary { background: var(--accent); color: var(--card); border: 1px solid var(--accent); }
+.bk-btn:disabled, .bk-btn[disabled] { opacity: 0.5; cursor: not-allowed; }
+.bk-btn:focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
+"""
+_FOLD = """
+:host { background: var(--card); color: var(--ink); border: 1px solid var(--line); border-radius: 6px; box-shadow: none; }
+.card-header { background: var(--paper); color: var(--ink); border-radius: 6px; }
+.card-header:focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
+.card-button { color: var(--ink); }
 """
 _WIDE: dict[str, Any] = {"sizing_mode": "stretch_width", "margin": 0}
 
@@ -35,6 +50,31 @@ def card(number: int, title: str, *inside: Any) -> pn.Column:
     """A section of the page."""
     heading = html(f'<h2><span class="number">{number}</span> {escape(title)}</h2>')
     return pn.Column(heading, *inside, stylesheets=[CARD], **_WIDE)
+
+
+def button(name: str, *, primary: bool = False, disabled: bool = False) -> pn.widgets.Button:
+    """A button."""
+    kind = "primary" if primary else "default"
+    return pn.widgets.Button(name=name, button_type=kind, disabled=disabled, stylesheets=[_BUTTON], margin=0)
+
+
+def download(name: str, make: Callable[[], io.BytesIO]) -> pn.widgets.FileDownload:
+    """A button that gives a file, not of use yet."""
+    return pn.widgets.FileDownload(
+        callback=make, filename=name, label=name, button_type="default", disabled=True, stylesheets=[_BUTTON], margin=0
+    )
+
+
+def folded(title: str, *inside: Any) -> pn.Card:
+    """A part that is opened by its title."""
+    return pn.Card(
+        *inside,
+        title=title,
+        collapsed=True,
+        stylesheets=[_FOLD],
+        sizing_mode="stretch_width",
+        margin=(10, 0, 0, 0),
+    )
 
 
 def column(*inside: Any) -> pn.Column:

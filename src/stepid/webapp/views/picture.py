@@ -13,6 +13,14 @@ _STYLE = """
 :host { display: block; width: 100%; min-width: 0; }
 .plot { position: relative; border-radius: 4px; min-width: 0; }
 .plot:focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
+.svg-container { position: relative; overflow: hidden; }
+.main-svg { position: absolute; top: 0; left: 0; pointer-events: none; overflow: hidden; }
+.main-svg:first-child { position: static; display: block; }
+.main-svg .draglayer { pointer-events: all; }
+.nsewdrag { cursor: crosshair; }
+.ewdrag { cursor: ew-resize; }
+.nsdrag { cursor: ns-resize; }
+.select-outline { fill: none; }
 .unseen { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap; }
 """
 

@@ -13,7 +13,7 @@ from stepid.effects import resolve
 from stepid.webapp import pictures, play
 from stepid.webapp.play import NONE, Bench, Knob
 from stepid.webapp.views.chapter import key
-from stepid.webapp.views.parts import card, grid, html, note, row, said
+from stepid.webapp.views.parts import button, card, grid, html, note, row, said
 from stepid.webapp.views.picture import picture
 from stepid.webapp.work import Work
 
@@ -32,10 +32,10 @@ class PlayView:
         self._effect = pn.widgets.Select(
             name="Effect", options=play.effect_choices(), value=NONE, sizing_mode="stretch_width", max_width=320, margin=0
         )
-        self._fit = pn.widgets.Button(name="Fit to all runs", margin=0)
-        self._back = pn.widgets.Button(name="Knobs back", margin=0)
+        self._fit = button("Fit to all runs")
+        self._back = button("Reset")
         self._message = html()
-        self._seen = html()
+        self._seen, self._left = html(), html()
         self._knobs = grid()
         self._picture = picture({}, "Measured and simulated position, what is left below.")
         self._body = pn.Column(
@@ -44,6 +44,7 @@ class PlayView:
             self._knobs,
             html(key(_KEY)),
             self._picture,
+            self._left,
             sizing_mode="stretch_width",
             margin=0,
             visible=False,
@@ -132,7 +133,7 @@ class PlayView:
         model = play.turned(at, run, effect, {slider.tags[0]: slider.value for slider in self._knobs})
         simulated, words = play.response(at, run, model)
         self._picture.figure = pictures.played(at.campaign[run], simulated, reach=play.reach(at, run))
-        self._message.object = said(words, bad=simulated is None)
+        self._left.object = said(words, bad=simulated is None)
 
 
 def _described(effect: str) -> str:
