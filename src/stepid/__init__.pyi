@@ -60,5 +60,6 @@ from .transfer import to_time_response as to_time_response
 from .transfer import transfer_function as transfer_function
 from .transfer.verification import Verification as Verification
 from .transfer.verify import verify as verify
+from .webapp.notebook import app as app
 
 __version__: str

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-HEAVY = ["control", "matplotlib", "numpy", "scipy", "pydantic", "pandas", "plotly", "jinja2", "typer", "rich"]
+HEAVY = ["control", "matplotlib", "numpy", "scipy", "pydantic", "pandas", "plotly", "jinja2", "typer", "rich", "panel"]
 ONE_ROOM = {
     "control": "transfer",
     "pandas": "core",
@@ -20,6 +20,8 @@ ONE_ROOM = {
     "rich": "cli",
     "jinja2": "report",
     "plotly": "report",
+    "panel": "webapp",
+    "param": "webapp",
 }
 
 

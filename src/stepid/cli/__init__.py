@@ -14,6 +14,7 @@ from rich.text import Text
 
 import stepid  # what takes long to load is loaded by the command that needs it: completion and help are quick
 from stepid.cli.init import init, read_records
+from stepid.cli.page import app as page
 from stepid.cli.plan import EXAMPLES, plan
 from stepid.cli.said import Said, taking_answers
 from stepid.cli.terminal import console, examples, showing_a_manifest
@@ -207,6 +208,7 @@ app.command(epilog=examples("stepid init *.csv", "stepid init *.txt --added-mass
     init
 )
 app.command(epilog=examples(*EXAMPLES))(plan)
+app.command("app", epilog=examples("stepid app", "stepid app lab/campaign.toml --port 5006 --no-browser"))(page)
 
 
 def _effort(name: EffortName) -> Effort:

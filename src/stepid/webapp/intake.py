@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 from stepid.core.experiment import Campaign
@@ -20,6 +19,7 @@ from stepid.webapp.inbox import Inbox
 
 _BY_ROW = ("added_mass", "weight")  # the table asks for them
 _COLUMNS = ("time", "position", "input")
+NAME = "my campaign"
 SETTINGS: Mapping[str, str] = {
     "position_unit": "Unit of the position: m, cm, mm, um, deg, rad, counts, or meters per unit",
     "counts_per_meter": "Counts of one meter",
@@ -112,9 +112,9 @@ def _of_recordings(inbox: Inbox, said: dict[str, str]) -> Intake:
     recorded = None
     if not needed:
         massed = [draft if draft.mass is not None else draft.having(mass=Found(0.0, "")) for draft in drafts]
-        recorded = read_as(manifest_text(massed, "my campaign", Path()), Path("the recordings"))
+        recorded = read_as(manifest_text(massed, NAME, inbox.folder), inbox.folder / "the recordings")
     left_out = tuple(inbox.hidden(words) for words in refused)
-    return Intake("my campaign", said, drafts, (*needed, *weights), recorded, rows, left_out)
+    return Intake(NAME, said, drafts, (*needed, *weights), recorded, rows, left_out)
 
 
 def answered(inbox: Inbox, intake: Intake, key: str, text: str) -> Intake:

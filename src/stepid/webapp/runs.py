@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from stepid.core.experiment import Campaign
 from stepid.errors import InputError
@@ -41,7 +42,7 @@ def edited(rows: Sequence[Row], place: int, key: str, value: object) -> tuple[Ro
         value = _number(value, who)
     elif isinstance(value, str):
         value = value.strip()
-    checked = check_value(key, value, who)
+    checked: Any = check_value(key, value, who)
     if key == "name" and any(other.name == checked for i, other in enumerate(rows) if i != place):
         raise InputError(f"the name {checked!r} is used by more than one run", "Give each run its own name.")
     return (*rows[:place], replace(row, **{key: checked}), *rows[place + 1 :])

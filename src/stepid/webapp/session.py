@@ -8,7 +8,6 @@ import stepid
 from stepid.core.experiment import Campaign
 from stepid.diagnosis.result import Diagnosis
 from stepid.errors import InputError, StepidError
-from stepid.report.hand import HandMethod, by_hand
 from stepid.webapp import intake as reading
 from stepid.webapp import runs as table
 from stepid.webapp.inbox import Inbox
@@ -50,11 +49,20 @@ class Session:
         """Take files in place of those before; StepidError, in words fit for the page, where they cannot be read."""
         self.inbox.put(files)
         try:
-            intake = reading.of_files(self.inbox)
+            intake = self._read(self.intake.said)
         except StepidError as error:
             self._begin(Intake(""))
             raise type(error)(self.inbox.hidden(error.cause), self.inbox.hidden(error.remedy)) from None
         self._begin(intake)
+
+    def _read(self, said: Mapping[str, str]) -> Intake:
+        """Read the files with what was said of those before, where it still fits."""
+        try:
+            return reading.of_files(self.inbox, said)
+        except StepidError:
+            if not said:
+                raise
+            return reading.of_files(self.inbox)
 
     def example(self) -> None:
         """Take the made-up lab campaign."""
@@ -67,13 +75,17 @@ class Session:
             intake = reading.answered(self.inbox, self.intake, key, text)
         except StepidError as error:
             raise type(error)(self.inbox.hidden(error.cause), self.inbox.hidden(error.remedy)) from None
-        same = len(intake.rows) == len(self.rows)
-        typed = [(now, was) for now, was in zip(self.rows, self.intake.rows, strict=True)] if same else []
-        rows, name = intake.rows, self.name
+        rows, name = self._typed(intake.rows), self.name
         self._begin(intake)
-        # what was typed into the table stays
-        self.rows = tuple(now if now != was else new for new, (now, was) in zip(rows, typed, strict=True)) or rows
-        self.name = name
+        self.rows, self.name = rows, name
+
+    def _typed(self, read: tuple[Row, ...]) -> tuple[Row, ...]:
+        """Rows as they were read anew, but for those in which somebody has typed."""
+        if len(read) != len(self.rows):
+            return read
+        return tuple(
+            now if now != was else new for new, now, was in zip(read, self.rows, self.intake.rows, strict=True)
+        )
 
     def edit(self, place: int, key: str, value: object) -> None:
         """Change a cell of the table; InputError where a manifest would be refused with it."""
@@ -97,25 +109,13 @@ class Session:
             raise InputError("there are no records yet", "Drop files, or try the example.")
         return table.labeled(self.intake.recorded, self.rows, self.name)
 
-    def by_hand(self) -> HandMethod:
-        """Go the paper's way: Table 2's numbers and the verification responses.
-
-        Raises
-        ------
-        stepid.errors.StepidError
-            If the campaign is not complete, or the method cannot use it.
-        """
-        found = by_hand(self.campaign)
-        if isinstance(found, StepidError):
-            raise found
-        return found
-
     def diagnose(self, effort: stepid.Effort | None = None) -> Work[Diagnosis]:
         """Begin a diagnosis, in place of one that runs."""
         campaign = self.campaign
         self._forget()
         self.work = Work(
-            lambda tell: stepid.diagnose(campaign, effort=effort, progress=tell), wanted=lambda: self.present and self.watched()
+            lambda tell: stepid.diagnose(campaign, effort=effort, progress=tell),
+            wanted=lambda: self.present and self.watched(),
         ).start()
         return self.work
 

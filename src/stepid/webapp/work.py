@@ -15,6 +15,9 @@ T = TypeVar("T")
 Tell = Callable[[Progress], None]
 
 
+_FIRST = Progress("starting")
+
+
 class CanceledError(Exception):
     """Raised within the work, at the next stage that it tells."""
 
@@ -26,7 +29,7 @@ class Status(Generic[T]):
     `result` is there once it is done; `failure` says why there is none.
     """
 
-    stage: Progress = Progress("starting")
+    stage: Progress = _FIRST
     seconds: float = 0.0
     running: bool = True
     result: T | None = None

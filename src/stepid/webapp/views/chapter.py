@@ -13,9 +13,7 @@ from stepid.webapp.views.parts import column, grid, html, note, points, tables_h
 from stepid.webapp.views.picture import picture
 
 
-def chapter(
-    told: Chapter, drawn: Mapping[str, Any], places: Mapping[str, int], *, titled: bool = True
-) -> pn.Column:
+def chapter(told: Chapter, drawn: Mapping[str, Any], places: Mapping[str, int], *, titled: bool = True) -> pn.Column:
     """Show a chapter; `drawn` has its pictures, `places` the places of the runs in their names."""
     title = f"<h3>{escape(told.title)}</h3>" * titled
     parts: list[Any] = [html(f"{title}{note(told.lead)}{points(told.points)}")]

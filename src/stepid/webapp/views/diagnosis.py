@@ -12,13 +12,13 @@ from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.text import answer
 from stepid.diagnosis.wording import effect_names
 from stepid.errors import StepidError
-from stepid.report.hand import HandMethod
+from stepid.report.hand import Hand
 from stepid.report.pictures import pictures
 from stepid.report.provenance import of_diagnosis
 from stepid.report.story import tell
 from stepid.webapp.session import Session
 from stepid.webapp.views.chapter import chapter
-from stepid.webapp.views.parts import button, card, column, folded, html, note, row, said
+from stepid.webapp.views.parts import INPUT, button, card, column, folded, html, note, row, said
 from stepid.webapp.work import Status
 
 _EFFORTS = {"quick": Effort.quick, "default": Effort, "thorough": Effort.thorough}
@@ -35,7 +35,9 @@ class DiagnosisView:
 
     def __init__(self, session: Session, started: Callable[[], None]) -> None:
         self._session, self._started = session, started
-        self._effort = pn.widgets.Select(name="Effort", options=list(_EFFORTS), value="default", width=140, margin=0)
+        self._effort = pn.widgets.Select(
+            name="Effort", options=list(_EFFORTS), value="default", stylesheets=[INPUT], width=140, margin=0
+        )
         self._start = button("Diagnose", primary=True, disabled=True)
         self._cancel = button("Cancel", disabled=True)
         self._start.on_click(self._begin)
@@ -74,13 +76,14 @@ class DiagnosisView:
         rows = {
             "trying": effect_names((stage,)),
             "best answer so far": effect_names(stage.best) or "linear model",
-            "left to try": f"{stage.left}" + f", may take {100 * stage.promise:.0f} % of the rest" * bool(stage.promise),
+            "left to try": f"{stage.left}"
+            + f", may take {100 * stage.promise:.0f} % of the rest" * bool(stage.promise),
             "time": f"{status.seconds:.0f} s",
         }
         told = "".join(f"<dt>{name}</dt><dd>{escape(value)}</dd>" for name, value in rows.items())
         self._progress.object = f'<div class="bar"><span></span></div><dl class="progress">{told}</dl>'
 
-    def end(self, status: Status[Diagnosis], hand: HandMethod | None) -> None:
+    def end(self, status: Status[Diagnosis], hand: Hand) -> None:
         """Show how it ended."""
         self._start.disabled, self._cancel.disabled = False, True
         if status.result is None:
@@ -99,7 +102,10 @@ class DiagnosisView:
                 for name in _FOLDED
                 if name in told
             ),
-            folded("The whole answer as text", html(f'<div class="scroll" tabindex="0"><pre>{escape(d.summary())}</pre></div>')),
+            folded(
+                "The whole answer as text",
+                html(f'<div class="scroll" tabindex="0"><pre>{escape(d.summary())}</pre></div>'),
+            ),
         ]
 
 

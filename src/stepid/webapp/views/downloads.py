@@ -22,9 +22,7 @@ class DownloadView:
         self._campaign = download("Campaign", self._zip)
         self._report = download("Report", self._page)
         self._csv = download("Tables", self._sheets)
-        self.view = card(
-            6, "Take it with you", html(note(_LEAD)), row(self._campaign, self._report, self._csv)
-        )
+        self.view = card(6, "Take it with you", html(note(_LEAD)), row(self._campaign, self._report, self._csv))
 
     def show(self, *, complete: bool) -> None:
         """Say what there is; `complete` where the table makes a campaign."""

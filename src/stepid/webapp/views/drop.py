@@ -14,13 +14,22 @@ from stepid.report.chapter import Table
 from stepid.webapp.inbox import LARGEST_UPLOAD
 from stepid.webapp.intake import SETTINGS
 from stepid.webapp.session import Session
-from stepid.webapp.views.parts import button, card, column, folded, html, note, points, row, said, tables_html
+from stepid.webapp.views.parts import INPUT, button, card, column, folded, html, note, points, row, said, tables_html
 
 _PAUSE = 0.4  # s without another file, before what was dropped is read
 _LEAD = (
     "Recordings as your lab left them: text, CSV, workbooks or exports of the ECP program, or a campaign.toml with the "
     "files that it names. They stay on this computer."
 )
+
+_DROP = """
+.filepond--panel-root { background-color: var(--paper); border: 1px dashed var(--line); }
+.filepond--drop-label { color: var(--ink); }
+.filepond--drop-label label:focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
+.filepond--item-panel, [data-filepond-item-state] .filepond--item-panel { background-color: #3d4a56; }
+[data-filepond-item-state*="error"] .filepond--item-panel { background-color: #a03b00; }
+.filepond--file .filepond--file-status-sub, .filepond--file .filepond--file-info-sub { opacity: 1; }
+"""
 
 
 class DropView:
@@ -29,7 +38,11 @@ class DropView:
     def __init__(self, session: Session, changed: Callable[[], None]) -> None:
         self._session, self._changed, self._dropped = session, changed, 0
         self._files = pn.widgets.FileDropper(
-            multiple=True, max_file_size=f"{LARGEST_UPLOAD // 1_000_000}MB", sizing_mode="stretch_width", margin=0
+            multiple=True,
+            max_file_size=f"{LARGEST_UPLOAD // 1_000_000}MB",
+            stylesheets=[_DROP],
+            sizing_mode="stretch_width",
+            margin=(0, 0, 10, 0),
         )
         self._files.param.watch(self._drop, "value")
         self._example = button("Try the example")
@@ -109,6 +122,7 @@ class DropView:
             name=words,
             value=self._session.intake.said.get(key, ""),
             placeholder=placeholder,
+            stylesheets=[INPUT],
             sizing_mode="stretch_width",
             max_width=560,
             margin=(4, 0),

@@ -29,7 +29,11 @@ class HandView:
         self._verified = html()
         self.tables: tuple[Table, ...] = ()
         self.view = card(
-            3, "Parameters by hand", html(note(_LEAD)), self._text, column(self._heading, self._pictures, self._verified)
+            3,
+            "Parameters by hand",
+            html(note(_LEAD)),
+            self._text,
+            column(self._heading, self._pictures, self._verified),
         )
         self.clear("Not computed yet: the runs above are not complete.")
 

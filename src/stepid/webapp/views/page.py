@@ -7,9 +7,9 @@ from typing import Any
 
 import panel as pn
 
-from stepid.errors import StepidError
+from stepid.errors import IdentificationError, StepidError
 from stepid.report.chapter import Table
-from stepid.report.hand import HandMethod
+from stepid.report.hand import Hand, HandMethod, by_hand
 from stepid.webapp.session import Session
 from stepid.webapp.views.diagnosis import DiagnosisView
 from stepid.webapp.views.downloads import DownloadView
@@ -22,9 +22,7 @@ from stepid.webapp.work import Status, Work
 
 _EVERY = 250  # ms between two looks at what works
 _TITLE = "<h1>stepid</h1>"
-_LEAD = (
-    "From recordings of a mass-spring-damper to its parameters, and to the effect that the linear model is missing."
-)
+_LEAD = "From recordings of a mass-spring-damper to its parameters, and to the effect that the linear model is missing."
 _ROOT = """
 :host { background: var(--paper); max-width: 72rem; margin: 0 auto !important; padding: 0.8rem 1.1rem 2rem;
   box-sizing: border-box; }
@@ -45,7 +43,7 @@ class Page:
     def __init__(self, session: Session) -> None:
         self.session = session
         self._tasks: list[tuple[Work[Any], Callable[[Status[Any]], None]]] = []
-        self._hand: HandMethod | None = None
+        self._hand: Hand = None
         self._ticking: Any = None
         self._drop = DropView(session, self._records_changed)
         self._records = RecordsView(session, self._changed)
@@ -64,7 +62,7 @@ class Page:
             visible=False,
         )
         self.view = pn.Column(
-            html(_TITLE + note(_LEAD)),
+            html(f'<div class="top">{_TITLE}{note(_LEAD)}</div>'),
             self._drop.view,
             self._rest,
             stylesheets=[PALETTE, DESIGN, _ROOT],
@@ -92,14 +90,14 @@ class Page:
         self._diagnosis.clear(ready=True)
         self._downloads.show(complete=True)
         self._play.clear("Computing …")
-        self._start(Work(lambda _: self.session.by_hand()), self._take_hand)
+        self._start(Work(lambda _: by_hand(campaign)), self._take_hand)
 
-    def _take_hand(self, status: Status[HandMethod]) -> None:
+    def _take_hand(self, status: Status[HandMethod | IdentificationError]) -> None:
         self._hand = status.result
-        if status.result is None:
-            self._by_hand.clear(status.failure)
-        else:
+        if isinstance(status.result, HandMethod):
             self._by_hand.show(status.result)
+        else:
+            self._by_hand.clear(status.failure or str(status.result))
         self._downloads.show(complete=True)
         self._play.begin(self.session.campaign)
 

@@ -32,8 +32,20 @@ _BUTTON = """
 .bk-btn:disabled, .bk-btn[disabled] { opacity: 0.5; cursor: not-allowed; }
 .bk-btn:focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
 """
+INPUT = """
+label { white-space: normal; font-size: 0.92rem; color: var(--ink); line-height: 1.3; }
+.bk-input { background-color: var(--card); color: var(--ink); border: 1px solid var(--line); font-size: 1rem; }
+.bk-input:focus-visible { outline: 3px solid var(--accent); outline-offset: 1px; }
+.bk-input::placeholder { color: var(--soft); opacity: 1; }
+select.bk-input { appearance: auto; background-image: none; padding-right: 0.3em; }
+.bk-slider-title { white-space: normal; font-size: 0.92rem; }
+.noUi-target { background: var(--grid); }
+.noUi-connect { background: var(--accent); }
+.noUi-handle:focus-visible { outline: 3px solid var(--accent); outline-offset: 1px; }
+"""
 _FOLD = """
-:host { background: var(--card); color: var(--ink); border: 1px solid var(--line); border-radius: 6px; box-shadow: none; }
+:host { background: var(--card); color: var(--ink); border: 1px solid var(--line); border-radius: 6px;
+  box-shadow: none; }
 .card-header { background: var(--paper); color: var(--ink); border-radius: 6px; }
 .card-header:focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
 .card-button { color: var(--ink); }
@@ -68,7 +80,7 @@ def download(name: str, make: Callable[[], io.BytesIO]) -> pn.widgets.FileDownlo
 def folded(title: str, *inside: Any) -> pn.Card:
     """A part that is opened by its title."""
     return pn.Card(
-        *inside,
+        pn.Column(*inside, sizing_mode="stretch_width", margin=(8, 12, 12, 12)),
         title=title,
         collapsed=True,
         stylesheets=[_FOLD],
@@ -135,7 +147,11 @@ def _table(table: Table) -> str:
     body = "".join(f"<tr>{cells(row, 'td', 'th scope=row')}</tr>" for row in table.rows)
     caption = escape(table.caption)
     return (
-        f'<div class="table"><div class="scroll" tabindex="0" role="group" aria-label="{caption}">'
-        f"<table><caption>{typeset(table.caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-        "</div></div>"
-    ).replace("</th scope=col>", "</th>").replace("</th scope=row>", "</th>")
+        (
+            f'<div class="table"><div class="scroll" tabindex="0" role="group" aria-label="{caption}">'
+            f"<table><caption>{typeset(table.caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+            "</div></div>"
+        )
+        .replace("</th scope=col>", "</th>")
+        .replace("</th scope=row>", "</th>")
+    )

@@ -25,7 +25,7 @@ _STYLE = """
 """
 
 
-class Picture(JSComponent):  # type: ignore[misc]
+class Picture(JSComponent):
     """A figure; `label` says in words what it shows."""
 
     figure = param.Dict(default={})

@@ -13,7 +13,7 @@ from stepid.effects import resolve
 from stepid.webapp import pictures, play
 from stepid.webapp.play import NONE, Bench, Knob
 from stepid.webapp.views.chapter import key
-from stepid.webapp.views.parts import button, card, grid, html, note, row, said
+from stepid.webapp.views.parts import INPUT, button, card, grid, html, note, row, said
 from stepid.webapp.views.picture import picture
 from stepid.webapp.work import Work
 
@@ -28,15 +28,24 @@ class PlayView:
         self._started = started
         self._bench: Bench | None = None
         self._filling = self._due = False
-        self._run = pn.widgets.Select(name="Run", options=[], sizing_mode="stretch_width", max_width=260, margin=0)
+        self._run = pn.widgets.Select(
+            name="Run", options=[], stylesheets=[INPUT], sizing_mode="stretch_width", max_width=260, margin=0
+        )
         self._effect = pn.widgets.Select(
-            name="Effect", options=play.effect_choices(), value=NONE, sizing_mode="stretch_width", max_width=320, margin=0
+            name="Effect",
+            options=play.effect_choices(),
+            value=NONE,
+            stylesheets=[INPUT],
+            sizing_mode="stretch_width",
+            max_width=320,
+            margin=0,
         )
         self._fit = button("Fit to all runs")
         self._back = button("Reset")
         self._message = html()
         self._seen, self._left = html(), html()
         self._knobs = grid()
+        self._sliders: dict[str, pn.widgets.FloatSlider] = {}
         self._picture = picture({}, "Measured and simulated position, what is left below.")
         self._body = pn.Column(
             row(self._run, self._effect, self._back, self._fit),
@@ -98,7 +107,8 @@ class PlayView:
         effect = self._effect.value
         self._fit.disabled = effect == NONE
         self._seen.object = "" if effect == NONE else f'<p class="soft">{_described(effect)}</p>'
-        self._knobs[:] = [self._slider(knob) for knob in play.knobs(self._bench, self._run.value, effect)]
+        self._sliders = {k.key: self._slider(k) for k in play.knobs(self._bench, self._run.value, effect)}
+        self._knobs[:] = list(self._sliders.values())
         self._draw()
 
     def _slider(self, knob: Knob) -> pn.widgets.FloatSlider:
@@ -111,7 +121,7 @@ class PlayView:
             format="0.0000a" if abs(knob.high) < 1 else "0.000a",
             sizing_mode="stretch_width",
             margin=(0, 10),
-            tags=[knob.key],
+            stylesheets=[INPUT],
         )
         slider.param.watch(self._turned, "value")
         return slider
@@ -130,7 +140,7 @@ class PlayView:
         at, run, effect = self._bench, self._run.value, self._effect.value
         if at is None:
             return
-        model = play.turned(at, run, effect, {slider.tags[0]: slider.value for slider in self._knobs})
+        model = play.turned(at, run, effect, {key: float(slider.value or 0.0) for key, slider in self._sliders.items()})
         simulated, words = play.response(at, run, model)
         self._picture.figure = pictures.played(at.campaign[run], simulated, reach=play.reach(at, run))
         self._left.object = said(words, bad=simulated is None)

@@ -13,7 +13,7 @@ from stepid.errors import StepidError
 from stepid.webapp import pictures
 from stepid.webapp.runs import COLUMNS, massless
 from stepid.webapp.session import Session
-from stepid.webapp.views.parts import card, column, grid, html, note, said
+from stepid.webapp.views.parts import INPUT, card, column, grid, html, note, said
 from stepid.webapp.views.picture import picture
 
 _TITLES = {"name": "run", "added_mass": "added mass [kg]", "spring": "spring", "damper": "damper"}
@@ -42,7 +42,11 @@ class RecordsView:
     def __init__(self, session: Session, changed: Callable[[], None]) -> None:
         self._session, self._changed = session, changed
         self._name = pn.widgets.TextInput(
-            name="Name of the campaign", sizing_mode="stretch_width", max_width=420, margin=(0, 0, 8, 0)
+            name="Name of the campaign",
+            stylesheets=[INPUT],
+            sizing_mode="stretch_width",
+            max_width=420,
+            margin=(0, 0, 8, 0),
         )
         self._name.param.watch(self._rename, "value")
         self._message = html()
@@ -62,10 +66,9 @@ class RecordsView:
         )
         self._table.on_edit(self._edit)
         self._pictures = grid()
+        self._heads: list[pn.pane.HTML] = []
         self._telling = False
-        self.view = card(
-            2, "Runs", html(note(_LEAD)), self._name, self._message, self._table, self._pictures
-        )
+        self.view = card(2, "Runs", html(note(_LEAD)), self._name, self._message, self._table, self._pictures)
 
     def show(self) -> None:
         """Show the records of the session anew."""
@@ -75,12 +78,11 @@ class RecordsView:
         self._telling = False
         self._fill()
         recorded = session.intake.recorded
+        runs = tuple(recorded or ())
+        self._heads = [html(f"<h3>{escape(run.name)} <small>{run.time.size} samples</small></h3>") for run in runs]
         self._pictures[:] = [
-            column(
-                html(f"<h3>{escape(run.name)} <small>{run.time.size} samples</small></h3>"),
-                picture(pictures.record(run), f"Position and input of {run.name} against time."),
-            )
-            for run in (recorded or ())
+            column(head, picture(pictures.record(run), f"Position and input of {run.name} against time."))
+            for head, run in zip(self._heads, runs, strict=True)
         ]
 
     def _fill(self) -> None:
@@ -103,8 +105,7 @@ class RecordsView:
             return
         self._fill()
         if key == "name":
-            head = self._pictures[place][0]
-            head.object = f"<h3>{escape(self._session.rows[place].name)}</h3>"
+            self._heads[place].object = f"<h3>{escape(self._session.rows[place].name)}</h3>"
         self._changed()
 
     def _rename(self, event: Any) -> None:

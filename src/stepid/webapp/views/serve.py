@@ -74,7 +74,7 @@ def _page(campaign: Campaign | None) -> pn.Template:
     extended()
     session = Session(campaign)
     document = pn.state.curdoc
-    context = None if document is None else document.session_context
+    context: Any = None if document is None else document.session_context
     if context is not None:
         session.watched = lambda: context.session is not None and context.session.connection_count > 0
     pn.state.on_session_destroyed(lambda _: session.close())
