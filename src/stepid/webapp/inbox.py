@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+import shutil
+import weakref
 from collections.abc import Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 
-from stepid.errors import InputError, StepidError
+from stepid.errors import InputError
 from stepid.io.safe_read import LARGEST_NOTE
 
 LARGEST_UPLOAD = 5 * LARGEST_NOTE
@@ -20,8 +22,9 @@ class Inbox:
     """The files of one session; `close` removes them."""
 
     def __init__(self) -> None:
-        self._folder = TemporaryDirectory(prefix="stepid-")
-        self.folder = Path(self._folder.name).resolve()
+        self.folder = Path(mkdtemp(prefix="stepid-")).resolve()
+        # a notebook closes nothing: then the folder goes with the object, at the latest with Python
+        self._remove = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
         self.names: tuple[str, ...] = ()
 
     def put(self, files: Mapping[str, bytes]) -> None:
@@ -42,10 +45,6 @@ class Inbox:
             (self.folder / name).write_bytes(content)
         self.names = tuple(kept)
 
-    def told(self, error: StepidError) -> str:
-        """An error's text, without the folder of this machine."""
-        return self.hidden(str(error))
-
     def hidden(self, text: str) -> str:
         """Return a text without the folder of this machine."""
         for folder in (str(self.folder), self.folder.as_posix()):
@@ -54,7 +53,7 @@ class Inbox:
 
     def close(self) -> None:
         """Remove the files."""
-        self._folder.cleanup()
+        self._remove()
 
 
 def safe_name(name: str) -> str:

@@ -27,8 +27,7 @@ GRID = """
 """
 _BUTTON = """
 .bk-btn { font-size: 0.95rem; padding: 0.4rem 1rem; border-radius: 5px; }
-.bk-btn.bk-btn-default { background: var(--paper); color: var(--ink); border: 1px solid var(--line); }
-.bk-btn.bk-btn-primary { background: var(--accent); color: var(--card); border: 1px solid var(--accent); }
+.bk-btn.bk-btn { background: var(--paper); color: var(--ink); border: 1px solid var(--line); }
 .bk-btn:disabled, .bk-btn[disabled] { opacity: 0.5; cursor: not-allowed; }
 .bk-btn:focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
 """
@@ -43,6 +42,7 @@ select.bk-input { appearance: auto; background-image: none; padding-right: 0.3em
 .noUi-connect { background: var(--accent); }
 .noUi-handle:focus-visible { outline: 3px solid var(--accent); outline-offset: 1px; }
 """
+_PRIMARY = ".bk-btn.bk-btn { background: var(--accent); color: var(--card); border-color: var(--accent); }"
 _FOLD = """
 :host { background: var(--card); color: var(--ink); border: 1px solid var(--line); border-radius: 6px;
   box-shadow: none; }
@@ -66,14 +66,14 @@ def card(number: int, title: str, *inside: Any) -> pn.Column:
 
 def button(name: str, *, primary: bool = False, disabled: bool = False) -> pn.widgets.Button:
     """A button."""
-    kind = "primary" if primary else "default"
-    return pn.widgets.Button(name=name, button_type=kind, disabled=disabled, stylesheets=[_BUTTON], margin=0)
+    style = [_BUTTON, _PRIMARY] if primary else [_BUTTON]
+    return pn.widgets.Button(name=name, disabled=disabled, stylesheets=style, margin=0)
 
 
 def download(name: str, make: Callable[[], io.BytesIO]) -> pn.widgets.FileDownload:
     """A button that gives a file, not of use yet."""
     return pn.widgets.FileDownload(
-        callback=make, filename=name, label=name, button_type="default", disabled=True, stylesheets=[_BUTTON], margin=0
+        callback=make, filename=name, label=name, disabled=True, stylesheets=[_BUTTON], margin=0
     )
 
 
