@@ -112,7 +112,7 @@ def test_in_a_notebook_it_is_a_part_to_show() -> None:
 
     shown = stepid.app(stepid.datasets.lab_campaign()[:3])
     assert isinstance(shown, pn.Column)
-    names = [button.name for button in shown.select(pn.widgets.Button)]
+    names = [button.label for button in shown.select(pn.widgets.Button)]
     assert {"Try the example", "Diagnose", "Cancel"} <= set(names)
     with pytest.raises(InputError, match="campaign"):
         stepid.app("lab/campaign.toml")

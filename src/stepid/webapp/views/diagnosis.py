@@ -36,7 +36,7 @@ class DiagnosisView:
     def __init__(self, session: Session, started: Callable[[], None]) -> None:
         self._session, self._started = session, started
         self._effort = pn.widgets.Select(
-            name="Effort", options=list(_EFFORTS), value="default", stylesheets=[INPUT], width=140, margin=0
+            label="Effort", options=list(_EFFORTS), value="default", stylesheets=[INPUT], width=140, margin=0
         )
         self._start = button("Diagnose", primary=True, disabled=True)
         self._cancel = button("Cancel", disabled=True)

@@ -119,7 +119,7 @@ class DropView:
 
     def _ask(self, key: str, words: str, placeholder: str = "") -> pn.widgets.TextInput:
         asked = pn.widgets.TextInput(
-            name=words,
+            label=words,
             value=self._session.intake.said.get(key, ""),
             placeholder=placeholder,
             stylesheets=[INPUT],

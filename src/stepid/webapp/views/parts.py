@@ -37,10 +37,6 @@ label { white-space: normal; font-size: 0.92rem; color: var(--ink); line-height:
 .bk-input:focus-visible { outline: 3px solid var(--accent); outline-offset: 1px; }
 .bk-input::placeholder { color: var(--soft); opacity: 1; }
 select.bk-input { appearance: auto; background-image: none; padding-right: 0.3em; }
-.bk-slider-title { white-space: normal; font-size: 0.92rem; }
-.noUi-target { background: var(--grid); }
-.noUi-connect { background: var(--accent); }
-.noUi-handle:focus-visible { outline: 3px solid var(--accent); outline-offset: 1px; }
 """
 _PRIMARY = ".bk-btn.bk-btn { background: var(--accent); color: var(--card); border-color: var(--accent); }"
 _FOLD = """
@@ -67,7 +63,7 @@ def card(number: int, title: str, *inside: Any) -> pn.Column:
 def button(name: str, *, primary: bool = False, disabled: bool = False) -> pn.widgets.Button:
     """A button."""
     style = [_BUTTON, _PRIMARY] if primary else [_BUTTON]
-    return pn.widgets.Button(name=name, disabled=disabled, stylesheets=style, margin=0)
+    return pn.widgets.Button(label=name, disabled=disabled, stylesheets=style, margin=0)
 
 
 def download(name: str, make: Callable[[], io.BytesIO]) -> pn.widgets.FileDownload:

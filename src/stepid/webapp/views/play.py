@@ -11,8 +11,9 @@ from stepid.core.experiment import Campaign
 from stepid.diagnosis.result import Diagnosis
 from stepid.effects import resolve
 from stepid.webapp import pictures, play
-from stepid.webapp.play import NONE, Bench, Knob
+from stepid.webapp.play import NONE, Bench
 from stepid.webapp.views.chapter import key
+from stepid.webapp.views.knob import Knob, knob
 from stepid.webapp.views.parts import INPUT, button, card, grid, html, note, row, said
 from stepid.webapp.views.picture import picture
 from stepid.webapp.work import Work
@@ -29,10 +30,10 @@ class PlayView:
         self._bench: Bench | None = None
         self._filling = self._due = False
         self._run = pn.widgets.Select(
-            name="Run", options=[], stylesheets=[INPUT], sizing_mode="stretch_width", max_width=260, margin=0
+            label="Run", options=[], stylesheets=[INPUT], sizing_mode="stretch_width", max_width=260, margin=0
         )
         self._effect = pn.widgets.Select(
-            name="Effect",
+            label="Effect",
             options=play.effect_choices(),
             value=NONE,
             stylesheets=[INPUT],
@@ -45,7 +46,7 @@ class PlayView:
         self._message = html()
         self._seen, self._left = html(), html()
         self._knobs = grid()
-        self._sliders: dict[str, pn.widgets.FloatSlider] = {}
+        self._sliders: dict[str, Knob] = {}
         self._picture = picture({}, "Measured and simulated position, what is left below.")
         self._body = pn.Column(
             row(self._run, self._effect, self._back, self._fit),
@@ -111,18 +112,8 @@ class PlayView:
         self._knobs[:] = list(self._sliders.values())
         self._draw()
 
-    def _slider(self, knob: Knob) -> pn.widgets.FloatSlider:
-        slider = pn.widgets.FloatSlider(
-            name=knob.label,
-            start=knob.low,
-            end=knob.high,
-            step=knob.step,
-            value=min(max(knob.value, knob.low), knob.high),
-            format="0.0000a" if abs(knob.high) < 1 else "0.000a",
-            sizing_mode="stretch_width",
-            margin=(0, 10),
-            stylesheets=[INPUT],
-        )
+    def _slider(self, one: play.Knob) -> Knob:
+        slider = knob(one)
         slider.param.watch(self._turned, "value")
         return slider
 
@@ -140,7 +131,7 @@ class PlayView:
         at, run, effect = self._bench, self._run.value, self._effect.value
         if at is None:
             return
-        model = play.turned(at, run, effect, {key: float(slider.value or 0.0) for key, slider in self._sliders.items()})
+        model = play.turned(at, run, effect, {key: float(slider.value) for key, slider in self._sliders.items()})
         simulated, words = play.response(at, run, model)
         self._picture.figure = pictures.played(at.campaign[run], simulated, reach=play.reach(at, run))
         self._left.object = said(words, bad=simulated is None)

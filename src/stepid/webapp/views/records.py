@@ -22,17 +22,18 @@ _LEAD = (
     "top of the cart. Click a cell, or press Enter on it, to change it."
 )
 _TABLE = """
-.tabulator { background: var(--card); color: var(--ink); border: 1px solid var(--grid); font-size: 0.92rem; }
-.tabulator .tabulator-header, .tabulator .tabulator-header .tabulator-col { background: var(--paper); color: var(--ink);
-  border-color: var(--line); }
-.tabulator .tabulator-tableholder, .tabulator .tabulator-tableholder .tabulator-table { background: var(--card);
-  color: var(--ink); }
-.tabulator-row, .tabulator-row.tabulator-row-even { background: var(--card); color: var(--ink);
+.tabulator.pnx-tabulator { background: var(--card); color: var(--ink); border: 1px solid var(--grid);
+  font-size: 0.92rem; }
+.pnx-tabulator .tabulator-header.tabulator-header, .pnx-tabulator .tabulator-header .tabulator-col.tabulator-col {
+  background: var(--paper); color: var(--ink); border-color: var(--line); }
+.pnx-tabulator .tabulator-tableholder .tabulator-table.tabulator-table { background: var(--card); color: var(--ink); }
+.pnx-tabulator .tabulator-row.tabulator-row.tabulator-row { background: var(--card); color: var(--ink);
   border-bottom: 1px solid var(--grid); }
-.tabulator-row.tabulator-selectable:hover { background: var(--paper); }
-.tabulator-row .tabulator-cell { border-right-color: var(--grid); }
-.tabulator-row .tabulator-cell:focus { outline: 3px solid var(--accent); outline-offset: -3px; }
-.tabulator-row .tabulator-cell input { background: var(--card); color: var(--ink); }
+.pnx-tabulator .tabulator-row .tabulator-cell.tabulator-cell { border-right-color: var(--grid); }
+.pnx-tabulator .tabulator-row .tabulator-cell.tabulator-editable { cursor: text; }
+.pnx-tabulator .tabulator-cell:focus { outline: 3px solid var(--accent); outline-offset: -3px; }
+.pnx-tabulator .tabulator-cell input { background: var(--card); color: var(--ink); }
+.pnx-tabulator .tabulator-header-contents { min-height: 0; }
 """
 
 
@@ -42,7 +43,7 @@ class RecordsView:
     def __init__(self, session: Session, changed: Callable[[], None]) -> None:
         self._session, self._changed = session, changed
         self._name = pn.widgets.TextInput(
-            name="Name of the campaign",
+            label="Name of the campaign",
             stylesheets=[INPUT],
             sizing_mode="stretch_width",
             max_width=420,
