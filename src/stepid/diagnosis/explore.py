@@ -17,10 +17,8 @@ from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.proposal import Proposal
 from stepid.diagnosis.selection.search import Search
-from stepid.effects import resolve
 from stepid.effects.base import Effect
 from stepid.fitting.deviations import with_deviations
-from stepid.fitting.fit import fit_effects
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build
@@ -68,13 +66,25 @@ def fault_beside(found: Found, criteria: Criteria) -> RecordFault | None:
     best = found.likeliest
     if not best.deviations or not best.effects:
         return None
-    inner = [resolve((name,)) for name in best.effects[0].contains] if len(best.effects) == 1 else []
-    for effects in (best.effects, *inner):  # a general law can take a fault's part
-        plain = fit_effects(found.context, effects)
-        one = None if plain is None else accuse(plain, found.context.floor, sure=criteria.size)
-        if plain and one and outweighs(one.cost, plain, found, criteria):
+    names = {best.names, *((name,) for e in best.effects if len(best.effects) == 1 for name in e.contains)}
+    alike = [c.optimum for c in found.candidates if c.names in names and not c.deviations]  # also simpler laws inside
+    if not any(c.names == best.names and not c.deviations for c in found.candidates):
+        alike += _without_deviations(found.context, best)
+    for plain in alike:  # a general law can take a fault's part
+        one = accuse(plain, found.context.floor, sure=criteria.size)
+        if one and outweighs(one.cost, plain, found, criteria):
             return one.fault
     return None
+
+
+def _without_deviations(context: FitContext, found: Candidate) -> list[Optimum]:
+    """The effects of a candidate with conditions alike in all runs, fitted from where it stands."""
+    problem, layout = found.optimum.problem, found.optimum.problem.layout
+    active = problem.active.copy()
+    active[layout.deviations] = False
+    local = np.where(active, found.optimum.local, 0.0)
+    fitted = minimize(replace(problem, active=active), found.optimum.shared, local, tolerance=context.tolerance)
+    return [] if fitted is None else [fitted]
 
 
 def linear_candidate(context: FitContext) -> Candidate:

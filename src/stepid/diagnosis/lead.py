@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from stepid.diagnosis.evidence import Weighed
-from stepid.diagnosis.selection.candidate import Candidate, includes
+from stepid.diagnosis.selection.candidate import LEADING, Candidate, includes
 from stepid.diagnosis.vetoes import undetermined
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, is_white, price
-from stepid.diagnosis.selection.candidate import Candidate, Key
+from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING
 from stepid.diagnosis.selection.moves.deviate import Deviate
@@ -100,8 +100,15 @@ class Search:
             self._polish_best()
 
     def _leading(self) -> list[Candidate]:
-        """The best, and others that leave only noise because runs may differ: they may need less for it."""
+        """The best, and others that leave only noise because runs may differ: they may need less for it.
+
+        Where a rest remains, the best of what may lead.
+        """
         best = self.best
+        if not at_floor(self.fit, self.criteria, best):
+            few = [c for c in self.candidates.values() if len(c.effects) <= LEADING]
+            able = [c for c in few if not imitators(self.fit, self.criteria, c)]
+            return [min(able, key=lambda c: self._qbic(c.optimum))]
         others = [c for c in self.candidates.values() if c.deviations and c is not best and self._complete(c)]
         return [best, *sorted(others, key=lambda c: self._qbic(c.optimum))[: self.effort.beam - 1]]
 
