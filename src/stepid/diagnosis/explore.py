@@ -112,15 +112,23 @@ def explored(
         again = refined(context, found.best) if look < _LOOKS else None
         if again is None:
             return found
-        if again.floor == context.floor and at_floor(context, criteria, found.best):
-            same = _fitted_again(again, found.candidates)
-            if at_floor(again, criteria, min(same, key=lambda c: c.optimum.cost)):
-                return Found(again, same)
+        same = Found(again, _fitted_again(again, found.candidates))
+        if _stands(found, same, criteria):
+            return same
         context, look = again, look + 1
 
 
+def _stands(before: Found, after: Found, criteria: Criteria) -> bool:
+    """Tell whether another look at the readings leaves the answer: no further search can tell more then.
+
+    The same candidate is the likeliest, and it leaves as much as before: only noise, or a rest.
+    """
+    floors = [at_floor(found.context, criteria, found.best) for found in (before, after)]
+    return floors[0] == floors[1] and before.likeliest.key == after.likeliest.key
+
+
 def _fitted_again(context: FitContext, candidates: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
-    """The same candidates without some readings: where the best is at the floor, no other need be sought."""
+    """The same candidates, fitted to the readings as they are seen now."""
     out = []
     for c in candidates:
         problem = with_deviations(build(context.records, c.effects, workers=context.workers), c.deviations)

@@ -27,9 +27,8 @@ class Leads:
     @cached_property
     def able(self) -> tuple[Weighed, ...]:
         """Candidates of two effects at most, none of them an imitator, best first."""
-        able = [
-            w for w in self._told.weighed if len(w.candidate.effects) <= 2 and not self._told.imitators(w.candidate)
-        ]
+        few = [w for w in self._told.weighed if len(w.candidate.effects) <= LEADING]
+        able = [w for w in few if not self._told.imitators(w.candidate)]
         lowest = min(w.loss for w in able)
         return tuple(w._replace(loss=w.loss - lowest) for w in able)
 

@@ -17,7 +17,7 @@ from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.specialize import Specialize
-from stepid.diagnosis.selection.order import hoped, nameable, worthy
+from stepid.diagnosis.selection.order import hoped, nameable, value, worthy
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.diagnosis.vetoes import imitators
@@ -175,8 +175,7 @@ class Search:
                 order.append(node)
         beam = order[: self.effort.beam]
         beam += [n for n in self._nameable(order)[:1] if not any(n is other for other in beam)]
-        made = [self._expand(node, moves) for node in beam]
-        return any(made)
+        return sum(self._expand(node, moves) for node in beam) > 0
 
     def _nameable(self, order: Sequence[Node]) -> list[Node]:
         """Of some nodes those that may be named where a rest remains; none where the first leaves only noise."""
@@ -278,30 +277,24 @@ class Search:
 
     def _polish_best(self) -> Candidate:
         """Fit the best nodes to all samples."""
-        order = sorted(self.nodes.values(), key=self._value)
-        best = self._value(order[0])
+        order = sorted(self.nodes.values(), key=lambda n: value(self.fit, n))
+        best = value(self.fit, order[0])
         near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
         first = order[: self.effort.polish] + self._nameable(order)[: self.effort.polish]
         for node in order:
-            # one that is not near is fitted once: it may go on for long, and cannot win
-            if self._value(node) < near or (any(node is f for f in first) and node.fitted.polished is None):
+            # one that is not near, or cannot be named, is fitted once: it may go on for long, and cannot win
+            if node.key in self.candidates and not nameable(self.fit, self.criteria, [node]):
+                continue
+            if value(self.fit, node) < near or (any(node is f for f in first) and node.fitted.polished is None):
                 self._polish(node)
-        found = self.best
-        if not self._complete(found):
-            node = self.nodes[found.key]
+        if not self._complete(self.best):
+            node = self.nodes[self.best.key]
             if any(e.dry for e in node.effects) and node.fitted.resettle():
                 self._polish(node)
         return self.best
 
-    def _value(self, node: Node) -> float:
-        """Cost of a node and of its parameters, m², as if the best left only noise."""
-        problem = node.best.problem
-        count = int(problem.free.sum() + problem.active.sum())
-        return node.cost + count * math.log(self.fit.records.size) * self.fit.unit
-
     def _polish(self, node: Node) -> None:
         optimum = polished(self.fit, node.fitted, self.effort)
         if optimum is not None:
-            self.candidates[node.key] = Candidate(
-                node.effects, node.deviations, optimum, block_means(self.fit, optimum)
-            )
+            white = block_means(self.fit, optimum)
+            self.candidates[node.key] = Candidate(node.effects, node.deviations, optimum, white)
