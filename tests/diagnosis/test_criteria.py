@@ -100,7 +100,7 @@ def lead(*, share: float = 0.9, steady: float = 0.6, weight: float = 0.97) -> Ca
 def rough(criteria: Criteria) -> str:
     """The state whose law refutes a lead that leaves 2 % of the misfit to a law of another shape."""
     told: Any = context()
-    told.outline, told.noise_cost = SimpleNamespace(cost=101.0), 1.0
+    told.coarse_linear, told.noise_cost = SimpleNamespace(cost=101.0), 1.0
     law = FreeLaw("velocity", share=0.8, power=2.0)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(gather, "free_law", lambda *_: law)

@@ -28,7 +28,7 @@ def test_it_takes_what_a_law_of_its_state_makes(effect: str, state: str) -> None
     law = free_law(context, context.linear)
     assert law.state == state
     assert law.share > 0.6  # one linearized step
-    assert law.power == pytest.approx(law.share * (context.outline.cost - context.noise_cost), rel=0.1)
+    assert law.power == pytest.approx(law.share * (context.coarse_linear.cost - context.noise_cost), rel=0.1)
 
 
 def test_nothing_is_left_to_it_beside_the_true_law() -> None:
@@ -36,7 +36,7 @@ def test_nothing_is_left_to_it_beside_the_true_law() -> None:
     fitted = fit_effects(context, resolve(["cubic_stiffness"]))
     assert fitted is not None
     law = free_law(context, fitted)
-    assert law.power < 1e-3 * (context.outline.cost - context.noise_cost)
+    assert law.power < 1e-3 * (context.coarse_linear.cost - context.noise_cost)
 
 
 def test_a_force_of_time_is_no_law_of_a_state() -> None:

@@ -66,25 +66,28 @@ def fault_beside(found: Found, criteria: Criteria) -> RecordFault | None:
     best = found.likeliest
     if not best.deviations or not best.effects:
         return None
-    names = {best.names, *((name,) for e in best.effects if len(best.effects) == 1 for name in e.contains)}
-    alike = [c.optimum for c in found.candidates if c.names in names and not c.deviations]  # also simpler laws inside
-    if not any(c.names == best.names and not c.deviations for c in found.candidates):
-        alike += _without_deviations(found.context, best)
-    for plain in alike:  # a general law can take a fault's part
-        one = accuse(plain, found.context.floor, sure=criteria.size)
-        if one and outweighs(one.cost, plain, found, criteria):
+    inner = best.effects[0].contains if len(best.effects) == 1 else ()  # a general law can take a fault's part
+    for names in (best.names, *((name,) for name in inner)):
+        plain = _alike(found, names)
+        one = None if plain is None else accuse(plain, found.context.floor, sure=criteria.size)
+        if plain and one and outweighs(one.cost, plain, found, criteria):
             return one.fault
     return None
 
 
-def _without_deviations(context: FitContext, found: Candidate) -> list[Optimum]:
-    """The effects of a candidate with conditions alike in all runs, fitted from where it stands."""
-    problem, layout = found.optimum.problem, found.optimum.problem.layout
+def _alike(found: Found, names: tuple[str, ...]) -> Optimum | None:
+    """Some effects with conditions alike in all runs, from where the search fitted them; None where it did not."""
+    fitted = [c for c in found.candidates if c.names == names]
+    if not fitted:
+        return None
+    nearest = min(fitted, key=lambda c: len(c.deviations))
+    optimum, problem = nearest.optimum, nearest.optimum.problem
+    if not nearest.deviations:
+        return optimum
     active = problem.active.copy()
-    active[layout.deviations] = False
-    local = np.where(active, found.optimum.local, 0.0)
-    fitted = minimize(replace(problem, active=active), found.optimum.shared, local, tolerance=context.tolerance)
-    return [] if fitted is None else [fitted]
+    active[problem.layout.deviations] = False
+    local = np.where(active, optimum.local, 0.0)
+    return minimize(replace(problem, active=active), optimum.shared, local, tolerance=found.context.tolerance)
 
 
 def linear_candidate(context: FitContext) -> Candidate:

@@ -46,8 +46,8 @@ def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
     FreeLaw
         Of the state whose law takes more; nothing is taken where the plant runs away.
     """
-    sketch, problem = context.sketch, optimum.problem
-    coarse = replace(problem, simulator=Simulator(sketch, problem.simulator.effects, COARSE))
+    decimated, problem = context.decimated, optimum.problem
+    coarse = replace(problem, simulator=Simulator(decimated, problem.simulator.effects, COARSE))
     solved = coarse.solve(optimum.shared, optimum.local)
     nothing = FreeLaw("position", 0.0, 0.0)
     if solved is None:
@@ -60,11 +60,11 @@ def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
     left = float(rest @ rest) - context.noise_cost
     if left <= 0:
         return nothing
-    count = float(effective_samples(sketch, residual).sum())
+    count = float(effective_samples(decimated, residual).sum())
     base = replace(optimum, problem=coarse)
     found = []
     for state, values in zip(("position", "velocity"), optimum.solved.states[:2], strict=True):
-        pushed = sketch.weighted(responses_along(base, context, _pieces(values)).T).T
+        pushed = decimated.weighted(responses_along(base, context, _pieces(values)).T).T
         pushed = pushed[:, np.isfinite(pushed).all(axis=0)]
         pushed = pushed - own @ (own.T @ pushed)
         free = _basis(pushed)

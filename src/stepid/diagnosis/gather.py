@@ -178,7 +178,7 @@ class EvidenceRecord:
     def refuted(self, lead: Candidate) -> str:
         """The state of which a law of another shape takes most of the rest that a lead leaves, '' where none does."""
         law = free_law(self.context, lead.optimum)
-        misfit = self.context.outline.cost - self.context.noise_cost
+        misfit = self.context.coarse_linear.cost - self.context.noise_cost
         rough = misfit > 0 and law.power > self.criteria.rough * misfit and law.share > 0.5
         return law.state if rough and law.state in states_of(self.context, lead.optimum) else ""
 

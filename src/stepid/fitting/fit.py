@@ -153,8 +153,8 @@ def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | N
     if not effects:
         return context.linear
     starts = well_starts(context, effects[0])
-    starts += race_starts(context, effects[0], score(context, context.outline, columns(context, effects[:1])))
-    fitted = _raced(context, effects[:1], starts, context.outline)
+    starts += race_starts(context, effects[0], score(context, context.coarse_linear, columns(context, effects[:1])))
+    fitted = _raced(context, effects[:1], starts, context.coarse_linear)
     for count in range(2, len(effects) + 1):
         if fitted.best is None:
             return None

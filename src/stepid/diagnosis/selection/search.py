@@ -54,7 +54,7 @@ class Search:
         self.fit, self.criteria, self.effort, self.tell = fit, criteria, effort, tell
         self.context = SearchContext(fit, catalogue, effort)
         root = CandidateFit(fit, ())
-        root.best, root.polished = fit.outline, fit.linear
+        root.best, root.polished = fit.coarse_linear, fit.linear
         self.root = Node(root)
         self.nodes: dict[Key, Node] = {self.root.key: self.root}
         self.proposals: list[Proposal] = []
@@ -289,7 +289,7 @@ class Search:
                 self._polish(node)
         if not self._complete(self.best):
             node = self.nodes[self.best.key]
-            if any(e.dry for e in node.effects) and node.fitted.resettle():
+            if any(e.dry for e in node.effects) and node.fitted.other_sticking():
                 self._polish(node)
         return self.best
 
