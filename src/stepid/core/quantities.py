@@ -7,7 +7,7 @@ put into the words of another plant here.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, ValuesView
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache, wraps
@@ -57,7 +57,8 @@ _WORDS = {  # of a cart, of a disk; the first that fits
 }
 _VOLTS = {"A": "amperes", "N": "newtons", "N·m": "newton meters"}
 _ATOM = r"(?:kg|[mcµ]?m|m?[NVA]|m?s|[mcµ]?rad|1)(?:[²³]|\^\w+)?"
-_UNIT = rf"(?:{_ATOM}|\((?:{_ATOM})(?:[·/]{_ATOM})*\)(?:\^\w+)?)(?:[·/](?:{_ATOM}|\((?:{_ATOM})(?:[·/]{_ATOM})*\)(?:\^\w+)?))*"
+_PART = rf"(?:{_ATOM}|\({_ATOM}(?:[·/]{_ATOM})*\)(?:\^\w+)?)"
+_UNIT = rf"{_PART}(?:[·/]{_PART})*"
 _NAMES = {"name", "run", "runs", "from_run", "to_run", "spring", "damper", "base", "campaign", "still", "kind"}
 _LABELS = {"springs", "dampers", "bases", "row_labels", "column_labels", "covariance_labels", "effects"}
 _KEYED = {"masses", "run_rms", "runs", "stiffness", "damping", "base_mass", "pooled_damping", "excluded"}
@@ -80,6 +81,13 @@ class Quantities(NamedTuple):
     def usual(self) -> bool:
         """True for a cart driven in V: there is nothing to translate."""
         return self.motion == "translation" and self.input_unit == "V"
+
+    def keeping(self, names: Iterable[str]) -> Quantities:
+        """Return the same that leave names alone, but for those that are nothing but a word, as the base "cart"."""
+        if self.usual:
+            return self
+        kept = {name for name in names if self.text(name) != name and not _a_word(name)}
+        return self._replace(kept=self.kept | kept)
 
     def unit(self, unit: str) -> str:
         """Return what stands for a cart's unit: ``"kg·m²"`` for ``"kg"``, ``"rad/A"`` for ``"m/V"``."""
@@ -134,6 +142,8 @@ class Quantities(NamedTuple):
             return self._model(value, say)
         if isinstance(value, Mapping):
             return {key: self._any(one, field, say) for key, one in value.items()}
+        if isinstance(value, tuple) and hasattr(value, "_fields"):
+            return type(value)(*(self._any(one, field, say) for one in value))
         if isinstance(value, tuple | list):
             return type(value)(self._any(one, field, say) for one in value)
         return value
@@ -192,9 +202,7 @@ def quantities_of(thing: object) -> Quantities:
 
 def named(motion: str, input_unit: str, thing: object = None) -> Quantities:
     """Return quantities that keep the names in a campaign or result."""
-    changed = Quantities(motion, input_unit)
-    names = {name for name in _names(thing) if changed.text(name) != name and not _a_word(name)}
-    return changed._replace(kept=frozenset(names))
+    return Quantities(motion, input_unit).keeping(_names(thing))
 
 
 def _a_word(name: str) -> bool:
@@ -260,8 +268,8 @@ def _given(value: object) -> Quantities:
     """Quantities of an argument, or of the first thing in it."""
     if isinstance(value, Mapping):
         value = value.values()
-    if isinstance(value, Iterable) and not isinstance(value, str | Iterator) and not hasattr(value, "motion"):
-        value = next(iter(value), None) if not hasattr(value, "shape") else None
+    if isinstance(value, tuple | list | ValuesView):
+        value = next(iter(value), None)
     return quantities_of(value)
 
 

@@ -15,6 +15,7 @@ from stepid.core.estimate import Estimate, format_value
 from stepid.core.experiment import MassOffset
 from stepid.core.frames import Row, parameter_frame
 from stepid.core.latex import parameter_table
+from stepid.core.quantities import InputUnit, Motion, in_own_quantities
 from stepid.core.tables import html_table, text_table
 from stepid.core.takes import described
 from stepid.errors import InputError
@@ -38,6 +39,8 @@ class StackedSystem(Model):
         The runs, in the order of their columns.
     mass_offsets : tuple of MassOffset
         In the order of their rows.
+    motion, input_unit : str
+        Of the campaign, see `stepid.Campaign`.
     """
 
     matrix: Matrix
@@ -46,6 +49,8 @@ class StackedSystem(Model):
     column_labels: tuple[str, ...]
     characteristics: tuple[Characteristics, ...]
     mass_offsets: tuple[MassOffset, ...]
+    motion: Motion = "translation"
+    input_unit: InputUnit = "V"
 
     @model_validator(mode="after")
     def _shapes(self) -> Self:
@@ -123,6 +128,8 @@ class IdentifiedParameters(Model):
         labels are as assumed; much more says that the plant is not linear or a label or weight is wrong.
     notes : tuple of str
         That more than noise is left of the runs, where it is; whether a joint fit would be tighter by much.
+    motion, input_unit : str
+        Of the campaign, see `stepid.Campaign`.
     """
 
     masses: Mapping[str, Positive]
@@ -142,6 +149,8 @@ class IdentifiedParameters(Model):
     solver: str = ""
     misfit: NonNegative | None = None
     notes: tuple[str, ...] = ()
+    motion: Motion = "translation"
+    input_unit: InputUnit = "V"
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -164,6 +173,7 @@ class IdentifiedParameters(Model):
             )
         return self.stiffness[self.springs[name]]
 
+    @in_own_quantities
     def base_difference(self, from_base: str, to_base: str) -> Estimate:
         """Mass that `to_base` carries more than `from_base`, for example the moving parts of a connected damper.
 
@@ -249,7 +259,6 @@ class IdentifiedParameters(Model):
             text_table(_RUN_HEADER, self._runs(), title=title),
             text_table(("shared", "value", "unit"), shared_rows(self)),
             *(f"left out: {name}: {why}" for name, why in self.excluded.items()),
-            *self.notes,
         ]
         if self.misfit is not None and self.misfit > _LARGE_MISFIT:
             parts.append(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from stepid.core.quantities import in_own_quantities
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.text import (
     GAP_HEADER,
@@ -33,6 +34,7 @@ from stepid.report.tables import (
 from stepid.report.thin import MOST
 
 
+@in_own_quantities
 def tell(d: Diagnosis, hand: Hand, provenance: Provenance) -> tuple[Chapter, ...]:
     """Tell what was measured, how the hand method and the linear fit fare, what is missing, and what next.
 
