@@ -32,8 +32,11 @@ _WORDS = {  # of a cart, of a disk; the first that fits
     "mass-spring-damper": "torsional plant",
     "moving mass m": "moving inertia J",
     "position x": "angle θ",
-    "force gain K_f": "torque gain K_τ",
+    "base and added weights": "base and added inertia",
+    "force gain k_f": "torque gain K_T",  # looked up in small letters
     "wheels and rails": "the bearings",
+    "rails": "shaft",
+    "rail": "shaft",
     "tilted rail": "bent shaft",
     "weights, rack": "weights, clamps",
     "the damper's piston": "the damper",
@@ -55,6 +58,8 @@ _WORDS = {  # of a cart, of a disk; the first that fits
     "meter": "radian",
     "millimeters": "milliradians",
 }
+_TURNED_SYMBOLS = {"m": "J", "x": r"\theta", "v": r"\omega", "K_f": "K_T"}
+_SYMBOL = re.compile(r"(?<![\\A-Za-z])(?:K_f|[mxv])(?![A-Za-z])")
 _VOLTS = {"A": "amperes", "N": "newtons", "N·m": "newton meters"}
 _ATOM = r"(?:kg|[mcµ]?m|m?[NVA]|m?s|[mcµ]?rad|1)(?:[²³]|\^\w+)?"
 _PART = rf"(?:{_ATOM}|\({_ATOM}(?:[·/]{_ATOM})*\)(?:\^\w+)?)"
@@ -96,6 +101,12 @@ class Quantities(NamedTuple):
     def text(self, words: str) -> str:
         """Translate sentences: units and words such as "added mass", whole ones only; twice is as good as once."""
         return words if self.usual else _pattern(self).sub(lambda found: _one(found, self), words)
+
+    def formula(self, latex: str) -> str:
+        """Translate the symbols of a formula: mass, position and velocity are moment of inertia, angle and its rate."""
+        if self.motion == "translation":
+            return latex
+        return _SYMBOL.sub(lambda found: _TURNED_SYMBOLS[found[0]], latex)
 
     def html(self, page: str) -> str:
         """Translate what a page shows and says, not its tags, styles and scripts."""
@@ -141,7 +152,7 @@ class Quantities(NamedTuple):
         if hasattr(type(value), "model_fields"):
             return self._model(value, say)
         if isinstance(value, Mapping):
-            return {key: self._any(one, field, say) for key, one in value.items()}
+            return {key: self._any(one, "unit" if key == "unit" else field, say) for key, one in value.items()}
         if isinstance(value, tuple) and hasattr(value, "_fields"):
             return type(value)(*(self._any(one, field, say) for one in value))
         if isinstance(value, tuple | list):
