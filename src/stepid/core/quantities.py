@@ -295,7 +295,7 @@ def _pattern(q: Quantities) -> re.Pattern[str]:
     volts = r"volts?" if q.input_unit != "V" else "(?!)"
     return re.compile(
         rf"(?P<kept>(?<!\w)(?:{own})(?!\w))"
-        rf"|(?<![\w/\\.-])(?P<article>[Aa] )?(?P<word>(?i:{words}))(?![\w(]|[-.]\w|\s?=)"
+        rf"|(?<![\w/\\.'\"-])(?P<article>[Aa] )?(?P<word>(?i:{words}))(?![\w(:]|[-.]\w|\s?=)"
         rf"|(?<![\w·/\\])(?P<symbol>{symbol})"
         rf"|(?<![\w-])(?P<volts>{volts})(?!\w)"
         rf"|(?<![\w·/²³'\"\\$-])(?P<unit>{_UNIT})(?![\w·/'\"\\$(\[{{=]|\s?=|-\w)"

@@ -104,7 +104,7 @@ def plan(
     catalogue : tuple of Effect
         Where names of effects are looked up.
     motion, input_unit : str, optional
-        As of `stepid.Campaign`: what stands for kg, m, N and V here; by default those of the fit whose model `plant` is.
+        As of `stepid.Campaign`: what stands for kg, m, N and V here; by default as of the fit whose model is given.
 
     Returns
     -------
