@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -10,7 +9,7 @@ import numpy as np
 from pydantic import BeforeValidator, model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive, Vector
-from stepid.core.collection import Runs
+from stepid.core.collection import Runs, as_tuple, check_names
 from stepid.core.frames import make_frame, tidy_frame
 from stepid.core.mass_offset import WEIGHT as WEIGHT
 from stepid.core.mass_offset import WEIGHT_UNCERTAINTY as WEIGHT_UNCERTAINTY
@@ -196,10 +195,6 @@ class Experiment(Model):
         return make_frame({field: np.array(getattr(self, field)) for field in ("time", "position", "input")})
 
 
-def _as_tuple(value: object) -> object:
-    return tuple(value) if isinstance(value, list) else value
-
-
 class Campaign(Runs):
     """Runs of one plant under known changes of mass, spring and damper: a collection of them.
 
@@ -216,8 +211,7 @@ class Campaign(Runs):
     scale_uncertainty : float
         Relative standard uncertainty of the scale of all positions (counts per meter), one error shared by all runs.
     motion : "translation" or "rotation"
-        Of a rotation, all that is said in kg, m and N here is in kg·m², rad and N·m: masses are moments of inertia,
-        positions angles. Numbers, names and keys are the same.
+        Of a rotation, all that is in kg, m and N here is in kg·m², rad and N·m; numbers, names and keys are the same.
     input_unit : "V", "A", "N" or "N·m"
         Of the input, in place of V.
 
@@ -228,7 +222,7 @@ class Campaign(Runs):
     """
 
     name: Label
-    experiments: Annotated[tuple[Experiment, ...], BeforeValidator(_as_tuple)]
+    experiments: Annotated[tuple[Experiment, ...], BeforeValidator(as_tuple)]
     weight_uncertainty: Positive = WEIGHT_UNCERTAINTY
     scale_uncertainty: NonNegative = 0.0
     motion: Motion = "translation"
@@ -236,11 +230,7 @@ class Campaign(Runs):
 
     @model_validator(mode="after")
     def _unique(self) -> Self:
-        if not self.experiments:
-            raise ValueError("holds no experiment; add at least one run")
-        twice = [name for name, count in Counter(e.name for e in self.experiments).items() if count > 1]
-        if twice:
-            raise ValueError(f"the name {twice[0]!r} is used by more than one run; give each run its own name")
+        check_names([e.name for e in self.experiments])
         if self.motion == "rotation" and self.input_unit == "N":
             raise ValueError("a rotation is not driven in N; give the torque, force times lever arm, in N·m")
         return self

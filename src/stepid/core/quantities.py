@@ -6,15 +6,14 @@ put into the words of another plant here.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, ValuesView
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache, wraps
-from html import escape
+from functools import wraps
 from itertools import chain
 from typing import Any, Literal, NamedTuple, ParamSpec, TypeVar
 
+from stepid.core.vocabulary import is_word, translated_formula, translated_page, translated_text, translated_unit
 from stepid.errors import StepidError
 
 P = ParamSpec("P")
@@ -26,50 +25,10 @@ INPUT_UNITS: tuple[InputUnit, ...] = ("V", "A", "N", "N·m")
 TORQUES = ("Nm", "N m", "N*m", "N.m", "N⋅m")
 """How keyboards without a middle dot write N·m."""
 
-_TURNED = {"kg": "kg·m²", "N": "N·m", "m": "rad", "mm": "mrad", "cm": "crad", "µm": "µrad"}
-_WORDS = {  # of a cart, of a disk; the first that fits
-    "mass-spring-damper plant": "torsional plant",
-    "mass-spring-damper": "torsional plant",
-    "moving mass m": "moving inertia J",
-    "position x": "angle θ",
-    "base and added weights": "base and added inertia",
-    "force gain k_f": "torque gain K_T",  # looked up in small letters
-    "wheels and rails": "the bearings",
-    "rails": "shaft",
-    "rail": "shaft",
-    "tilted rail": "bent shaft",
-    "weights, rack": "weights, clamps",
-    "the damper's piston": "the damper",
-    "weigh it again": "measure it again",
-    "what the parts weigh": "the parts' moments of inertia",
-    "what the cart weighs": "the disk's own inertia",
-    "how fast the cart swings": "how fast the disk swings",
-    "heavier": "with more inertia",
-    "masses": "inertias",
-    "mass": "inertia",
-    "forces": "torques",
-    "force": "torque",
-    "positions": "angles",
-    "position": "angle",
-    "displacement": "angle",
-    "distance": "angle",
-    "cart": "disk",
-    "meters": "radians",
-    "meter": "radian",
-    "millimeters": "milliradians",
-}
-_TURNED_SYMBOLS = {"m": "J", "x": r"\theta", "v": r"\omega", "K_f": "K_T"}
-_SYMBOL = re.compile(r"(?<![\\A-Za-z])(?:K_f|[mxv])(?![A-Za-z])")
-_VOLTS = {"A": "amperes", "N": "newtons", "N·m": "newton meters"}
-_ATOM = r"(?:kg|[mcµ]?m|m?[NVA]|m?s|[mcµ]?rad|1)(?:[²³]|\^\w+)?"
-_PART = rf"(?:{_ATOM}|\({_ATOM}(?:[·/]{_ATOM})*\)(?:\^\w+)?)"
-_UNIT = rf"{_PART}(?:[·/]{_PART})*"
 _NAMES = {"name", "run", "runs", "from_run", "to_run", "spring", "damper", "base", "campaign", "still", "kind"}
 _LABELS = {"springs", "dampers", "bases", "row_labels", "column_labels", "covariance_labels", "effects"}
 _KEYED = {"masses", "run_rms", "runs", "stiffness", "damping", "base_mass", "pooled_damping", "excluded"}
-_TAGS = re.compile(r"(<(?:style|script)\b.*?</(?:style|script)>|<[^>]+>)", re.DOTALL)
 _Say = Callable[[str, str], str]
-_SAID_BY_TAGS = re.compile(r'(?<=\s)((?:alt|title|aria-label)=")([^"]*)(?=")')
 
 
 class Quantities(NamedTuple):
@@ -91,35 +50,24 @@ class Quantities(NamedTuple):
         """Return the same that leave names alone, but for those that are nothing but a word, as the base "cart"."""
         if self.usual:
             return self
-        kept = {name for name in names if self.text(name) != name and not _a_word(name)}
+        kept = {name for name in names if self.text(name) != name and not is_word(name)}
         return self._replace(kept=self.kept | kept)
 
     def unit(self, unit: str) -> str:
         """Return what stands for a cart's unit: ``"kg·m²"`` for ``"kg"``, ``"rad/A"`` for ``"m/V"``."""
-        return unit if self.usual else _translated(unit, self)
+        return unit if self.usual else translated_unit(unit, self.motion, self.input_unit)
 
     def text(self, words: str) -> str:
         """Translate sentences: units and words such as "added mass", whole ones only; twice is as good as once."""
-        return words if self.usual else _pattern(self).sub(lambda found: _one(found, self), words)
+        return words if self.usual else translated_text(words, *self)
 
     def formula(self, latex: str) -> str:
         """Translate the symbols of a formula: mass, position and velocity are moment of inertia, angle and its rate."""
-        if self.motion == "translation":
-            return latex
-        return _SYMBOL.sub(lambda found: _TURNED_SYMBOLS[found[0]], latex)
+        return translated_formula(latex) if self.motion == "rotation" else latex
 
     def html(self, page: str) -> str:
         """Translate what a page shows and says, not its tags, styles and scripts."""
-        if self.usual:
-            return page
-        parts = _TAGS.split(page)
-        shown = [self.text(part) if i % 2 == 0 else self._tag(part) for i, part in enumerate(parts)]
-        return "".join(shown)
-
-    def _tag(self, tag: str) -> str:
-        if tag.startswith(("<style", "<script")):
-            return tag
-        return _SAID_BY_TAGS.sub(lambda found: found[1] + self.text(found[2]), tag)
+        return page if self.usual else translated_page(page, *self)
 
     def result(self, value: R, *, words: bool = False) -> R:
         """Translate units and sentences in results and all that they hold, and have them know it.
@@ -216,11 +164,6 @@ def named(motion: str, input_unit: str, thing: object = None) -> Quantities:
     return Quantities(motion, input_unit).keeping(_names(thing))
 
 
-def _a_word(name: str) -> bool:
-    """Whether a name is one of the words, as the label "cart" that a base has by itself."""
-    return name.lower() in _WORDS or re.fullmatch(_UNIT, name) is not None
-
-
 def _names(thing: object, field: str = "") -> Iterator[str]:
     if isinstance(thing, str):
         if field in _NAMES | {"springs", "dampers", "bases"}:
@@ -282,51 +225,3 @@ def _given(value: object) -> Quantities:
     if isinstance(value, tuple | list | ValuesView):
         value = next(iter(value), None)
     return quantities_of(value)
-
-
-@cache
-def _pattern(q: Quantities) -> re.Pattern[str]:
-    """One expression for names that are kept, words, and units."""
-    kept = sorted({form for name in q.kept for form in (name, escape(name))}, key=len, reverse=True)
-    own = "|".join(map(re.escape, kept)) or "(?!)"
-    turned = q.motion == "rotation"
-    words = "|".join(map(re.escape, sorted(_WORDS, key=len, reverse=True))) if turned else "(?!)"
-    symbol = r"m(?=·ω|\[)" if turned else "(?!)"
-    volts = r"volts?" if q.input_unit != "V" else "(?!)"
-    return re.compile(
-        rf"(?P<kept>(?<!\w)(?:{own})(?!\w))"
-        rf"|(?<![\w/\\.'\"-])(?P<article>[Aa] )?(?P<word>(?i:{words}))(?![\w(:]|[-.]\w|\s?=)"
-        rf"|(?<![\w·/\\])(?P<symbol>{symbol})"
-        rf"|(?<![\w-])(?P<volts>{volts})(?!\w)"
-        rf"|(?<![\w·/²³'\"\\$-])(?P<unit>{_UNIT})(?![\w·/'\"\\$(\[{{=]|\s?=|-\w)"
-    )
-
-
-def _one(found: re.Match[str], q: Quantities) -> str:
-    if found["word"] is not None:
-        said = _WORDS[found["word"].lower()]
-        if found["word"][0].isupper():
-            said = said[0].upper() + said[1:]
-        article = found["article"] or ""
-        return f"{article.rstrip()}n {said}" if article and said[0].lower() in "aeio" else article + said
-    if found["symbol"]:
-        return "J"
-    if found["volts"]:
-        plural = _VOLTS[q.input_unit]
-        return plural if found["volts"] == "volts" else plural[:-1]
-    return _translated(found["unit"], q) if found["unit"] else found[0]
-
-
-@cache
-def _translated(unit: str, q: Quantities) -> str:
-    """Translate a unit, simple or compound, atom by atom; one that was translated stays as it is."""
-    turns = q.motion == "rotation" and "N·m" not in unit and "kg·m²" not in unit
-
-    def atom(found: re.Match[str]) -> str:
-        prefix, symbol = found["prefix"], found["symbol"]
-        if symbol == "V" and q.input_unit != "V":
-            own = prefix + q.input_unit
-            return f"({own})" if "·" in own and found.start() and unit[found.start() - 1] == "/" else own
-        return _TURNED.get(prefix + symbol, found[0]) if turns else found[0]
-
-    return re.sub(r"(?<![A-Za-zµ])(?P<prefix>[mcµ]?)(?P<symbol>kg|[mNV])(?![A-Za-z])", atom, unit)
