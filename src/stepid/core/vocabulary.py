@@ -90,7 +90,7 @@ def _pattern(motion: str, input_unit: str, kept: frozenset[str]) -> re.Pattern[s
         rf"(?P<kept>(?<!\w)(?:{own})(?!\w))"
         rf"|(?<![\w/\\.'\"-])(?P<article>[Aa] )?(?P<word>(?i:{words}))(?![\w(:]|[-.]\w|\s?=)"
         rf"|(?<![\w·/\\])(?P<symbol>{symbol})"
-        rf"|(?<![\w.-])(?P<volts>{volts})(?![\w`])"
+        rf"|(?<![\w.\\-])(?P<volts>{volts})(?![\w`])"
         rf"|(?<![\w·/²³'\"\\$.-])(?P<unit>{_UNIT})(?![\w·/'\"\\$(\[{{=]|\s?=|[-.]\w)"
     )
 
