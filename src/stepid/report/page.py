@@ -69,7 +69,7 @@ def html_page(d: Diagnosis, hand: Hand, provenance: Provenance, stills: Mapping[
 
 def _typeset(text: str) -> Markup:
     """Escape, keep a number and its unit on one line, and set ω_d with a low d."""
-    kept = re.sub(r"(?<=\d) (?=(?:µm|mm|kg|ms|s|V|N|%)(?:\W|$))", "\u00a0", str(escape(text)))
+    kept = re.sub(r"(?<=\d) (?=(?:µm|mm|µrad|mrad|rad|kg|ms|s|V|A|N|%)(?:\W|$))", "\u00a0", str(escape(text)))
     return Markup(kept.replace("ω_d", "ω<sub>d</sub>"))
 
 
