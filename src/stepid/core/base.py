@@ -22,7 +22,7 @@ from pydantic import (
     WithJsonSchema,
 )
 
-from stepid.core.quantities import Quantities, quantities_of, spoken
+from stepid.core.quantities import CART, Quantities, quantities_of, spoken
 from stepid.core.show import HEADER, one_line, rows
 from stepid.core.tables import html_table, text_table
 from stepid.errors import InputError
@@ -175,8 +175,8 @@ class Model(BaseModel, metaclass=_Meta):
 
     def model_post_init(self, context: Any) -> None:
         """Have what is inside a model of another plant than a cart driven in V know it, too."""
-        own = quantities_of(self)
-        if not own.usual:
+        if CART[:2] != (self.__dict__.get("motion", CART.motion), self.__dict__.get("input_unit", CART.input_unit)):
+            own = quantities_of(self)
             fields = {name: own.bear(getattr(self, name)) for name in type(self).model_fields}
             object.__setattr__(self, "__dict__", fields)
             self._quantities = own
