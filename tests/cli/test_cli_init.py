@@ -116,23 +116,23 @@ def test_options_for_recordings_are_refused_beside_a_manifest(
 
 def turning(folder: Path, head: str = "t_s,angle_deg,torque [Nm]\n") -> list[str]:
     files = three_runs(folder, head)
-    for file, name in zip(files, ("bare", "one_2kg", "two"), strict=True):
+    for file, name in zip(files, ("bare", "with_0.5kg", "two"), strict=True):
         Path(file).rename(folder / f"{name}.csv")
-    return [str(folder / f"{name}.csv") for name in ("bare", "one_2kg", "two")]
+    return [str(folder / f"{name}.csv") for name in ("bare", "with_0.5kg", "two")]
 
 
 def test_what_is_in_degrees_turns(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     files = turning(tmp_path)
     assert run(["init", *files]) == 0
     told = " ".join(capsys.readouterr().out.split())
-    assert "Which inertias were added, in kg·m² (bare, one 2kg, two)? (--added-mass)" in told
-    assert "2 is in kg by its name: give the moment of inertia in kg·m²" in told
+    assert "Which inertias were added, in kg·m² (bare, two, with 0.5kg)? (--added-mass)" in told
+    assert "0.5 kg were added by the name: give their moment of inertia, in kg·m²" in told
     assert run(["init", *files, "--added-mass", "0,0.01,0.02", "--force"]) == 0
     text = (tmp_path / "campaign.toml").read_text(encoding="utf-8")
     assert 'motion = "rotation"' in text
     assert "position_scale = 0.017453292519943295  # rad per deg, by its name" in text
     assert "# kg·m², as you said" in text
-    assert "by its name: give" not in text
+    assert "kg were added" not in text
     read = stepid.read_campaign(tmp_path)
     assert (read.motion, read.input_unit) == ("rotation", "N·m")
     assert np.ptp(read["bare"].position) < 0.5

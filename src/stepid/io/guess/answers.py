@@ -64,18 +64,19 @@ def with_answers(drafts: Sequence[Draft], answers: Answers) -> tuple[Draft, ...]
     directions = {draft.falling for draft in out if _tells_direction(draft)}
     # one encoder, one sign: a single run that seems to go the other way is no proof of it
     falling = directions == {True} or _said_to_fall(answers)
-    return tuple(draft.having(falling=falling, doubts=(*draft.doubts, *_odd_turns(draft))) for draft in out)
+    return tuple(_turned(draft.having(falling=falling)) for draft in out)
 
 
-def _odd_turns(draft: Draft) -> tuple[str, ...]:
-    """Say what of a draft does not go with an angle."""
+def _turned(draft: Draft) -> Draft:
+    """Say what of a draft does not go with an angle; an added mass in kg is none that turns."""
     unit, mass = draft.units.get("position"), draft.mass
-    turned = unit is not None and unit.value in TURNS
-    if turned and not draft.turns and draft.motion is None:
-        return ('the position is an angle, the input a force: with motion = "rotation" give the torque in N·m',)
+    if unit is not None and unit.value in TURNS and not draft.turns and draft.motion is None:
+        words = 'the position is an angle, the input a force: with motion = "rotation" give the torque in N·m'
+        return draft.having(doubts=(*draft.doubts, words))
     if draft.turns and mass is not None and mass.value and mass.why != SAID:
-        return (f"{mass.value:g} is in kg by {mass.why}: give the moment of inertia in kg·m²",)
-    return ()
+        words = f"{mass.value:g} kg were added by {mass.why}: give their moment of inertia, in kg·m²"
+        return draft.having(doubts=(*draft.doubts, words), mass=None, weights=None)
+    return draft
 
 
 def open_questions(drafts: Sequence[Draft]) -> tuple[Question, ...]:
