@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.experiment import Campaign
+from stepid.core.quantities import in_own_quantities, spoken_now
 from stepid.core.recorded import recorded
 from stepid.core.takes import a, able, caller, each, optional, takes
 from stepid.diagnosis.answer import report
@@ -47,6 +48,7 @@ _how = {
 }
 
 
+@in_own_quantities
 @takes(**_how, progress=optional(caller("a function that takes one argument, a stepid.Progress")))
 @recorded(criteria=Criteria, effort=Effort)
 @single_threaded
@@ -106,7 +108,8 @@ def diagnose(
             f"campaign {campaign.name!r} has one usable run. {' '.join(screen(campaign).notes)}",
             "Record the others again: a model that fits one run cannot be checked on another.",
         )
-    tell(Progress(f"linear model leaves {length(context.linear.rms)}, noise {length(context.floor)}"))
+    left = f"linear model leaves {length(context.linear.rms)}, noise {length(context.floor)}"
+    tell(Progress(spoken_now().text(left)))
     done = _diagnosed(campaign, context, how)
     return done.model_copy(update={"notes": (*splits, *done.notes)}) if splits else done
 

@@ -12,6 +12,7 @@ from stepid.core.estimate import Estimate
 from stepid.core.experiment import Campaign
 from stepid.core.frames import Row, make_frame, parameter_frame
 from stepid.core.latex import parameter_table
+from stepid.core.quantities import InputUnit, Motion
 from stepid.diagnosis.differences import Scatter
 from stepid.diagnosis.text import as_html, as_text, one_line
 from stepid.diagnosis.wording import length
@@ -194,6 +195,8 @@ class Diagnosis(Written):
         Faults of single records.
     data : Campaign or None
         What was diagnosed, kept so that a report can show the hand method beside it.
+    motion, input_unit : str
+        Of the campaign, see `stepid.Campaign`.
     """
 
     campaign: Label
@@ -218,6 +221,8 @@ class Diagnosis(Written):
     scatter: Mapping[str, Scatter] = {}
     faults: tuple[RecordFault, ...] = ()
     data: Campaign | None = None
+    motion: Motion = "translation"
+    input_unit: InputUnit = "V"
 
     def to_dataframe(self) -> DataFrame:
         """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""

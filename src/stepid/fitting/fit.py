@@ -10,6 +10,7 @@ import numpy as np
 from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.experiment import Campaign
 from stepid.core.noise import rms
+from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
@@ -96,6 +97,7 @@ def _begun(campaign: Campaign, wrong: Mapping[str, Mask], workers: int) -> tuple
     return records, linear, floor
 
 
+@in_own_quantities
 @recorded()
 @single_threaded
 def fit(

@@ -11,6 +11,7 @@ from stepid.core.base import Matrix, Model, NonNegative
 from stepid.core.estimate import Estimate, format_value
 from stepid.core.frames import Row, parameter_frame
 from stepid.core.latex import parameter_table
+from stepid.core.quantities import InputUnit, Motion
 from stepid.core.tables import html_table, text_table
 from stepid.simulation.model import PlantModel
 
@@ -39,6 +40,8 @@ class Fit(Model):
     notes : tuple of str
         What was left out, which run disagrees with the others, whose input is not what the record says, that the fit
         did not converge.
+    motion, input_unit : str
+        Of the campaign, see `stepid.Campaign`.
     """
 
     parameters: Mapping[str, Estimate]
@@ -49,6 +52,8 @@ class Fit(Model):
     correlation: Matrix
     converged: bool
     notes: tuple[str, ...] = ()
+    motion: Motion = "translation"
+    input_unit: InputUnit = "V"
 
     def to_dataframe(self) -> DataFrame:
         """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""

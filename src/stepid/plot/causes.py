@@ -13,13 +13,14 @@ from stepid.diagnosis.result import Diagnosis, Ranked, Where
 from stepid.diagnosis.wording import candidate_name, chance, per_cent
 from stepid.plot.gap import AFTER, BEFORE, NOISE, a_diagnosis
 from stepid.plot.scale import plain_logarithm
-from stepid.plot.style import SERIES, an_axes, dress, styled
+from stepid.plot.style import SERIES, an_axes, dress, in_own_words, styled
 
 _what = a((Diagnosis, Where), "a Diagnosis, or its `where`")
 _SHOWN = 6  # candidates, for which there is room
 _WIDE = 60  # letters of a candidate's name on one line
 
 
+@in_own_words
 @takes(d=_what, axes=an_axes)
 def force_against_velocity(d: Diagnosis | Where, *, axes: Axes) -> Axes:
     """Draw the residual force of the linear model against velocity: Coulomb friction is a step at zero.
@@ -40,6 +41,7 @@ def force_against_velocity(d: Diagnosis | Where, *, axes: Axes) -> Axes:
     return _force(axes, where.velocity_levels, where.velocity_force, "velocity [m/s]", 1.0, parted=True)
 
 
+@in_own_words
 @takes(d=_what, axes=an_axes)
 def force_against_position(d: Diagnosis | Where, *, axes: Axes) -> Axes:
     """Draw the residual force of the linear model against position from rest: a cubic spring is a cubic.
@@ -75,6 +77,7 @@ def _force(axes: Axes, levels: Array, force: Array, label: str, factor: float, *
     return axes
 
 
+@in_own_words
 @takes(d=a_diagnosis, axes=an_axes)
 def phase_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     """Draw the linear model's residual by phase of the response.
@@ -103,6 +106,7 @@ def phase_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     return axes
 
 
+@in_own_words
 @takes(d=a_diagnosis, axes=an_axes)
 def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
     """Draw what each of the best candidates leaves, best on top, with the linear model and the noise floor.

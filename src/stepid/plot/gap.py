@@ -12,7 +12,7 @@ from stepid.diagnosis.wording import length
 from stepid.errors import InputError
 from stepid.plot.layout import one_legend, page_of_pairs
 from stepid.plot.scale import length_unit, plain_logarithm, reach_of
-from stepid.plot.style import MARK, MEASURED, MODEL, OTHER, an_axes, beside, dress, laid_out, styled
+from stepid.plot.style import MARK, MEASURED, MODEL, OTHER, an_axes, beside, dress, in_own_words, laid_out, styled
 
 BEFORE, AFTER, NOISE = OTHER, MODEL, MARK
 a_diagnosis = a(Diagnosis, "a Diagnosis, as stepid.diagnose returns it")
@@ -29,6 +29,7 @@ def _run(d: Diagnosis, name: str) -> RunGap:
     )
 
 
+@in_own_words
 @takes(d=a_diagnosis, axes=an_axes)
 def gap_response(d: Diagnosis, name: str, *, axes: Axes) -> Axes:
     """Draw a run as measured, as the linear model says, and as the model with the effects says.
@@ -71,6 +72,7 @@ def _title(d: Diagnosis, run: RunGap) -> str:
     return f"{run.name}: {length(run.before)} → {length(run.after)}"
 
 
+@in_own_words
 @takes(d=a_diagnosis, axes=an_axes, largest=optional(number("a length in m", above=0.0)))
 def gap_residual(d: Diagnosis, name: str, *, axes: Axes, largest: float | None = None) -> Axes:
     """Draw measured minus simulated before and after, with the noise as a band of two standard deviations.
@@ -121,6 +123,7 @@ def gap_residual(d: Diagnosis, name: str, *, axes: Axes, largest: float | None =
     return axes
 
 
+@in_own_words
 @takes(d=a_diagnosis, axes=an_axes)
 def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     """Draw the gap as bars: before, after and noise floor, of the runs that were fitted and of those held out.
@@ -180,6 +183,7 @@ def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     return axes
 
 
+@in_own_words
 @takes(d=a_diagnosis, columns=beside)
 def gap_runs(d: Diagnosis, *, columns: int = 3, axes: npt.NDArray[np.object_] | None = None) -> npt.NDArray[np.object_]:
     """Draw every run on one page: measured, before and after, each with its residual below on one common scale.

@@ -14,6 +14,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup, escape
 from plotly.offline import get_plotlyjs
 
+from stepid.core.quantities import quantities_of
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.text import answer, found_sizes
 from stepid.diagnosis.wording import digits, effect_names, length
@@ -51,7 +52,7 @@ def html_page(d: Diagnosis, hand: Hand, provenance: Provenance, stills: Mapping[
     )
     environment.filters["typeset"] = _typeset
     drawn = json.dumps(pictures(d, verified.runs if verified else ()), separators=(",", ":"))
-    return environment.get_template("page.html.j2").render(
+    page = environment.get_template("page.html.j2").render(
         d=d,
         answer=answer(d),
         chapters=tell(d, hand, provenance),
@@ -63,11 +64,12 @@ def html_page(d: Diagnosis, hand: Hand, provenance: Provenance, stills: Mapping[
         pictures=_packed(drawn),
         provenance=provenance,
     )
+    return quantities_of(d).keeping(source.name for source in provenance.sources).html(page)
 
 
 def _typeset(text: str) -> Markup:
     """Escape, keep a number and its unit on one line, and set ω_d with a low d."""
-    kept = re.sub(r"(?<=\d) (?=(?:µm|mm|kg|ms|s|V|N|%)(?:\W|$))", "\u00a0", str(escape(text)))
+    kept = re.sub(r"(?<=\d) (?=(?:µm|mm|µrad|mrad|rad|kg|ms|s|V|A|N|%)(?:\W|$))", "\u00a0", str(escape(text)))
     return Markup(kept.replace("ω_d", "ω<sub>d</sub>"))
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from stepid.core.base import Array
+from stepid.core.quantities import in_own_quantities
 from stepid.diagnosis.result import Diagnosis, Ranked, RunGap
 from stepid.diagnosis.wording import candidate_name, chance, per_cent
 from stepid.plot.causes import leading
@@ -23,6 +24,7 @@ _SHOWN = 8  # candidates
 _MARKED = 9  # markers on a curve
 
 
+@in_own_quantities
 def pictures(d: Diagnosis, verified: Sequence[VerificationRun]) -> dict[str, Any]:
     """Draw all interactive pictures of a report.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from stepid.core.quantities import quantities_of
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.text import (
     GAP_HEADER,
@@ -47,7 +48,7 @@ def tell(d: Diagnosis, hand: Hand, provenance: Provenance) -> tuple[Chapter, ...
     -------
     tuple of Chapter
     """
-    return (
+    told = (
         _runs(d, hand),
         _by_hand(hand),
         _verification(d, hand),
@@ -59,6 +60,7 @@ def tell(d: Diagnosis, hand: Hand, provenance: Provenance) -> tuple[Chapter, ...
         _notes(d),
         _provenance(provenance),
     )
+    return quantities_of(d).keeping(source.name for source in provenance.sources).result(told, words=True)
 
 
 def _runs(d: Diagnosis, hand: Hand) -> Chapter:
