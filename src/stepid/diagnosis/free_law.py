@@ -75,8 +75,8 @@ def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
     return max(found, key=lambda law: law.power)
 
 
-def state_of(context: FitContext, effect: Effect, values: tuple[float, ...]) -> str:
-    """The one state that an effect's force depends on: 'position', 'velocity', or '' for another or several.
+def states_of(context: FitContext, effect: Effect, values: tuple[float, ...]) -> frozenset[str]:
+    """The states that an effect's force is a law of, 'position' and 'velocity'; none where time or memory is in it.
 
     Parameters
     ----------
@@ -86,24 +86,26 @@ def state_of(context: FitContext, effect: Effect, values: tuple[float, ...]) -> 
         Of its parameters.
     """
     if effect.n_extra or effect.n_memory or effect.run_parameters:
-        return ""
+        return frozenset()
     some = np.linspace(0, context.motion.x.size - 1, _SEEN).astype(np.intp)
     motion = Motion(*(field[some] for field in context.motion))
+    zero, one = np.zeros(_SEEN), np.ones(_SEEN)
+
+    def alike(**changed: Array) -> bool:
+        return np.array_equal(force, force_along(effect, values, motion._replace(**changed)))
+
     force = force_along(effect, values, motion)
-    if not np.ptp(force) > 0:
-        return ""
-    still, one = np.zeros(_SEEN), np.ones(_SEEN)
-    if np.array_equal(force, force_along(effect, values, motion._replace(v=still, sign=one, time=still, volts=still))):
-        return "position"
-    centered = motion._replace(x=still, time=still, volts=still)
-    return "velocity" if np.array_equal(force, force_along(effect, values, centered)) else ""
+    if not alike(time=zero, volts=zero):
+        return frozenset()
+    free = {"position": alike(x=zero), "velocity": alike(v=zero, sign=one)}
+    return frozenset(state for state, without in free.items() if not without)
 
 
-def states_of(context: FitContext, optimum: Optimum) -> tuple[str, ...]:
-    """`state_of` each effect of a fit."""
+def states_of_all(context: FitContext, optimum: Optimum) -> tuple[frozenset[str], ...]:
+    """`states_of` each effect of a fit."""
     layout = optimum.problem.layout
     values = (tuple(float(v) for v in optimum.shared[place]) for place in layout.values)
-    return tuple(state_of(context, e, v) for e, v in zip(layout.effects, values, strict=True))
+    return tuple(states_of(context, e, v) for e, v in zip(layout.effects, values, strict=True))
 
 
 def _pieces(values: Array) -> list[Array]:

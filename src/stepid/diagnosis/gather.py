@@ -13,7 +13,7 @@ from stepid.core.base import Array
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
-from stepid.diagnosis.free_law import free_law, states_of
+from stepid.diagnosis.free_law import free_law, states_of_all
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.selection.candidate import Candidate, Deviations, includes, is_free
 from stepid.diagnosis.vetoes import imitators, undetermined
@@ -176,16 +176,23 @@ class EvidenceRecord:
         return self.leads.beside
 
     def refuted(self, lead: Candidate) -> str:
-        """The state of which a law of another shape takes most of the rest that a lead leaves, '' where none does."""
+        """The state of which a law of another shape takes most of the rest that a lead leaves, '' where none does.
+
+        A law of one effect may be rough; two effects that are laws of one state follow a shape that neither has.
+        """
         law = free_law(self.context, lead.optimum)
         misfit = self.context.coarse_linear.cost - self.context.noise_cost
-        rough = misfit > 0 and law.power > self.criteria.rough * misfit and law.share > 0.5
-        return law.state if rough and law.state in states_of(self.context, lead.optimum) else ""
+        states = states_of_all(self.context, lead.optimum)
+        if law.share <= 0.5 or not any(law.state in own for own in states):
+            return ""
+        patched = len(states) > 1 and set(states) == {frozenset({law.state})}
+        return law.state if patched or law.power > self.criteria.rough * misfit else ""
 
     def patchwork(self, found: Candidate) -> str:
         """The state of which all effects of a candidate of more than two are laws, '' where there is none."""
-        states = set(states_of(self.context, found.optimum)) if len(found.effects) > 2 else set()
-        return states.pop() if len(states) == 1 else ""
+        own = set(states_of_all(self.context, found.optimum)) if len(found.effects) > 2 else set()
+        states = own.pop() if len(own) == 1 else frozenset()
+        return next(iter(states)) if len(states) == 1 else ""
 
     def weight(self, *found: Candidate) -> float:
         """Weight of all candidates that hold the effects of one of some, or effects that contain them."""
