@@ -11,6 +11,8 @@ author = "The stepid developers"
 copyright = "The stepid developers"
 release = version = _version("stepid")
 
+os.environ["STEPID_PROGRESS"] = "0"  # of the notebooks: the widgets of bars would need the network
+
 extensions = [
     "myst_nb",
     "sphinx_copybutton",
