@@ -76,5 +76,5 @@ def test_many_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_true_is_refused_with_the_remedy() -> None:
-    with pytest.raises(InputError, match="progress is True. Give a function, or False"):
+    with pytest.raises(InputError, match=r"progress is True\. Give a function, or False"):
         stepid.diagnose(example.campaign(), progress=True)
