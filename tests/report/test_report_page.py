@@ -19,10 +19,12 @@ import stepid
 from diagnosis_example import changed
 from page_text import Tags, packed
 from stepid.core.estimate import Estimate
+from stepid.core.latex import parameter_name
 from stepid.diagnosis.result import Diagnosis, Gap, RunGap
 from stepid.diagnosis.text import found_sizes
 from stepid.diagnosis.wording import length
 from stepid.report import captions, provenance
+from stepid.report.equation import equation, numbers
 from stepid.report.hand import HandMethod
 from stepid.report.page import Still, _tiles
 from stepid.report.pictures import pictures
@@ -31,15 +33,15 @@ from stepid.report.story import tell
 from stepid.report.write import hand_of
 
 TITLES = [
-    "The runs",
-    "The hand method",
-    "Verification responses",
-    "Where they part",
     "What is missing",
     "The gap, before and after",
     "Parameters",
-    "What to measure next",
+    "Where they part",
+    "What to do next",
     "Notes",
+    "The runs",
+    "The hand method",
+    "Verification responses",
     "Provenance",
 ]
 EVIL = '</script><script>alert(1)</script><img src="http://x.test/a" onerror="alert(2)"> %{x} {{ 7*7 }} <b>'
@@ -75,7 +77,7 @@ def test_what_the_diagnosis_says_stands_in_the_page(page: str) -> None:
         assert rms is not None
         assert length(rms) in text
     for name in d.parameters:
-        assert name in text
+        assert parameter_name(name) in text
     assert "clean and align the rails" in text
 
 
@@ -93,6 +95,37 @@ def test_what_the_named_effect_measures_stands_on_a_card_and_in_the_story(page: 
     assert _tiles(open_)[0][1:] == ("3 N (undetermined)", "")
 
 
+def test_the_answer_stands_first_with_its_equation_and_reasons(page: str) -> None:
+    d = example.named()
+    head = page.split('<dl class="tiles">')[0]
+    assert "(m₀ + added mass) a = K<sub>f</sub> u − c v − k x − F<sub>c</sub> sign(v)" in head
+    told = Tags(head).text
+    assert all(reason in told for reason in d.reasons)
+    values = [unescape(v).replace("\u00a0", " ") for v in re.findall(r"<dt>[^\n]*</dt><dd>([^<]*)</dd>", head)]
+    assert values == [value for _, value in numbers(d)] == [str(found) for found in d.parameters.values()]
+    assert "coulomb_friction.level" not in Tags(page).text
+    folded = re.findall(r'<section id="([\w-]+)"[^>]*>\s*<details>', page)
+    assert folded == ["runs", "by-hand", "verification", "provenance"]
+
+
+def test_laws_that_are_no_force_stand_beside_the_equation() -> None:
+    d = example.named()
+    first, other = equation(changed(d, effects=("coulomb_friction", "actuator_lag")))
+    assert first.endswith("− F_c sign(v)")
+    assert other == "with actuator lag: K_f w, τ w′ = u − w"
+    own = equation(changed(d, effects=("of_my_own",)))
+    assert own[1:] == ("with of my own",)
+
+
+def test_next_steps_are_called_measurements_only_where_they_are() -> None:
+    d = example.named()
+    titles = {
+        bool(a): tell(changed(d, advice=a, next_experiment="record more"), None, provenance.of_data(d))[4].title
+        for a in ({}, {"coulomb_friction": "oil it"})
+    }
+    assert titles == {False: "What to measure next", True: "What to do next"}
+
+
 def test_nothing_has_no_sign() -> None:
     named = example.named()
     close = {name: Estimate(value=e.value * (1 - 1e-6), unit=e.unit) for name, e in named.parameters.items()}
@@ -100,7 +133,7 @@ def test_nothing_has_no_sign() -> None:
     assert "-0.0" not in " ".join(cell for row in hand_method_rows(d, by_hand_of(d).found)[1] for cell in row)
     alt = captions.pull(d).alt
     assert "−0.0" not in alt
-    assert "base_mass 0.00 %" in alt
+    assert "base mass 0.00 %" in alt
 
 
 def by_hand_of(d: Diagnosis) -> HandMethod:
@@ -173,7 +206,7 @@ def test_the_noise_is_named_where_it_lies() -> None:
 def test_candidates_tell_what_they_explain_and_how_probable_they_are(page: str) -> None:
     drawn = json.loads(packed(page, "pictures"))["candidates"]["data"]
     told = {name: words for bars in drawn for name, words in zip(bars["y"], bars["customdata"], strict=True)}
-    assert told["quadratic damping and<br>input delay, start times differ"] == (
+    assert told["quadratic damping and<br>input delay,<br>start times differ"] == (
         "explains 84 % of the misfit<br>probability &lt;1 %"
     )
     assert all("customdata" in bars["hovertemplate"] for bars in drawn)

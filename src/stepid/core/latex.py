@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from stepid.core.estimate import format_value
+from stepid.core.estimate import format_value, prefixed
 from stepid.core.frames import Row
 
 _SPECIAL = {c: f"\\{c}" for c in "&%$#_{}"} | {
@@ -52,6 +52,7 @@ _SYMBOLS = {
     "rad": r"\radian",
     "Hz": r"\hertz",
     "mm": r"\milli\meter",
+    "ms": r"\milli\second",
     "µm": r"\micro\meter",
 }
 _POWERS = {"": "", "²": r"\squared", "³": r"\cubed"}
@@ -115,7 +116,7 @@ def parameter_table(rows: Iterable[Row], *, caption: str | None = None, label: s
         Value and standard uncertainty have the digits that the text tables have.
     """
     lines = [r"\begin{tabular}{lrl}", r"\hline", r"parameter & value & unit \\", r"\hline"]
-    given = list(rows)
+    given = [(name, *prefixed(value, uncertainty, symbol)) for name, value, uncertainty, symbol in rows]
     some = any(uncertainty is not None for _, _, uncertainty, _ in given)
     for name, value, uncertainty, symbol in given:
         remark = " (undetermined)" if some and uncertainty is None else ""

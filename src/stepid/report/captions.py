@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from stepid.core.latex import parameter_name
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.wording import candidate_name, digits, length
 from stepid.report.chapter import Picture
@@ -115,7 +116,7 @@ def gap_runs(d: Diagnosis) -> Picture:
 
 def pull(d: Diagnosis) -> Picture:
     """How far the missing effect pulled the linear fit's numbers."""
-    said = [f"{name} {_signed(off)} %" for name, off, _ in linear_pull(d)]
+    said = [f"{parameter_name(name)} {_signed(off)} %" for name, off, _ in linear_pull(d)]
     return Picture(
         name="pull",
         title="How far the linear fit is off without the effect",

@@ -10,6 +10,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from stepid.core.base import Array
+from stepid.core.latex import parameter_name
 from stepid.diagnosis.result import Diagnosis, Ranked, RunGap
 from stepid.diagnosis.wording import candidate_name, chance, per_cent
 from stepid.plot.causes import jump_ends, leading
@@ -214,7 +215,7 @@ def _candidates(d: Diagnosis) -> go.Figure:
     values = [1e6 * v for v in (d.gap.noise, *(one.rms for one, _ in shown)) if v > 0] or [1.0]
     figure.update_xaxes(type="log", range=[np.log10(0.5 * min(values)), np.log10(2.5 * max(values))], dtick=1)
     figure.update_yaxes(categoryorder="array", categoryarray=names[::-1], automargin=True)
-    figure.update_layout(height=124 + BAR * len(shown))
+    figure.update_layout(height=124 + BAR * len(shown) + 15 * "".join(names).count("<br>"))
     return figure
 
 
@@ -225,13 +226,13 @@ def _worth(one: Ranked) -> str:
 
 def _broken(name: str) -> str:
     """A long name on lines of its own."""
-    return escape(name).replace(" and ", " and<br>")
+    return escape(name).replace(" and ", " and<br>").replace(", ", ",<br>")
 
 
 def _pull(d: Diagnosis) -> go.Figure:
     figure = framed(go.Figure(), x="linear fit off by [%]", y="")
     rows = linear_pull(d)
-    names, reach = [escape(name) for name, _, _ in rows], [reach for _, _, reach in rows]
+    names, reach = [escape(parameter_name(name)) for name, _, _ in rows], [reach for _, _, reach in rows]
     figure.add_scatter(
         x=_listed(np.array([off for _, off, _ in rows])),
         y=names,
