@@ -24,7 +24,6 @@ from stepid.diagnosis.result import Diagnosis, Gap, RunGap
 from stepid.diagnosis.text import found_sizes
 from stepid.diagnosis.wording import length
 from stepid.report import captions, provenance
-from stepid.report.equation import equation, numbers
 from stepid.report.hand import HandMethod
 from stepid.report.page import Still, _tiles
 from stepid.report.pictures import pictures
@@ -93,37 +92,6 @@ def test_what_the_named_effect_measures_stands_on_a_card_and_in_the_story(page: 
     open_ = changed(d, parameters=d.parameters | {"coulomb_friction.level": Estimate(value=3.0, unit="N")})
     assert _tiles(tiny)[0][1:] == ("(3.00 ± 0.20)e-11", "")
     assert _tiles(open_)[0][1:] == ("3 N (undetermined)", "")
-
-
-def test_the_answer_stands_first_with_its_equation_and_reasons(page: str) -> None:
-    d = example.named()
-    head = page.split('<dl class="tiles">')[0]
-    assert "(m₀ + added mass) a = K<sub>f</sub> u − c v − k x − F<sub>c</sub> sign(v)" in head
-    told = Tags(head).text
-    assert all(reason in told for reason in d.reasons)
-    values = [unescape(v).replace("\u00a0", " ") for v in re.findall(r"<dt>[^\n]*</dt><dd>([^<]*)</dd>", head)]
-    assert values == [value for _, value in numbers(d)] == [str(found) for found in d.parameters.values()]
-    assert "coulomb_friction.level" not in Tags(page).text
-    folded = re.findall(r'<section id="([\w-]+)"[^>]*>\s*<details>', page)
-    assert folded == ["runs", "by-hand", "verification", "provenance"]
-
-
-def test_laws_that_are_no_force_stand_beside_the_equation() -> None:
-    d = example.named()
-    first, other = equation(changed(d, effects=("coulomb_friction", "actuator_lag")))
-    assert first.endswith("− F_c sign(v)")
-    assert other == "with actuator lag: K_f w, τ w′ = u − w"
-    own = equation(changed(d, effects=("of_my_own",)))
-    assert own[1:] == ("with of my own",)
-
-
-def test_next_steps_are_called_measurements_only_where_they_are() -> None:
-    d = example.named()
-    titles = {
-        bool(a): tell(changed(d, advice=a, next_experiment="record more"), None, provenance.of_data(d))[4].title
-        for a in ({}, {"coulomb_friction": "oil it"})
-    }
-    assert titles == {False: "What to measure next", True: "What to do next"}
 
 
 def test_nothing_has_no_sign() -> None:
