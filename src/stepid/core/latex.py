@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from stepid.core.estimate import format_value
+from stepid.core.estimate import format_value, prefixed
 from stepid.core.frames import Row
 from stepid.core.quantities import spoken_now
 
@@ -53,6 +53,7 @@ _SYMBOLS = {
     "rad": r"\radian",
     "Hz": r"\hertz",
     "mm": r"\milli\meter",
+    "ms": r"\milli\second",
     "µm": r"\micro\meter",
     "mrad": r"\milli\radian",
     "µrad": r"\micro\radian",
@@ -118,7 +119,7 @@ def parameter_table(rows: Iterable[Row], *, caption: str | None = None, label: s
         Value and standard uncertainty have the digits that the text tables have.
     """
     lines = [r"\begin{tabular}{lrl}", r"\hline", r"parameter & value & unit \\", r"\hline"]
-    given = list(rows)
+    given = [(name, *prefixed(value, uncertainty, symbol)) for name, value, uncertainty, symbol in rows]
     quantities = spoken_now()
     some = any(uncertainty is not None for _, _, uncertainty, _ in given)
     for name, value, uncertainty, symbol in given:

@@ -151,6 +151,7 @@ def _search(
 ) -> list[Candidate]:
     def told(search: Search, proposal: Proposal) -> None:
         words = " + ".join([*(e.name for e in proposal.effects), *sorted(proposal.deviations)])
-        tell(Progress(words, best=search.best.names, left=search.left, promise=search.promise))
+        done = search.fits - 1  # this one is not
+        tell(Progress(words, best=search.best.names, done=done, left=search.left, promise=search.promise))
 
     return Search(context, catalogue, criteria=criteria, effort=effort, tell=told).run()

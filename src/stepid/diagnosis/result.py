@@ -101,6 +101,8 @@ class Where(Model):
         Correlation (−1 … 1) of the runs' RMS with "mass", "size" and "direction" of the step, where they vary.
     sentences : tuple of str
         The same in words.
+    jump : float or None
+        N, by how much the residual force jumps where the velocity changes sign; None where it has no such shape.
     """
 
     phases: Mapping[str, NonNegative]
@@ -111,6 +113,7 @@ class Where(Model):
     runs: Mapping[str, NonNegative]
     trends: Mapping[str, Finite]
     sentences: tuple[str, ...]
+    jump: Finite | None = None
 
     def summary(self) -> str:
         """Return the sentences, one a line."""

@@ -10,7 +10,7 @@ from typing import Any, Self
 from pydantic import model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive
-from stepid.core.estimate import format_value
+from stepid.core.estimate import format_value, prefixed
 from stepid.core.latex import parameter_table
 from stepid.core.quantities import InputUnit, Motion
 from stepid.core.tables import html_table, text_table
@@ -153,7 +153,8 @@ class Characteristics(Model):
         for field, unit in _UNITS.items():
             value = getattr(self, field)
             if value is not None:
-                rows.append((field.replace("_", " "), format_value(value, getattr(self.uncertainty, field)), unit))
+                shown, spread, own = prefixed(value, getattr(self.uncertainty, field), unit)
+                rows.append((field.replace("_", " "), format_value(shown, spread), own))
         return rows
 
     def __repr__(self) -> str:
