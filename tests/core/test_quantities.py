@@ -203,3 +203,11 @@ def test_mistakes_in_manifests(tmp_path: Path, old: str, new: str, said: str) ->
     with pytest.raises(InputError) as refused:
         stepid.read_campaign(tmp_path)
     assert said in str(refused.value)
+
+
+def test_the_equation_of_motion_of_a_disk() -> None:
+    law = "(m₀ + added mass) a = K_f u − c v − k x − F_c sign(v)"
+    turned = "(J₀ + added inertia) α = K_T u − c ω − k θ − T_c sign(ω)"
+    disk = Quantities("rotation", "V")
+    assert disk.law(law) == disk.law(turned) == turned
+    assert CART.law(law) == law

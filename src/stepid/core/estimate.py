@@ -34,12 +34,12 @@ def format_value(value: float, uncertainty: float | None) -> str:
     return f"({value / 10**scale:.{places}f} ± {uncertainty / 10**scale:.{places}f})e{scale}"
 
 
-_SHORT = 0.1  # m or s
+_SHORT = 0.1  # m, s or rad
 
 
 def prefixed(value: float, uncertainty: float | None, unit: str) -> tuple[float, float | None, str]:
-    """Return a short length or time in mm or ms, as people read it: ``(0.5, 0.01, "mm")``; others as they are."""
-    if unit not in ("m", "s") or not 0 < max(abs(value), uncertainty or 0.0) < _SHORT:
+    """Return a short length, time or angle in mm, ms or mrad: ``(0.5, 0.01, "mm")``; others as they are."""
+    if unit not in ("m", "s", "rad") or not 0 < max(abs(value), uncertainty or 0.0) < _SHORT:
         return value, uncertainty, unit
     return 1e3 * value, None if uncertainty is None else 1e3 * uncertainty, f"m{unit}"
 

@@ -13,7 +13,14 @@ from functools import wraps
 from itertools import chain
 from typing import Any, Literal, NamedTuple, ParamSpec, TypeVar
 
-from stepid.core.vocabulary import is_word, translated_formula, translated_page, translated_text, translated_unit
+from stepid.core.vocabulary import (
+    is_word,
+    translated_formula,
+    translated_law,
+    translated_page,
+    translated_text,
+    translated_unit,
+)
 from stepid.errors import StepidError
 
 P = ParamSpec("P")
@@ -64,6 +71,10 @@ class Quantities(NamedTuple):
     def formula(self, latex: str) -> str:
         """Translate the symbols of a formula: mass, position and velocity are moment of inertia, angle and its rate."""
         return translated_formula(latex) if self.motion == "rotation" else latex
+
+    def law(self, law: str) -> str:
+        """Translate a law or an equation in plain text: its letters, and the words in it."""
+        return self.text(translated_law(law)) if self.motion == "rotation" else law
 
     def html(self, page: str) -> str:
         """Translate what a page shows and says, not its tags, styles and scripts."""

@@ -42,6 +42,8 @@ _WORDS = {  # of a cart, of a disk; the first that fits
 }
 _TURNED_SYMBOLS = {"m": "J", "x": r"\theta", "v": r"\omega", "K_f": "K_T"}
 _SYMBOL = re.compile(r"(?<![\\A-Za-z])(?:K_f|[mxv])(?![A-Za-z])")
+_TURNED_LETTERS = {"m₀": "J₀", "m": "J", "K_f": "K_T", "F_c": "T_c", "x_s": "θ_s", "x": "θ", "v": "ω"}
+_LETTER = re.compile(r"(?<!\w)(?:m₀|K_f|F_c|x_s|[mxv]|a(?= =))(?!\w)")
 _VOLTS = {"A": "amperes", "N": "newtons", "N·m": "newton meters"}
 _ATOM = r"(?:kg|[mcµ]?m|m?[NVA]|m?s|[mcµ]?rad|1)(?:[²³]|\^\w+)?"
 _PART = rf"(?:{_ATOM}|\({_ATOM}(?:[·/]{_ATOM})*\)(?:\^\w+)?)"
@@ -75,6 +77,11 @@ def translated_page(page: str, motion: str, input_unit: str, kept: frozenset[str
 def translated_formula(latex: str) -> str:
     """Translate the symbols of a formula to those of a disk that turns."""
     return _SYMBOL.sub(lambda found: _TURNED_SYMBOLS[found[0]], latex)
+
+
+def translated_law(law: str) -> str:
+    """Translate the letters of a law or an equation in plain text to those of a disk that turns."""
+    return _LETTER.sub(lambda found: _TURNED_LETTERS.get(found[0], "α"), law)
 
 
 @lru_cache(maxsize=64)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from stepid.core.estimate import Estimate
 from stepid.core.latex import parameter_name
+from stepid.core.quantities import quantities_of
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.wording import effect_names
 from stepid.effects import CATALOGUE
@@ -26,20 +27,22 @@ def equation(d: Diagnosis) -> tuple[str, ...]:
     tuple of str
         For example ``("(m₀ + added mass) a = K_f u − c v − k x − F_c sign(v)",)``.
     """
+    said = quantities_of(d)
     first, others = "(m₀ + added mass) a = K_f u − c v − k x", []
     for name in d.effects:
         law = _LAWS.get(name, "")
         if law[:1] in ("−", "+") and "," not in law and " beyond " not in law:
             first += f" {law[0]} {law[1:]}"
         else:
-            others.append(f"with {effect_names((name,))}" + (f": {law}" if law else ""))
-    return first, *others
+            others.append(f"with {effect_names((name,))}" + (f": {said.law(law)}" if law else ""))
+    return said.law(first), *others
 
 
 def numbers(d: Diagnosis) -> tuple[tuple[str, str], ...]:
     """Name each number of the equation, with its value, standard uncertainty and unit."""
     found: Mapping[str, Estimate] = d.parameters
-    return tuple((_symbol(name), str(value)) for name, value in found.items())
+    said = quantities_of(d)
+    return tuple((said.law(_symbol(name)), str(value)) for name, value in found.items())
 
 
 def _symbol(name: str) -> str:
