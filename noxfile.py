@@ -8,7 +8,7 @@ from pathlib import Path
 
 import nox
 
-nox.options.sessions = ["lint", "tests", "oldest", "newest"]
+nox.options.sessions = ["lint", "tests", "oldest", "newest", "docs", "build"]
 nox.options.reuse_existing_virtualenvs = True
 PROJECT = tomllib.loads((Path(__file__).parent / "pyproject.toml").read_text(encoding="utf-8"))
 VERSIONS = re.findall(r"Python :: (3\.\d+)", "\n".join(PROJECT["project"]["classifiers"]))
@@ -88,3 +88,27 @@ def lint(session: nox.Session) -> None:
     session.run("ruff", "format", "--check")
     session.run("mypy")
     session.run("lint-imports")
+
+
+@nox.session(python=VERSIONS[0])
+def docs(session: nox.Session) -> None:
+    """The site, with every notebook run; a warning is an error."""
+    session.install("--upgrade", "pip>=25.1")
+    session.install("-e", ".[all]", "--group", "docs")
+    session.run("sphinx-build", "-n", "-W", "--keep-going", "docs", str(Path(session.create_tmp()) / "site"))
+
+
+@nox.session(python=VERSIONS[0])
+def build(session: nox.Session) -> None:
+    """The source distribution and the wheel: what a package index will say of them, and the wheel installed."""
+    session.install("--upgrade", "pip>=25.1")
+    session.install("--group", "release")
+    dist = Path(session.create_tmp()) / "dist"
+    for old in dist.glob("*"):
+        old.unlink()
+    session.run("python", "-m", "build", "--outdir", str(dist))
+    session.run("twine", "check", "--strict", *map(str, dist.glob("*")))
+    (wheel,) = dist.glob("*.whl")
+    session.install("--force-reinstall", f"stepid[all] @ {wheel.resolve().as_uri()}")
+    session.run("stepid", "--version")
+    session.run("stepid", "paper", silent=True)  # its data came along

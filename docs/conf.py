@@ -11,13 +11,17 @@ author = "The stepid developers"
 copyright = "The stepid developers"
 release = version = _version("stepid")
 
+os.environ["STEPID_PROGRESS"] = "0"  # of the notebooks: the widgets of bars would need the network
+
 extensions = [
     "myst_nb",
+    "sphinx_copybutton",
     "sphinx_design",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
+    "sphinx-mathjax-offline",  # formulas need no network: MathJax and its fonts are part of the site
 ]
 if os.environ.get("STEPID_DOCS_LINKS"):  # needs the network: links from types and functions to other projects' pages
     extensions.append("sphinx.ext.intersphinx")
@@ -31,6 +35,8 @@ if os.environ.get("STEPID_DOCS_LINKS"):  # needs the network: links from types a
     }
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
+copybutton_prompt_text = "$ "
+copybutton_only_copy_prompt_lines = True  # of a console, the commands; blocks without a prompt whole
 exclude_patterns = ["_build", "jupyter_execute"]
 nb_execution_mode = "cache"  # notebooks are kept without outputs; -D nb_execution_mode=off builds without running them
 nb_execution_in_temp = True

@@ -117,6 +117,7 @@ def diagnosis() -> Diagnosis:
         runs={run.name: run.before for run in runs},
         trends={},
         sentences=("largest in the ring-down",),
+        jump=-0.6,
     )
     plain = stepid.PlantModel(
         base_mass={"cart": 0.95}, stiffness={"medium": 216.0}, damping={"1/2 turn": 14.0}, force_gain=7.8

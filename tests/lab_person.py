@@ -26,6 +26,9 @@ QUESTIONS = {
     "How large was the step": "step",
     "How many kg is one weight": "weight",
     "Which masses were added": "added_mass",
+    "How many counts are one radian": "counts_per_meter",
+    "How many kg·m² is one weight": "weight",
+    "Which inertias were added": "added_mass",
 }
 
 

@@ -138,6 +138,8 @@ def test_paper_and_browsers_without_scripts_get_still_pictures(visit: Window, at
     at.page.emulate_media(media="screen", color_scheme="light")
     bare = visit(scripts=False)
     bare.page.goto(report_example.page().as_uri())
+    for folded in bare.page.locator("summary").all():
+        folded.click()
     assert bare.page.locator("img.still:visible").count() == 6
     assert bare.page.locator(".plot:visible, .runs:visible").count() == 0
     sizes = bare.page.evaluate("[...document.querySelectorAll('img.still')].map(image => image.naturalWidth)")

@@ -31,7 +31,8 @@ class Visit:
         return found
 
     def draw_all(self) -> None:
-        """Scroll through the page, so that every picture is drawn."""
+        """Unfold and scroll through the page, so that every picture is drawn."""
+        self.page.evaluate("document.querySelectorAll('details').forEach((one) => (one.open = true))")
         for plot in self.page.locator(".plot:visible").all():
             plot.scroll_into_view_if_needed()
             plot.locator(".main-svg").first.wait_for(state="attached")

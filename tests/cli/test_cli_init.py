@@ -112,3 +112,55 @@ def test_options_for_recordings_are_refused_beside_a_manifest(
     assert run(["init", *three_runs(tmp_path), "--added-mass", "0,0.5,1"]) == 0
     assert run(["diagnose", str(tmp_path), "--added-mass", "0,0.5,1"]) == 2
     assert "--added-mass is for recordings" in capsys.readouterr().err
+
+
+def turning(folder: Path, head: str = "t_s,angle_deg,torque [Nm]\n") -> list[str]:
+    files = three_runs(folder, head)
+    for file, name in zip(files, ("bare", "with_0.5kg", "two"), strict=True):
+        Path(file).rename(folder / f"{name}.csv")
+    return [str(folder / f"{name}.csv") for name in ("bare", "with_0.5kg", "two")]
+
+
+def test_what_is_in_degrees_turns(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    files = turning(tmp_path)
+    assert run(["init", *files]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "Which inertias were added, in kg·m² (bare, two, with 0.5kg)? (--added-mass)" in told
+    assert "0.5 kg were added by the name: give their moment of inertia, in kg·m²" in told
+    assert run(["init", *files, "--added-mass", "0,0.01,0.02", "--force"]) == 0
+    text = (tmp_path / "campaign.toml").read_text(encoding="utf-8")
+    assert 'motion = "rotation"' in text
+    assert "position_scale = 0.017453292519943295  # rad per deg, by its name" in text
+    assert "# kg·m², as you said" in text
+    assert "kg were added" not in text
+    read = stepid.read_campaign(tmp_path)
+    assert (read.motion, read.input_unit) == ("rotation", "N·m")
+    assert np.ptp(read["bare"].position) < 0.5
+
+
+def test_counts_turn_where_it_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    files = three_runs(tmp_path, "t_s,x_counts,current_A\n")
+    said = ["--added-mass", "0,0.01,0.02", "--motion", "rotation"]
+    assert run(["init", *files, *said]) == 0
+    assert "How many counts are one radian? (--counts-per-meter)" in " ".join(capsys.readouterr().out.split())
+    assert run(["init", *files, *said, "--counts-per-meter", "2546.5", "--force"]) == 0
+    read = stepid.read_campaign(tmp_path)
+    assert (read.motion, read.input_unit, read["case 1"].counts_per_meter) == ("rotation", "A", 2546.5)
+    assert run(["init", *files, "--motion", "sideways", "--force"]) == 2
+    assert "motion is 'sideways'. Give translation or rotation." in capsys.readouterr().err
+
+
+def test_an_angle_driven_by_a_force_is_no_rotation_yet(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    files = turning(tmp_path, "t_s,angle_deg,force_N\n")
+    assert run(["init", *files, "--added-mass", "0,0.01,0.02"]) == 0
+    assert 'with motion = "rotation" give the torque in N·m' in " ".join(capsys.readouterr().out.split())
+    assert (stepid.read_campaign(tmp_path).motion, stepid.read_campaign(tmp_path).input_unit) == ("translation", "N")
+
+
+def test_degrees_are_not_taken_for_radians(tmp_path: Path) -> None:
+    (file, *_) = turning(tmp_path)
+    with pytest.raises(stepid.errors.InputError, match="'angle_deg' is in deg by its name") as refused:
+        stepid.read_table(
+            file, time="t_s", position="angle_deg", input=2, name="r", added_mass=0.0, spring="s", damper="d"
+        )
+    assert "Give position_scale = 0.0174532925199" in str(refused.value)

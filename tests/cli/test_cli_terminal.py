@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -28,11 +29,11 @@ def ask(variables: dict[str, str], *arguments: str) -> subprocess.CompletedProce
     )
 
 
-def on_terminal(arguments: list[str], variables: dict[str, str]) -> str:
+def on_terminal(arguments: list[str], variables: dict[str, str], program: Sequence[str] = STEPID) -> str:
     """What the command writes where both its streams are a terminal."""
     leader, follower = pty.openpty()
     environment = PLAIN | {"TERM": "xterm-256color", "COLUMNS": "200"} | variables
-    child = subprocess.Popen([*STEPID, *arguments], env=environment, stdout=follower, stderr=follower)
+    child = subprocess.Popen([*program, *arguments], env=environment, stdout=follower, stderr=follower)
     os.close(follower)
     chunks = []
     while True:
@@ -225,3 +226,32 @@ def test_no_arguments_shows_the_help() -> None:
     done = ask({})
     assert done.returncode == 2
     assert "Usage: stepid" in done.stdout + done.stderr
+
+
+# ---- progress -----------------------------------------------------------------------------------------------------
+
+TOLD = """
+from stepid.cli.bar import showing
+with showing(lines=True, bar=True) as tell:
+    tell("diagnosing: linear fit")
+    tell("diagnosing: free [play]", 3, 9)
+    import time; time.sleep(0.3)
+"""
+
+
+def test_a_terminal_shows_a_bar_with_counts() -> None:
+    shown = on_terminal([], {}, program=[sys.executable, "-c", TOLD])
+    assert "3/12" in shown
+    assert "━" in shown
+    assert "free [play]" in shown
+
+
+def test_a_pipe_gets_lines() -> None:
+    piped = subprocess.run([sys.executable, "-c", TOLD], env=PLAIN, capture_output=True, text=True, check=True)
+    assert piped.stderr == "diagnosing: linear fit\ndiagnosing: free [play]\n"
+    assert piped.stdout == ""
+
+
+def test_the_environment_switches_the_bar_off() -> None:
+    shown = on_terminal([], {"STEPID_PROGRESS": "0"}, program=[sys.executable, "-c", TOLD])
+    assert "━" not in shown

@@ -18,6 +18,7 @@ from stepid.diagnosis import gather, vetoes
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.explore import linear_candidate
+from stepid.diagnosis.free_law import FreeLaw
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.verdict import leads, linear_is_enough
@@ -89,10 +90,22 @@ def lead(*, share: float = 0.9, steady: float = 0.6, weight: float = 0.97) -> Ca
             weight=lambda *_: weight,
             share=lambda _: (share, steady),
             times=lambda _: 3.0,
+            refuted=lambda _: "",
         )
         return leads(e) is not None
 
     return decide
+
+
+def rough(criteria: Criteria) -> str:
+    """The state whose law refutes a lead that leaves 2 % of the misfit to a law of another shape."""
+    told: Any = context()
+    told.coarse_linear, told.noise_cost = SimpleNamespace(cost=101.0), 1.0
+    law = FreeLaw("velocity", share=0.8, power=2.0)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(gather, "free_law", lambda *_: law)
+        patch.setattr(gather, "states_of_all", lambda *_: (frozenset({"velocity"}),))
+        return EvidenceRecord(told, criteria, ()).refuted(candidate(["quadratic_damping"], times=3.0))
 
 
 def open_parameters(criteria: Criteria) -> tuple[str, ...]:
@@ -151,6 +164,7 @@ CASES: Mapping[str, Case] = {
     "open": Case(0.5, (), 0.2, ("coulomb_friction.level",), open_parameters),
     "lead": Case(0.85, True, 0.95, False, lead()),
     "sure": Case(0.95, True, 0.99, False, lead()),
+    "rough": Case(0.01, "velocity", 0.05, "", rough),
     "steady": Case(0.4, True, 0.8, False, lead()),
     "first": Case(0.4, 0.6, 0.7, 0.3, first),
     "resolution": Case(0.8, True, 0.05, False, imitates("periodic_disturbance", 0.1, 4.0)),

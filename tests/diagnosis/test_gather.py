@@ -9,6 +9,7 @@ import pytest
 
 from made_up_evidence import FLOOR, RUNS, candidate, evidence
 from stepid.diagnosis import gather, vetoes
+from stepid.diagnosis.free_law import FreeLaw
 from stepid.diagnosis.selection.candidate import includes
 from stepid.effects import resolve
 
@@ -108,3 +109,37 @@ def test_the_law_that_weighty_candidates_share_leads() -> None:
     e = evidence(best, shared, candidate(["sine_stiffness", "coulomb_friction", "flexible_coupling"], times=2.9))
     assert e.weight(best) < e.criteria.sure <= e.weight(shared)
     assert e.lead.names == shared.names
+
+
+@pytest.mark.parametrize(
+    ("names", "states", "share", "told"),
+    [
+        (["cogging", "cubic_stiffness"], ["position", "position"], 0.9, "position"),  # two follow what neither is
+        (["cogging", "quadratic_damping"], ["position", "velocity"], 0.9, ""),
+        (["cogging", "cubic_stiffness"], ["position", "position"], 0.4, ""),
+        (["cubic_stiffness"], ["position"], 0.9, ""),  # one may be rough
+        (["quadratic_damping"], ["velocity"], 0.9, ""),
+    ],
+)
+def test_two_laws_of_one_state_leave_no_rest_of_it(
+    names: list[str], states: list[str], share: float, told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lead = candidate(names, times=3.0)
+    e = evidence(lead)
+    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
+    slight = 0.1 * e.criteria.rough * LINEAR.optimum.cost
+    monkeypatch.setattr(gather, "free_law", lambda *_: FreeLaw("position", share, slight))
+    monkeypatch.setattr(gather, "states_of_all", lambda *_: tuple(frozenset({s}) for s in states))
+    assert e.refuted(lead) == told
+
+
+def test_three_laws_of_one_state_are_a_patchwork(monkeypatch: pytest.MonkeyPatch) -> None:
+    three, mixed = (candidate(["cogging", "end_stop", other]) for other in ("cubic_stiffness", "quadratic_damping"))
+    velocity = {"quadratic_damping": "velocity"}
+    monkeypatch.setattr(
+        gather, "states_of_all", lambda _, o: tuple(frozenset({velocity.get(n, "position")}) for n in o.names)
+    )
+    for found in (three, mixed, PLAY):
+        found.optimum.names = found.names  # type: ignore[attr-defined]
+    e = evidence(three)
+    assert [e.patchwork(c) for c in (three, mixed, PLAY)] == ["position", "", ""]

@@ -56,11 +56,11 @@ def node(fit: FitContext, effects: Values | None = None) -> Node:
     """A node at these values, a few steps on; without effects the linear plant."""
     if not effects:
         root = CandidateFit(fit, ())
-        root.best, root.polished = fit.outline, fit.linear
+        root.best, root.polished = fit.coarse_linear, fit.linear
         return Node(root)
     fitted = CandidateFit(fit, resolve(tuple(effects)))
     values = tuple(tuple(own.values()) for own in effects.values())
-    fitted.begin([Start(fit.outline.shared, values)], like=fit.outline, laps=10)
+    fitted.begin([Start(fit.coarse_linear.shared, values)], like=fit.coarse_linear, laps=10)
     return Node(fitted)
 
 
@@ -185,7 +185,7 @@ def test_drop_takes_each_effect_away() -> None:
 def test_drop_takes_conditions_away_too() -> None:
     fit = prepared("gain")
     both = Node(CandidateFit(fit, (), frozenset({"gain", "start_time"})))
-    both.fitted.best = fit.outline
+    both.fitted.best = fit.coarse_linear
     found = Drop().propose(both, context(fit))
     sound(Drop(), both, found)
     assert [p.deviations for p in found] == [frozenset({"start_time"}), frozenset({"gain"})]
@@ -214,7 +214,7 @@ def test_deviate_frees_each_condition_that_is_not_free() -> None:
     assert best.left < 0.1 * root.cost
     assert best.costly > 1
     again = Node(CandidateFit(fit, (), frozenset({"gain"})))
-    again.fitted.best = fit.outline
+    again.fitted.best = fit.coarse_linear
     assert all(p.deviations > {"gain"} for p in Deviate().propose(again, context(fit)))
 
 

@@ -13,7 +13,7 @@ from hidden.sets import one
     "number",
     [
         pytest.param(41, id="a pair is at the floor, a better one not yet raced"),
-        pytest.param(61, id="a pair is at the floor of a sketch, not of all samples"),
+        pytest.param(61, id="a pair is at the floor of decimated records, not of all samples"),
         pytest.param(63, id="a heavy second mass"),
         pytest.param(205, id="a disturbance above the plant, found by its line, its phases by trying"),
         pytest.param(

@@ -42,6 +42,7 @@ class Told:
     stood_for: tuple[tuple[str, ...], ...] = ()
     floored: tuple[str, ...] = ("coulomb_friction", "free_play")
     input_fault: InputFault | None = None
+    other_shape: str = ""
     criteria: Criteria = field(default_factory=Criteria)
     context: object = field(default_factory=context)
 
@@ -56,6 +57,12 @@ class Told:
 
     def weight(self, *found: Candidate) -> float:
         return self.held
+
+    def refuted(self, lead: Candidate) -> str:
+        return self.other_shape
+
+    def patchwork(self, found: Candidate) -> str:
+        return self.other_shape if len(found.effects) > 2 else ""
 
     def share(self, found: Candidate) -> tuple[float, float]:
         return self.share_taken
@@ -82,6 +89,7 @@ def test_the_rules_stand_in_this_order() -> None:
         "weights_are_enough",
         "runs_differ",
         "freedom_is_untested",
+        "shape_is_patched",
         "complete_but_open",
         "complete",
         "leads",
@@ -187,6 +195,22 @@ def test_a_lead_takes_most_on_runs_left_out() -> None:
     assert (found.verdict, found.shown.names) == ("named", ("quadratic_damping",))
     assert "95 % of the misfit's power" in found.reasons[0]
     assert "3 times the noise floor" in found.reasons[1]
+
+
+def test_three_laws_of_one_state_name_none() -> None:
+    three = candidate(["cubic_stiffness", "end_stop", "quadratic_stiffness"])
+    found = ask("shape_is_patched", best=three, floored=three.names, other_shape="position")
+    assert found is not None
+    assert found.verdict == "unexplained"
+    assert "a law of any shape" in found.reasons[-2]
+    assert ask("shape_is_patched", best=three, floored=three.names) is None
+
+
+def test_a_law_of_another_shape_refutes_a_lead() -> None:
+    found = ask("leads", lead=candidate(["cubic_stiffness"], times=3.0), other_shape="position")
+    assert found is not None
+    assert (found.verdict, found.alternatives) == ("unexplained", ())
+    assert found.reasons[-1] == "A force of position of another shape takes most of what it leaves: no effect is named."
 
 
 def test_what_the_data_do_not_tell_from_a_lead_is_told() -> None:

@@ -83,15 +83,14 @@ def test_the_readmes_table_manifest_reads_as_its_python_does(lab: Path) -> None:
     assert stepid.identify(rig).stiffness["medium"] == pytest.approx(stepid.identify(other).stiffness["spring"])
 
 
-def test_readme_has_its_two_commands() -> None:
+def test_readme_has_its_commands() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     commands = dict(re.findall(r"<!-- command: (\w+) -->\n```bash\n(.+)\n```", text))
-    assert commands.keys() == {"paper", "tests"}
+    assert commands.keys() == {"paper", "tests", "docs"}
     assert commands["paper"].endswith("stepid paper --out out")
     assert commands["tests"].endswith("pytest -n auto")
     ci = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
-    assert "readme paper" in ci
-    assert "readme tests" in ci
+    assert all(f"readme {name})" in ci for name in commands)  # run there in fresh environments
     shown = subprocess.run(
         ["bash", "-c", re.search(r"^readme\(\).*$", ci, re.MULTILINE)[0] + "; readme tests"],  # type: ignore[index]
         cwd=ROOT,
@@ -100,6 +99,20 @@ def test_readme_has_its_two_commands() -> None:
         text=True,
     )
     assert shown.stdout.strip() == commands["tests"]
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "CONTRIBUTING.md"], ids=lambda p: p.name)
+def test_commands_install_what_there_is_with_the_pip_that_python_brings(page: Path) -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    text = page.read_text(encoding="utf-8")
+    commands = [body for language, body in blocks(page) if language == "bash"]
+    commands += [words for words in re.findall(r"`([^`\n]+)`", text) if words.startswith(("pip ", "python -m pip"))]
+    for command in commands:
+        extras = [name for part in re.findall(r"(?:stepid|\.)\[([\w,]+)\]", command) for name in part.split(",")]
+        assert set(extras) <= project["project"]["optional-dependencies"].keys(), command
+        first, *groups = re.split(r"--group +(?=\w)", command)
+        assert {re.match(r"\w+", group)[0] for group in groups} <= project["dependency-groups"].keys(), command  # type: ignore[index]
+        assert not groups or "python -m pip install --upgrade pip" in first, "a group needs pip 25.1: upgrade it first"
 
 
 def test_pictures_of_the_pages_exist() -> None:
@@ -167,4 +180,8 @@ def test_site_builds_without_a_warning(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "sphinx", "-n", "-W", "--keep-going", "-q", *quick, "docs", str(tmp_path / "site")]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, env={**os.environ})
     assert done.returncode == 0, done.stderr
-    assert (tmp_path / "site" / "theory.html").is_file()
+    assert "_static/mathjax/" in (tmp_path / "site" / "theory.html").read_text(encoding="utf-8")
+    assert (tmp_path / "site" / "_static" / "mathjax" / "tex-chtml.js").is_file()
+    loads = re.compile(r'<(?:script|link)\b[^>]*(?:src|href)="https?:')  # the site is to be read without network
+    for page in (tmp_path / "site").rglob("*.html"):
+        assert not loads.search(page.read_text(encoding="utf-8")), page.name

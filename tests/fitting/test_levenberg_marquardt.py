@@ -41,21 +41,21 @@ def test_the_square_of_a_residual_is_the_same_wherever_its_arrays_lie() -> None:
 
 
 def test_identical_fits_end_alike_to_the_last_bit(context: FitContext) -> None:
-    problem = build(context.sketch, resolve(("power_damping",)))
+    problem = build(context.decimated, resolve(("power_damping",)))
     shared, _ = start(context, 1.3)
     ends = []
     for size in (1, 77, 1503):
         _kept = np.empty(size)  # the next arrays lie elsewhere
-        found = minimize(problem, shared, start_local(problem, context.outline), iterations=6)
+        found = minimize(problem, shared, start_local(problem, context.coarse_linear), iterations=6)
         assert found is not None
         ends.append((found.cost, *found.shared))
     assert ends[0] == ends[1] == ends[2]
 
 
 def test_a_power_moves_along_its_force_at_the_speeds_that_occur(context: FitContext) -> None:
-    problem = build(context.sketch, resolve(("power_damping",)))
+    problem = build(context.decimated, resolve(("power_damping",)))
     shared, _ = start(context, 1.3)
-    solved = problem.solve(shared, start_local(problem, context.outline))
+    solved = problem.solve(shared, start_local(problem, context.coarse_linear))
     assert solved is not None
     inner = _Coordinates(problem, shared, solved)
     step = np.zeros(int(problem.free.sum()))
@@ -72,13 +72,13 @@ def test_a_power_moves_along_its_force_at_the_speeds_that_occur(context: FitCont
 
 
 def test_a_fit_that_cannot_reach_its_aim_ends(context: FitContext) -> None:
-    problem = build(context.sketch, ())
-    begin = context.outline.shared.copy()
+    problem = build(context.decimated, ())
+    begin = context.coarse_linear.shared.copy()
     begin[problem.layout.damping] *= 1.5
-    local = start_local(problem, context.outline)
+    local = start_local(problem, context.coarse_linear)
     whole = minimize(problem, begin, local)
-    near = minimize(problem, begin, local, aim=1.1 * context.outline.cost)
-    far = minimize(problem, begin, local, aim=0.01 * context.outline.cost)
+    near = minimize(problem, begin, local, aim=1.1 * context.coarse_linear.cost)
+    far = minimize(problem, begin, local, aim=0.01 * context.coarse_linear.cost)
     assert whole is not None
     assert near is not None
     assert far is not None

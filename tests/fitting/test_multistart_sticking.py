@@ -10,7 +10,7 @@ from stepid.core.base import Array
 from stepid.effects import resolve
 from stepid.fitting import multistart_sticking
 from stepid.fitting.levenberg_marquardt import Problem, minimize
-from stepid.fitting.multistart_sticking import resettle, scan_starts
+from stepid.fitting.multistart_sticking import other_sticking, scan_starts
 from stepid.fitting.problem import build, fit_linear, start_local
 from stepid.simulation.records import lay_out
 
@@ -27,7 +27,7 @@ def test_the_made_up_campaign_settles_at_its_noise() -> None:
     assert stuck.rms > 2 * TRUTH.noise_rms  # a minimum with another pattern of sticking
     scanned = scan_starts(stuck)
     np.testing.assert_array_equal(scanned[1:], stuck.local[1:])
-    found = resettle(stuck, tolerance=0.0)
+    found = other_sticking(stuck, tolerance=0.0)
     assert found.rms < 1.03 * TRUTH.noise_rms
     assert found.shared[-1] == pytest.approx(TRUTH.parameters["coulomb_friction.level"], rel=3e-3)
 
@@ -47,7 +47,7 @@ def test_a_kick_leaves_a_minimum_where_no_displacement_would(monkeypatch: pytest
     assert stuck is not None
     assert stuck.rms > 2 * TRUTH.noise_rms
     monkeypatch.setattr(multistart_sticking, "scan_starts", lambda optimum: optimum.local)
-    assert resettle(stuck, tolerance=0.0).rms < 1.015 * TRUTH.noise_rms
+    assert other_sticking(stuck, tolerance=0.0).rms < 1.015 * TRUTH.noise_rms
 
 
 def test_every_trial_finds_its_own_pattern_of_sticking() -> None:
@@ -61,4 +61,4 @@ def test_a_linear_plant_comes_back_as_it_is() -> None:
     records = lay_out(stepid.datasets.lab_campaign())
     linear = fit_linear(records)
     assert linear is not None
-    assert resettle(linear, tolerance=0.0) is linear
+    assert other_sticking(linear, tolerance=0.0) is linear

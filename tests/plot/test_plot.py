@@ -97,12 +97,16 @@ def test_the_legend_of_a_page_names_what_any_run_shows() -> None:
 
 
 def test_paper_figure_marks_what_was_measured() -> None:
+    limits = set()
     for one in stepid.rebuild_paper().responses:
         upper, lower = plot.paper_figure(one)
         labels = [text.get_text() for text in upper.get_legend().get_texts()]
         assert labels == ["model, printed Table 2", "model, rebuilt", "measured peak", "measured steady state"]
         assert upper.get_title(loc="left").startswith(one.figure)
+        assert [text.get_text() for text in lower.texts] == ["no measured record is published"]
         assert lower.get_ylabel() == "difference [µm]"
+        limits.add(lower.get_ylim())
+    assert len(limits) == 1
 
 
 def test_save_writes_a_picture_and_closes_it(tmp_path: Path) -> None:

@@ -71,7 +71,7 @@ def test_panels_of_a_diagnosis_in_a_mosaic() -> None:
     assert all(dressed(a) for a in drawn.values())
     assert drawn["case 5"].get_title(loc="left").startswith("case 5:")
     assert drawn["case 7 residual"].get_ylabel() == "residual [mm]"
-    assert [len(drawn[name].patches) for name in ("gap", "phases", "candidates")] == [6, 5, 4]
+    assert [len(drawn[name].get_lines()) for name in ("gap", "phases", "candidates")] == [6, 1, 5]
     np.testing.assert_allclose(drawn["position"].get_lines()[2].get_ydata(), cases.D.where.position_force)
 
 

@@ -15,7 +15,7 @@ import diagnosis_example as example
 from diagnosis_example import changed
 from stepid import plot
 from stepid.diagnosis.result import Diagnosis, Gap
-from stepid.diagnosis.wording import per_cent
+from stepid.diagnosis.wording import digits, per_cent
 from stepid.errors import InputError
 from stepid.plot.causes import leading
 
@@ -82,24 +82,24 @@ def test_unknown_run_is_refused(axes: Axes) -> None:
         plot.gap_response(example.named(), "case 9", axes=axes)
 
 
-def test_bars_have_the_heights_of_the_gap(axes: Axes) -> None:
+def test_dots_are_at_the_values_of_the_gap(axes: Axes) -> None:
     d = example.named()
     plot.gap_bars(d, axes=axes)
     g = d.gap
     assert g.held_out_before is not None
     assert g.held_out_after is not None
     expected = [g.before, g.after, g.noise, g.held_out_before, g.held_out_after, g.noise]
-    assert [bar.get_height() for bar in axes.patches] == pytest.approx([1e6 * v for v in expected])
+    assert [dot.get_ydata()[0] for dot in axes.get_lines()] == pytest.approx([1e6 * v for v in expected])
     assert [t.get_text() for t in axes.get_xticklabels()] == ["fitted", "held out"]
-    assert [t.get_text() for t in axes.texts] == [f"{1e6 * v:.3g}" for v in expected]
+    assert [t.get_text() for t in axes.texts] == [digits(1e6 * v) for v in expected]
     assert axes.get_yscale() == "log"
     assert axes.get_ylabel() == "RMS gap [µm]"
-    assert len({(to_hex(bar.get_facecolor()), bar.get_hatch()) for bar in axes.patches}) == 3
+    assert len({(to_hex(dot.get_color()), dot.get_marker()) for dot in axes.get_lines()}) == 3
 
 
-def test_bars_without_held_out_runs_or_effects(axes: Axes) -> None:
+def test_dots_without_held_out_runs_or_effects(axes: Axes) -> None:
     plot.gap_bars(example.adequate(), axes=axes)
-    assert len(axes.patches) == 2
+    assert len(axes.get_lines()) == 2
     assert [t.get_text() for t in axes.get_xticklabels()] == ["fitted"]
     _, other = plt.subplots()
     exact = changed(example.named(), gap=Gap(before=0.0, after=0.0, noise=0.0))
@@ -120,6 +120,12 @@ def test_force_is_broken_at_zero_velocity() -> None:
     np.testing.assert_allclose(right.get_lines()[2].get_xdata(), 1e3 * d.where.position_levels)
     assert (left.get_xlabel(), left.get_ylabel()) == ("velocity [m/s]", "residual force [N]")
     assert right.get_xlabel() == "position from rest [mm]"
+    assert d.where.jump is not None
+    assert f"jump {abs(d.where.jump):.2g} N" in [text.get_text() for text in left.texts]
+    assert f"jumps by {abs(d.where.jump):.2g} N" in " ".join(d.where.sentences)
+    assert not right.texts
+    plain = d.where.model_copy(update={"jump": None})
+    assert not plot.force_against_velocity(plain, axes=plt.subplots()[1]).texts
 
 
 def test_phases_against_the_noise(axes: Axes) -> None:
@@ -133,19 +139,19 @@ def test_phases_against_the_noise(axes: Axes) -> None:
 def test_candidates_best_on_top_and_linear_last(axes: Axes) -> None:
     d = example.named()
     plot.candidates(d, axes=axes)
-    assert [bar.get_width() for bar in axes.patches] == pytest.approx([1e6 * one.rms for one in d.ranking])
+    assert [dot.get_xdata()[0] for dot in axes.get_lines()[:-1]] == pytest.approx([1e6 * one.rms for one in d.ranking])
     names = [t.get_text() for t in axes.texts[1::2]]
     assert names == ["Coulomb friction", "quadratic damping and input delay, start times differ", "linear"]
     assert axes.yaxis_inverted()
-    hatches = [bar.get_hatch() for bar in axes.patches]
-    assert hatches == ["", "//", "//"]
+    markers = [dot.get_marker() for dot in axes.get_lines()[:-1]]
+    assert markers == ["o", "D", "D"]
     said = [t.get_text() for t in axes.texts[::2]]
     assert said[0].endswith(f"({per_cent(d.ranking[0].explained)}, >99 %)")
     assert said[1].endswith("(84 %, <1 %)")
     assert "(" not in said[2]
     _, nothing = plt.subplots()  # the linear model keeps its color where none is better
     plot.candidates(changed(d, verdict="adequate", effects=()), axes=nothing)
-    assert [bar.get_hatch() for bar in nothing.patches] == ["//"] * 3
+    assert [dot.get_marker() for dot in nothing.get_lines()[:-1]] == ["D"] * 3
     _, empty = plt.subplots()
     plot.candidates(example.adequate(), axes=empty)
     assert [t.get_text() for t in empty.texts] == ["none was needed"]

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.text import Text
 
 import stepid  # what takes long to load is loaded by the command that needs it: completion and help are quick
+from stepid.cli.bar import showing
 from stepid.cli.init import init, read_records
 from stepid.cli.page import app as page
 from stepid.cli.plan import EXAMPLES, plan
@@ -174,9 +173,11 @@ def diagnose(
     read = read_records(campaign, said, allow_outside=allow_outside)
     if not (quiet or as_json):
         console(stderr=True).print(_runs(read), markup=False)
-    with _progress(lines=not (quiet or as_json), status=not quiet) as tell:
+    with showing(lines=not (quiet or as_json), bar=not quiet) as tell:
         found = stepid.diagnose(
-            read, effort=_effort(effort), progress=lambda stage: tell(f"diagnosing: {stage_line(stage)}")
+            read,
+            effort=_effort(effort),
+            progress=lambda stage: tell(f"diagnosing: {stage_line(stage)}", stage.done, stage.left),
         )
         by_hand: IdentifiedParameters | StepidError
         try:
@@ -190,7 +191,7 @@ def diagnose(
         _show(sections, ())
     if out is None:
         return
-    with _progress(lines=not (quiet or as_json), status=not quiet) as tell:
+    with showing(lines=not (quiet or as_json), bar=not quiet) as tell:
         tell(f"writing {out}")
         from stepid import plot
 
@@ -215,17 +216,6 @@ def _effort(name: EffortName) -> Effort:
     from stepid import Effort
 
     return Effort() if name == EffortName.default else getattr(Effort, name)()
-
-
-@contextmanager
-def _progress(*, lines: bool, status: bool) -> Iterator[Callable[[str], None]]:
-    """Say on standard error what goes on: a line that changes on a terminal, else plain lines, as logs have them."""
-    screen = console(stderr=True)
-    if screen.is_terminal and status:
-        with screen.status("") as shown:
-            yield lambda words: shown.update(Text(words))
-    else:
-        yield (lambda words: screen.print(words, markup=False)) if lines else (lambda _: None)
 
 
 def _runs(campaign: Campaign) -> str:

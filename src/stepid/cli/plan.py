@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar, cast
 
 import typer
 
@@ -40,6 +40,12 @@ def plan(
     travel: Annotated[float | None, typer.Option("--travel", help="Of the cart, m.", show_default=False)] = None,
     noise_time: Annotated[float, typer.Option("--noise-time", help="Correlation time of the noise, s.")] = 0.0,
     weight_uncertainty: Annotated[float, typer.Option("--weight-uncertainty", help="Of a 0.5 kg weight, kg.")] = 0.005,
+    motion: Annotated[
+        str | None, typer.Option("--motion", help="rotation: kg·m², rad and N·m for kg, m and N.", show_default=False)
+    ] = None,
+    input_unit: Annotated[
+        str | None, typer.Option("--input-unit", help="A, N or N·m for V.", show_default=False)
+    ] = None,
     check: Annotated[
         int, typer.Option("--check", metavar="N", help="Simulate the advice so many times, and compare.")
     ] = 0,
@@ -64,6 +70,8 @@ def plan(
         travel=travel,
         noise_time=noise_time,
         weight_uncertainty=weight_uncertainty,
+        motion=cast(Any, motion),  # checked there
+        input_unit=cast(Any, input_unit),
     )
     values = {"format": 1, "stepid": stepid.__version__, **found.to_dict()}
     text = found.summary()

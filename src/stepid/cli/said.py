@@ -36,7 +36,7 @@ def _options(
     time_unit: Annotated[str | None, _option("--time-unit", "UNIT", "s, ms, us, or seconds per unit.")] = None,
     sample_time: Annotated[float | None, _option("--sample-time", "S", "Between two rows without a time.")] = None,
     input_unit: Annotated[
-        str | None, _option("--input-unit", "UNIT", "V, mV, N, A, or volts per unit as a number.")
+        str | None, _option("--input-unit", "UNIT", "V, mV, N, A, N·m, or volts per unit as a number.")
     ] = None,
     step: Annotated[
         float | None, _option("--step", "V", "Of the input where no column is one; 0 for a free release.")
@@ -48,6 +48,9 @@ def _options(
     ] = None,
     position: Annotated[
         str | None, _option("--position", "COLUMN", "The column of the position; all if each of several is a run.")
+    ] = None,
+    motion: Annotated[
+        str | None, _option("--motion", "MOTION", "rotation where the plant turns: kg·m², rad and N·m.")
     ] = None,
     input_column: Annotated[str | None, _option("--input", "COLUMN", "The column of the input.")] = None,
 ) -> None:

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from stepid.io.guess.draft import quantities_of_drafts
 from stepid.io.guess.file_names import plain_name
 from stepid.io.guess.sources import mass_of, sources
 
@@ -36,11 +37,12 @@ def show(screen: Console, drafts: Sequence[Draft]) -> None:
     for label in ("spring", "damper"):
         if all(getattr(draft, label).assumed for draft in drafts):
             del columns[label]
+    say = quantities_of_drafts(drafts).text
     table = Table(box=None, pad_edge=False, header_style="bold")
     for title in columns:
-        table.add_column(title, overflow="fold", no_wrap=title in ("record", "added mass"))
+        table.add_column(say(title), overflow="fold", no_wrap=title in ("record", "added mass"))
     for row in zip(*columns.values(), strict=True):
-        table.add_row(*map(Text, row))
+        table.add_row(*(Text(say(cell)) for cell in row))
     screen.print(table, soft_wrap=False)
     if any(found.assumed for draft in drafts for found in (*draft.units.values(), draft.mass) if found is not None):
         screen.print("What ends in ? no file says: it is taken by its size, or as usual. Check it.", markup=False)

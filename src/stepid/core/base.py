@@ -22,6 +22,7 @@ from pydantic import (
     WithJsonSchema,
 )
 
+from stepid.core.quantities import CART, Quantities, quantities_of, spoken
 from stepid.core.show import HEADER, one_line, rows
 from stepid.core.tables import html_table, text_table
 from stepid.errors import InputError
@@ -130,6 +131,9 @@ def _complain(owner: str, data: object, error: ValidationError) -> InputError:
     return InputError(f"{who}: " + "; ".join(lines), f"Give {owner} values of the documented type, unit and range.")
 
 
+_WRITES = {"summary", "__repr__", "__str__", "_repr_html_", "to_latex", "to_dataframe"}
+
+
 class _Meta(_PydanticMeta):
     # on the metaclass, because a custom __init__ would make pydantic build nested models in Python mode
     if not TYPE_CHECKING:  # and hidden, to keep the typed signature that pydantic gives each model
@@ -160,6 +164,22 @@ class Model(BaseModel, metaclass=_Meta):
         hide_input_in_errors=True,
     )
     _provenance: Any = PrivateAttr(default=None)
+    _quantities: Quantities | None = PrivateAttr(default=None)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **options: Any) -> None:
+        """Have what a model writes be in the words and units of its plant."""
+        super().__pydantic_init_subclass__(**options)
+        for name in _WRITES & cls.__dict__.keys():
+            setattr(cls, name, spoken(cls.__dict__[name]))
+
+    def model_post_init(self, context: Any) -> None:
+        """Have what is inside a model of another plant than a cart driven in V know it, too."""
+        if CART[:2] != (self.__dict__.get("motion", CART.motion), self.__dict__.get("input_unit", CART.input_unit)):
+            own = quantities_of(self)
+            fields = {name: own.bear(getattr(self, name)) for name in type(self).model_fields}
+            object.__setattr__(self, "__dict__", fields)
+            self._quantities = own
 
     @property
     def provenance(self) -> Provenance | None:
@@ -212,16 +232,19 @@ class Model(BaseModel, metaclass=_Meta):
         except ValidationError as error:
             raise _complain(cls.__name__, None, error) from None
 
+    @spoken
     def summary(self) -> str:
         """Return a table in plain text."""
         return text_table(HEADER, rows(self), title=type(self).__name__)
 
+    @spoken
     def __repr__(self) -> str:
         return one_line(self)
 
     def __str__(self) -> str:
         return repr(self)
 
+    @spoken
     def _repr_html_(self) -> str:
         return html_table(HEADER, rows(self), title=type(self).__name__)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any, Self, cast, overload
 
@@ -158,6 +159,20 @@ def _runs_of(more: object) -> tuple[Experiment, ...] | None:
         if all(isinstance(run, Experiment) for run in runs):
             return runs
     return None
+
+
+def as_tuple(value: object) -> object:
+    """Return a list as a tuple, anything else as it is."""
+    return tuple(value) if isinstance(value, list) else value
+
+
+def check_names(names: Sequence[str]) -> None:
+    """Raise ValueError where there is no run, or two of one name."""
+    if not names:
+        raise ValueError("holds no experiment; add at least one run")
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise ValueError(f"the name {twice[0]!r} is used by more than one run; give each run its own name")
 
 
 def _row(run: Experiment) -> tuple[str, ...]:

@@ -34,6 +34,16 @@ def format_value(value: float, uncertainty: float | None) -> str:
     return f"({value / 10**scale:.{places}f} ± {uncertainty / 10**scale:.{places}f})e{scale}"
 
 
+_SHORT = 0.1  # m, s or rad
+
+
+def prefixed(value: float, uncertainty: float | None, unit: str) -> tuple[float, float | None, str]:
+    """Return a short length, time or angle in mm, ms or mrad: ``(0.5, 0.01, "mm")``; others as they are."""
+    if unit not in ("m", "s", "rad") or not 0 < max(abs(value), uncertainty or 0.0) < _SHORT:
+        return value, uncertainty, unit
+    return 1e3 * value, None if uncertainty is None else 1e3 * uncertainty, f"m{unit}"
+
+
 class Estimate(Model):
     """An estimated quantity.
 
@@ -67,7 +77,12 @@ class Estimate(Model):
             return self.limits
         return self.value - 1.96 * self.uncertainty, self.value + 1.96 * self.uncertainty
 
+    @property
+    def shown(self) -> tuple[str, str]:
+        """The value ± its standard uncertainty, and the unit that both are in: mm and ms for what is short."""
+        value, uncertainty, unit = prefixed(self.value, self.uncertainty, self.unit)
+        return format_value(value, uncertainty) + " (undetermined)" * (uncertainty is None), unit
+
     def __str__(self) -> str:
-        if self.uncertainty is None:
-            return f"{self.value:.5g} {self.unit}".rstrip() + " (undetermined)"
-        return f"{format_value(self.value, self.uncertainty)} {self.unit}".rstrip()
+        value, uncertainty, unit = prefixed(self.value, self.uncertainty, self.unit)
+        return f"{format_value(value, uncertainty)} {unit}".rstrip() + " (undetermined)" * (uncertainty is None)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -10,12 +9,13 @@ import numpy as np
 from pydantic import BeforeValidator, model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive, Vector
-from stepid.core.collection import Runs
+from stepid.core.collection import Runs, as_tuple, check_names
 from stepid.core.frames import make_frame, tidy_frame
 from stepid.core.mass_offset import WEIGHT as WEIGHT
 from stepid.core.mass_offset import WEIGHT_UNCERTAINTY as WEIGHT_UNCERTAINTY
 from stepid.core.mass_offset import MassOffset as MassOffset
 from stepid.core.mass_offset import chained
+from stepid.core.quantities import InputUnit, Motion, in_own_quantities, middle_dot
 from stepid.core.samples import CLOSE, InputBetween, Starts, check_samples, off_even_clock
 from stepid.core.slices import stretch
 from stepid.core.takes import described
@@ -95,6 +95,7 @@ class Experiment(Model):
         """True where there is no input at all, so that any motion comes from the initial state."""
         return self.input_before == 0 and not np.any(self.input)
 
+    @in_own_quantities
     def slice(
         self,
         first: int | None = None,
@@ -194,10 +195,6 @@ class Experiment(Model):
         return make_frame({field: np.array(getattr(self, field)) for field in ("time", "position", "input")})
 
 
-def _as_tuple(value: object) -> object:
-    return tuple(value) if isinstance(value, list) else value
-
-
 class Campaign(Runs):
     """Runs of one plant under known changes of mass, spring and damper: a collection of them.
 
@@ -213,25 +210,29 @@ class Campaign(Runs):
         kg, standard uncertainty of one 0.5 kg weight; grows with the square root of the mass added.
     scale_uncertainty : float
         Relative standard uncertainty of the scale of all positions (counts per meter), one error shared by all runs.
+    motion : "translation" or "rotation"
+        Of a rotation, all that is in kg, m and N here is in kg·m², rad and N·m; numbers, names and keys are the same.
+    input_unit : "V", "A", "N" or "N·m"
+        Of the input, in place of V.
 
     Raises
     ------
     stepid.errors.InputError
-        If there is no experiment or a name occurs twice.
+        If there is no experiment, a name occurs twice, or a rotation is said to be driven in N.
     """
 
     name: Label
-    experiments: Annotated[tuple[Experiment, ...], BeforeValidator(_as_tuple)]
+    experiments: Annotated[tuple[Experiment, ...], BeforeValidator(as_tuple)]
     weight_uncertainty: Positive = WEIGHT_UNCERTAINTY
     scale_uncertainty: NonNegative = 0.0
+    motion: Motion = "translation"
+    input_unit: Annotated[InputUnit, BeforeValidator(middle_dot)] = "V"
 
     @model_validator(mode="after")
     def _unique(self) -> Self:
-        if not self.experiments:
-            raise ValueError("holds no experiment; add at least one run")
-        twice = [name for name, count in Counter(e.name for e in self.experiments).items() if count > 1]
-        if twice:
-            raise ValueError(f"the name {twice[0]!r} is used by more than one run; give each run its own name")
+        check_names([e.name for e in self.experiments])
+        if self.motion == "rotation" and self.input_unit == "N":
+            raise ValueError("a rotation is not driven in N; give the torque, force times lever arm, in N·m")
         return self
 
     @property
@@ -250,6 +251,8 @@ class Campaign(Runs):
         name: str,
         weight_uncertainty: float = WEIGHT_UNCERTAINTY,
         scale_uncertainty: float = 0.0,
+        motion: Motion = "translation",
+        input_unit: InputUnit = "V",
         time_scale: float = 1.0,
         position_scale: float = 1.0,
         input_scale: float = 1.0,
@@ -262,7 +265,7 @@ class Campaign(Runs):
             One row a sample; columns `run`, `time`, `position`, `input`, `added_mass`, `spring`, `damper`
             and, where they differ from the defaults of `Experiment`, `base`, `counts_per_meter`, `input_before`,
             `input_between` and `starts`.
-        name, weight_uncertainty, scale_uncertainty
+        name, weight_uncertainty, scale_uncertainty, motion, input_unit
             Fields of `Campaign`.
         time_scale, position_scale, input_scale : float
             s, m and V per unit of those columns, as in `read_table`.
@@ -279,6 +282,8 @@ class Campaign(Runs):
             experiments=tuple(runs),
             weight_uncertainty=weight_uncertainty,
             scale_uncertainty=scale_uncertainty,
+            motion=motion,
+            input_unit=input_unit,
         )
 
     def to_dataframe(self) -> DataFrame:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepid.core.quantities import spoken_now
 from stepid.core.takes import described
 from stepid.errors import InputError, MissingPackageError
 
@@ -69,7 +70,7 @@ def parameter_frame(rows: Iterable[Row]) -> DataFrame:
             "parameter": [name for name, _, _, _ in given],
             "value": [float(value) for _, value, _, _ in given],
             "uncertainty": [np.nan if spread is None else float(spread) for _, _, spread, _ in given],
-            "unit": [unit for _, _, _, unit in given],
+            "unit": [spoken_now().unit(unit) for _, _, _, unit in given],
         }
     )
     return frame.set_index("parameter")

@@ -8,8 +8,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from stepid.core.estimate import format_value
+from stepid.core.estimate import format_value, prefixed
 from stepid.core.frames import Row
+from stepid.core.quantities import spoken_now
 
 _SPECIAL = {c: f"\\{c}" for c in "&%$#_{}"} | {
     "~": r"\textasciitilde{}",
@@ -52,7 +53,10 @@ _SYMBOLS = {
     "rad": r"\radian",
     "Hz": r"\hertz",
     "mm": r"\milli\meter",
+    "ms": r"\milli\second",
     "µm": r"\micro\meter",
+    "mrad": r"\milli\radian",
+    "µrad": r"\micro\radian",
 }
 _POWERS = {"": "", "²": r"\squared", "³": r"\cubed"}
 _UNIT = re.compile(r"([A-Za-zµ]+)([²³]?)")
@@ -77,7 +81,7 @@ def unit(symbol: str) -> str:
         return "--"
     over, *under = symbol.split("/")
     parts = [_power(part, "") for part in over.split("·") if part != "1"]
-    parts += [_power(part, r"\per") for group in under for part in group.split("·")]
+    parts += [_power(part, r"\per") for group in under for part in group.strip("()").split("·")]
     known = [part for part in parts if part is not None]
     return rf"\unit{{{''.join(known)}}}" if len(known) == len(parts) else escaped(symbol)
 
@@ -115,11 +119,13 @@ def parameter_table(rows: Iterable[Row], *, caption: str | None = None, label: s
         Value and standard uncertainty have the digits that the text tables have.
     """
     lines = [r"\begin{tabular}{lrl}", r"\hline", r"parameter & value & unit \\", r"\hline"]
-    given = list(rows)
+    given = [(name, *prefixed(value, uncertainty, symbol)) for name, value, uncertainty, symbol in rows]
+    quantities = spoken_now()
     some = any(uncertainty is not None for _, _, uncertainty, _ in given)
     for name, value, uncertainty, symbol in given:
         remark = " (undetermined)" if some and uncertainty is None else ""
-        lines.append(rf"{escaped(parameter_name(name))} & {number(value, uncertainty)}{remark} & {unit(symbol)} \\")
+        said, own = quantities.text(parameter_name(name)), quantities.unit(symbol)
+        lines.append(rf"{escaped(said)} & {number(value, uncertainty)}{remark} & {unit(own)} \\")
     lines += [r"\hline", r"\end{tabular}"]
     if caption is not None:
         named = [rf"\label{{{label}}}"] if label else []

@@ -9,6 +9,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.noise import noise_level
+from stepid.core.quantities import in_own_quantities
 from stepid.core.takes import described
 from stepid.errors import InputError
 
@@ -137,6 +138,7 @@ def _rests(experiment: Experiment, first: int) -> bool:
     return power > _CHANCE * max(float(np.mean((y[:still] - y[0]) ** 2)), small**2)
 
 
+@in_own_quantities
 def split_releases(experiment: Experiment) -> tuple[Experiment, ...]:
     """Split a record that holds several releases, or pushes, by hand into one record each.
 

@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
+from stepid.core.quantities import spoken_now
+
 Rows = Sequence[Sequence[str]]
 
 
 def text_table(header: Sequence[str], rows: Rows, *, title: str = "") -> str:
     """Return an aligned text table; the first column is flush left, the others flush right."""
+    say = spoken_now().text  # before the columns get their widths
+    header, rows = [say(cell) for cell in header], [[say(cell) for cell in row] for row in rows]
     widths = [max(len(line[i]) for line in (header, *rows)) for i in range(len(header))]
 
     def line(cells: Sequence[str]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
 from numbers import Integral, Real
 from typing import Any, ParamSpec, TypeVar
@@ -73,6 +73,18 @@ def described(value: object) -> str:
         return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."
     name = type(value).__name__
     return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
+
+
+def one_of(words: Sequence[str], spelled: Callable[[object], object] = lambda value: value) -> Check:
+    """Check of one of a few words, however `spelled` takes it."""
+
+    def check(value: object) -> object:
+        word = spelled(value)
+        if not (isinstance(word, str) and word in words):
+            raise WantedError(" or ".join(map(repr, words)))
+        return word
+
+    return check
 
 
 def a(kind: type | tuple[type, ...], words: str) -> Check:

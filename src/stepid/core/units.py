@@ -22,14 +22,15 @@ _APART = 8  # samples over which speed is measured, so that noise has none; sing
 UNIT = "Positions are in meters, time in seconds: divide counts by counts_per_meter, or give position_scale."
 NO_COLUMN = "StepInput(level=…), in a manifest step = { level = … } (V; 0.0 for a free release)"
 _UNITS = {  # SI units per unit, by what a column may be called
-    "position": {"mm": "0.001", "cm": "0.01", "um": "1e-06", "µm": "1e-06"},
+    "position": {"mm": "0.001", "cm": "0.01", "um": "1e-06", "µm": "1e-06"}
+    | {"deg": f"{math.pi / 180:.17g}", "mrad": "0.001"},
     "time": {"ms": "0.001", "millis": "0.001", "us": "1e-06", "µs": "1e-06", "micros": "1e-06"},
-    "input": {"mV": "0.001"},
+    "input": {"mV": "0.001", "mA": "0.001", "mN": "0.001"},
 }
 _SI = {
-    "position": "meters per unit; negative where +V gives falling readings",
+    "position": "meters per unit (radians of an angle); negative where +V gives falling readings",
     "time": "seconds per unit",
-    "input": "volts per unit",
+    "input": "volts per unit, or what input_unit says",
 }
 _INPUT = re.compile(
     r"(?i:u|input|volts?|voltage|effort|control effort|command|drive|dac)(?![^\W_])|.*[_ (\[](?:m?V|volts?)[)\]]?$"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from stepid.core.quantities import quantities_of
 from stepid.design.separation import NEEDED
 from stepid.errors import InputError
 
@@ -18,11 +19,12 @@ def draw(plan: Plan, axes: Drawn | None) -> Drawn:
     """Draw a plan; see `Plan.plot`."""
     from stepid.plot.trade import Panel, trade
 
+    say = quantities_of(plan).text
     best = [plan.designs.index(plan.best(runs)) for runs in sorted({design.runs for design in plan.designs})]
     first = next(iter(plan.wanted), "")
     panels = {
         name: Panel(
-            title=name.partition("[")[0].replace("_", " "),
+            title=say(name.partition("[")[0].replace("_", " ")),
             label="standard uncertainty [%]" if name == first else "",
             values=[100 * plan.relative(design, name) for design in plan.designs],
             wanted=100 * limit,

@@ -7,8 +7,18 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from stepid.core.mass_offset import WEIGHT_UNCERTAINTY
+from stepid.core.quantities import (
+    CART,
+    INPUT_UNITS,
+    MOTIONS,
+    InputUnit,
+    Motion,
+    Quantities,
+    middle_dot,
+    quantities_of,
+)
 from stepid.core.recorded import recorded
-from stepid.core.takes import a, each, optional, takes
+from stepid.core.takes import a, each, one_of, optional, takes
 from stepid.design.arguments import Asked, checked, wants
 from stepid.design.candidate import Design, Step, enumerate_designs
 from stepid.design.guess import Given, Guess, as_plant, lasting, parameter_values, reach, sized, typical
@@ -26,7 +36,13 @@ _TRIED = 6  # designs whose separation is looked at by a full fit
 _given = each(a((str, EffectModel), ""), 'names of effects, as ("coulomb_friction",), or stepid.EffectModel(…)')
 
 
-@takes(effects=_given, separate=optional(_given), catalogue=a_catalogue)
+@takes(
+    effects=_given,
+    separate=optional(_given),
+    catalogue=a_catalogue,
+    motion=optional(one_of(MOTIONS)),
+    input_unit=optional(one_of(INPUT_UNITS, middle_dot)),
+)
 @recorded()
 @single_threaded
 def plan(
@@ -45,6 +61,8 @@ def plan(
     noise_time: float = 0.0,
     weight_uncertainty: float = WEIGHT_UNCERTAINTY,
     catalogue: tuple[Effect, ...] = CATALOGUE,
+    motion: Motion | None = None,
+    input_unit: InputUnit | None = None,
 ) -> Plan:
     """Say which runs a guessed plant needs: added masses, number, sample time, size and direction of the steps.
 
@@ -85,6 +103,8 @@ def plan(
         kg, standard uncertainty of one 0.5 kg weight.
     catalogue : tuple of Effect
         Where names of effects are looked up.
+    motion, input_unit : str, optional
+        As of `stepid.Campaign`: what stands for kg, m, N and V here; by default as of the fit whose model is given.
 
     Returns
     -------
@@ -102,33 +122,36 @@ def plan(
     Fisher information: Ljung, System Identification (1999), 7.4 and 13. The wrong effect's χ² is expected to be larger
     than the right one's by so much that noise leaves 10 of it in 95 of 100 campaigns.
     """
-    guess = as_plant(plant)
-    asked = checked(noise, masses, levels, sample_times, runs, duration, travel, noise_time, weight_uncertainty)
-    possible = _within_travel(asked, guess)
-    length = asked.duration or lasting(guess, max(asked.masses))
-    scales = typical(guess, max(possible, key=abs), 0.0, min(asked.sample_times), length)
-    added = [e for e in sized(effects, guess.effects, scales, catalogue) if e not in guess.effects]
-    guess = guess.model_copy(update={"effects": (*guess.effects, *added)})
-    there = resolve([e.name for e in guess.effects], catalogue=catalogue)
-    wanting = wants(wanted, parameter_values(guess, there))
-    designs = enumerate_designs(asked.masses, possible, asked.sample_times, asked.runs, length)
-    designs = _predicted(designs, guess, there, asked)
-    ways: list[Confusion] = []
-    pair: tuple[EffectModel, ...] = ()
-    if separate is not None:
-        ways, pair = _ways(separate, guess, there, designs, scales, catalogue)
-        designs = _separated(designs, ways, asked)
-    found = Plan(
-        plant=guess,
-        noise=asked.noise,
-        noise_time=asked.noise_time,
-        weight_uncertainty=asked.weight_uncertainty,
-        wanted=wanting,
-        pair=pair,
-        designs=tuple(designs),
-        advised=0,
-    )
-    return _advised(found, ways, asked)
+    said = quantities_of(plant) if motion is None and input_unit is None else CART
+    own = Quantities(motion or said.motion, input_unit or said.input_unit)
+    with own.spoken():
+        guess = as_plant(plant)
+        asked = checked(noise, masses, levels, sample_times, runs, duration, travel, noise_time, weight_uncertainty)
+        possible = _within_travel(asked, guess)
+        length = asked.duration or lasting(guess, max(asked.masses))
+        scales = typical(guess, max(possible, key=abs), 0.0, min(asked.sample_times), length)
+        added = [e for e in sized(effects, guess.effects, scales, catalogue) if e not in guess.effects]
+        guess = guess.model_copy(update={"effects": (*guess.effects, *added)})
+        there = resolve([e.name for e in guess.effects], catalogue=catalogue)
+        wanting = wants(wanted, parameter_values(guess, there))
+        designs = enumerate_designs(asked.masses, possible, asked.sample_times, asked.runs, length)
+        designs = _predicted(designs, guess, there, asked)
+        ways: list[Confusion] = []
+        pair: tuple[EffectModel, ...] = ()
+        if separate is not None:
+            ways, pair = _ways(separate, guess, there, designs, scales, catalogue)
+            designs = _separated(designs, ways, asked)
+        found = Plan(
+            plant=guess,
+            noise=asked.noise,
+            noise_time=asked.noise_time,
+            weight_uncertainty=asked.weight_uncertainty,
+            wanted=wanting,
+            pair=pair,
+            designs=tuple(designs),
+            advised=0,
+        )
+        return own.result(_advised(found, ways, asked))
 
 
 def _within_travel(asked: Asked, guess: PlantModel) -> list[float]:

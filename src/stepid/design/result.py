@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from stepid.core.base import Model, NonNegative, Positive
 from stepid.core.frames import make_frame
+from stepid.core.quantities import InputUnit, Motion
 from stepid.design.arguments import white_variance
 from stepid.design.candidate import Design
 from stepid.design.separation import NEEDED, VISIBLE
@@ -41,6 +42,8 @@ class Plan(Model):
         All that were compared.
     advised : int
         Index of the advice among them.
+    motion, input_unit : str
+        Of the campaign, see `stepid.Campaign`.
     """
 
     plant: PlantModel
@@ -51,6 +54,8 @@ class Plan(Model):
     pair: tuple[EffectModel, ...] = ()
     designs: tuple[Design, ...]
     advised: int
+    motion: Motion = "translation"
+    input_unit: InputUnit = "V"
 
     @property
     def advice(self) -> Design:

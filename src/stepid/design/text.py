@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from typing import TYPE_CHECKING
 
+from stepid.core.mass_offset import WEIGHT
 from stepid.core.tables import Rows, html_table, text_table
 from stepid.design.candidate import Design
 from stepid.design.separation import NEEDED, VISIBLE
@@ -111,7 +112,7 @@ def _remedies(plan: Plan, design: Design) -> list[str]:
         if weights is not None and size and weights / size > limit:
             out.append(
                 f"The weights alone leave {per_cent(weights / size)} of {name}: know them better than "
-                f"{plan.weight_uncertainty * 1e3:.2g} g in 500 g, or add more."
+                f"{plan.weight_uncertainty:.2g} kg in {WEIGHT:g} kg, or add more."
             )
     if not out:
         worst = plan.shortfall(design)

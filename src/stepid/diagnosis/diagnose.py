@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from concurrent.futures import Executor
 from functools import partial
 from typing import NamedTuple
 
 from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.experiment import Campaign
+from stepid.core.quantities import in_own_quantities, spoken_now
 from stepid.core.recorded import recorded
-from stepid.core.takes import a, able, caller, each, optional, takes
+from stepid.core.takes import a, able, each, optional, takes
 from stepid.diagnosis.answer import report
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.explore import Found, explored, fault_beside, linear_candidate, outweighs
 from stepid.diagnosis.gather import EvidenceRecord
-from stepid.diagnosis.progress import Progress
+from stepid.diagnosis.progress import Progress, Tell, listener, telling
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.verdict import judge
@@ -33,21 +34,16 @@ from stepid.fitting.screening import screen, split_campaign
 from stepid.simulation.threads import single_threaded
 from stepid.simulation.warm_up import warm_up
 
-Tell = Callable[[Progress], object]
-
-
-def _silent(_: Progress) -> None:
-    return None
-
-
 _how = {
     "catalogue": a_catalogue,
     "criteria": optional(a(Criteria, "stepid.Criteria(…)")),
     "effort": optional(a(Effort, "stepid.Effort(), Effort.quick() or Effort.thorough()")),
+    "progress": listener,
 }
 
 
-@takes(**_how, progress=optional(caller("a function that takes one argument, a stepid.Progress")))
+@in_own_quantities
+@takes(**_how)
 @recorded(criteria=Criteria, effort=Effort)
 @single_threaded
 def diagnose(
@@ -56,7 +52,7 @@ def diagnose(
     catalogue: tuple[Effect, ...] = CATALOGUE,
     criteria: Criteria | None = None,
     effort: Effort | None = None,
-    progress: Tell | None = None,
+    progress: Tell | bool | None = None,
     workers: int = 1,
 ) -> Diagnosis:
     """Say whether a linear model is adequate for a campaign and, if not, which effect it is missing.
@@ -71,9 +67,10 @@ def diagnose(
         What decides the answer.
     effort : Effort, optional
         How hard to search: ``Effort.quick()``, ``Effort()``, ``Effort.thorough()``.
-    progress : callable, optional
-        Called with a `Progress` before each stage: a few words, the best answer so far, what is left. An exception
-        that it raises cancels the diagnosis.
+    progress : callable or False, optional
+        Called with a `Progress` before each stage: a few words, the best answer so far, what is done and left. An
+        exception that it raises cancels the diagnosis. By default a notebook shows a bar, and a script nothing; False
+        is silent there, too, as is the environment variable ``STEPID_PROGRESS=0``.
     workers : int
         Threads that simulate; the answer is the same for any number.
 
@@ -91,23 +88,14 @@ def diagnose(
         If not even a linear plant can be fitted.
     """
     campaign, splits = split_campaign(as_campaign(campaign))
-    tell = progress or _silent
     if len(campaign.experiments) < 2:
         raise UndeterminedError(
             f"campaign {campaign.name!r} has one run: a model that fits it cannot be checked on another",
             "Add a run with another added mass, or repeat this one.",
         )
-    how = _How(among_themselves(catalogue), criteria or Criteria(), effort or Effort(), tell, as_workers(workers))
-    warm_up(lambda words: tell(Progress(words)))
-    tell(Progress("linear fit"))
-    context = prepare(campaign, workers=how.workers)
-    if len(context.records.runs) < 2:
-        raise UndeterminedError(
-            f"campaign {campaign.name!r} has one usable run. {' '.join(screen(campaign).notes)}",
-            "Record the others again: a model that fits one run cannot be checked on another.",
-        )
-    tell(Progress(f"linear model leaves {length(context.linear.rms)}, noise {length(context.floor)}"))
-    done = _diagnosed(campaign, context, how)
+    with telling(progress) as tell:
+        how = _How(among_themselves(catalogue), criteria or Criteria(), effort or Effort(), tell, as_workers(workers))
+        done = _prepared(campaign, how)
     return done.model_copy(update={"notes": (*splits, *done.notes)}) if splits else done
 
 
@@ -117,6 +105,21 @@ class _How(NamedTuple):
     effort: Effort
     tell: Tell
     workers: int
+
+
+def _prepared(campaign: Campaign, how: _How) -> Diagnosis:
+    """Fit the linear plant, and diagnose what it leaves."""
+    warm_up(lambda words: how.tell(Progress(words)))
+    how.tell(Progress("linear fit"))
+    context = prepare(campaign, workers=how.workers)
+    if len(context.records.runs) < 2:
+        raise UndeterminedError(
+            f"campaign {campaign.name!r} has one usable run. {' '.join(screen(campaign).notes)}",
+            "Record the others again: a model that fits one run cannot be checked on another.",
+        )
+    left = f"linear model leaves {length(context.linear.rms)}, noise {length(context.floor)}"
+    how.tell(Progress(spoken_now().text(left)))
+    return _diagnosed(campaign, context, how)
 
 
 def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tuple[RecordFault, ...] = ()) -> Diagnosis:
@@ -165,6 +168,7 @@ def diagnose_many(
     criteria: Criteria | None = None,
     effort: Effort | None = None,
     executor: Executor | None = None,
+    progress: Tell | bool | None = None,
 ) -> list[Diagnosis]:
     """Diagnose many campaigns, side by side where an executor is given.
 
@@ -176,6 +180,8 @@ def diagnose_many(
     effort : Effort, optional
     executor : concurrent.futures.Executor, optional
         A process pool uses all cores.
+    progress : callable or False, optional
+        Called with a `Progress` before each campaign, in their order; as in `diagnose`.
 
     Returns
     -------
@@ -187,5 +193,12 @@ def diagnose_many(
     stepid.errors.StepidError
         The first error of any campaign, see `diagnose`.
     """
-    one = partial(diagnose, catalogue=catalogue, criteria=criteria, effort=effort)
-    return list(executor.map(one, campaigns) if executor is not None else map(one, campaigns))
+    several = tuple(campaigns)
+    one = partial(diagnose, catalogue=catalogue, criteria=criteria, effort=effort, progress=False)
+    made = iter(executor.map(one, several) if executor is not None else map(one, several))
+    done: list[Diagnosis] = []
+    with telling(progress) as tell:
+        for campaign in several:
+            tell(Progress(campaign.name, done=len(done), left=len(several) - len(done)))
+            done.append(next(made))
+    return done

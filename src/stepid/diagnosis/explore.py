@@ -17,10 +17,8 @@ from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.proposal import Proposal
 from stepid.diagnosis.selection.search import Search
-from stepid.effects import resolve
 from stepid.effects.base import Effect
 from stepid.fitting.deviations import with_deviations
-from stepid.fitting.fit import fit_effects
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build
@@ -68,13 +66,28 @@ def fault_beside(found: Found, criteria: Criteria) -> RecordFault | None:
     best = found.likeliest
     if not best.deviations or not best.effects:
         return None
-    inner = [resolve((name,)) for name in best.effects[0].contains] if len(best.effects) == 1 else []
-    for effects in (best.effects, *inner):  # a general law can take a fault's part
-        plain = fit_effects(found.context, effects)
+    inner = best.effects[0].contains if len(best.effects) == 1 else ()  # a general law can take a fault's part
+    for names in (best.names, *((name,) for name in inner)):
+        plain = _alike(found, names)
         one = None if plain is None else accuse(plain, found.context.floor, sure=criteria.size)
         if plain and one and outweighs(one.cost, plain, found, criteria):
             return one.fault
     return None
+
+
+def _alike(found: Found, names: tuple[str, ...]) -> Optimum | None:
+    """Some effects with conditions alike in all runs, from where the search fitted them; None where it did not."""
+    fitted = [c for c in found.candidates if c.names == names]
+    if not fitted:
+        return None
+    nearest = min(fitted, key=lambda c: len(c.deviations))
+    optimum, problem = nearest.optimum, nearest.optimum.problem
+    if not nearest.deviations:
+        return optimum
+    active = problem.active.copy()
+    active[problem.layout.deviations] = False
+    local = np.where(active, optimum.local, 0.0)
+    return minimize(replace(problem, active=active), optimum.shared, local, tolerance=found.context.tolerance)
 
 
 def linear_candidate(context: FitContext) -> Candidate:
@@ -102,15 +115,23 @@ def explored(
         again = refined(context, found.best) if look < _LOOKS else None
         if again is None:
             return found
-        if again.floor == context.floor and at_floor(context, criteria, found.best):
-            same = _fitted_again(again, found.candidates)
-            if at_floor(again, criteria, min(same, key=lambda c: c.optimum.cost)):
-                return Found(again, same)
+        same = Found(again, _fitted_again(again, found.candidates))
+        if _stands(found, same, criteria):
+            return same
         context, look = again, look + 1
 
 
+def _stands(before: Found, after: Found, criteria: Criteria) -> bool:
+    """Tell whether another look at the readings leaves the answer: no further search can tell more then.
+
+    The same candidate is the likeliest, and it leaves as much as before: only noise, or a rest.
+    """
+    floors = [at_floor(found.context, criteria, found.best) for found in (before, after)]
+    return floors[0] == floors[1] and before.likeliest.key == after.likeliest.key
+
+
 def _fitted_again(context: FitContext, candidates: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
-    """The same candidates without some readings: where the best is at the floor, no other need be sought."""
+    """The same candidates, fitted to the readings as they are seen now."""
     out = []
     for c in candidates:
         problem = with_deviations(build(context.records, c.effects, workers=context.workers), c.deviations)
@@ -130,6 +151,7 @@ def _search(
 ) -> list[Candidate]:
     def told(search: Search, proposal: Proposal) -> None:
         words = " + ".join([*(e.name for e in proposal.effects), *sorted(proposal.deviations)])
-        tell(Progress(words, best=search.best.names, left=search.left, promise=search.promise))
+        done = search.fits - 1  # this one is not
+        tell(Progress(words, best=search.best.names, done=done, left=search.left, promise=search.promise))
 
     return Search(context, catalogue, criteria=criteria, effort=effort, tell=told).run()

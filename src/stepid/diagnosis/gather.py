@@ -13,6 +13,8 @@ from stepid.core.base import Array
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
+from stepid.diagnosis.free_law import free_law, states_of_all
+from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.selection.candidate import Candidate, Deviations, includes, is_free
 from stepid.diagnosis.vetoes import imitators, undetermined
 from stepid.fitting.cross_validation import held_out_residuals
@@ -61,15 +63,16 @@ class EvidenceRecord:
     @cached_property
     def best(self) -> Candidate:
         """The simplest of the best: a further effect must earn more than chance does, and imitators stand back."""
-        able = self._simplest(tuple(w for w in self.weighed if not self.imitators(w.candidate)) or self.weighed)
-        return able if self.at_floor(able) else self._simplest(self.weighed)
+        able = self.simplest(tuple(w for w in self.weighed if not self.imitators(w.candidate)) or self.weighed)
+        return able if self.at_floor(able) else self.simplest(self.weighed)
 
     @property
     def likeliest(self) -> Candidate:
         """The candidate of most evidence, also where it cannot be named."""
         return self.weighed[0].candidate
 
-    def _simplest(self, weighed: tuple[Weighed, ...]) -> Candidate:
+    def simplest(self, weighed: tuple[Weighed, ...]) -> Candidate:
+        """The best of some, where each further effect must earn more than chance does."""
         effect, condition = self.criteria.further - self.criteria.tie, self.criteria.scatter - self.criteria.tie
 
         def loss(w: Weighed) -> float:
@@ -158,99 +161,38 @@ class EvidenceRecord:
     # ---- leads ----------------------------------------------------------------------------------------------------
 
     @cached_property
-    def _able(self) -> tuple[Weighed, ...]:
-        """Candidates of two effects at most, none of them an imitator, best first."""
-        able = [w for w in self.weighed if len(w.candidate.effects) <= 2 and not self.imitators(w.candidate)]
-        lowest = min(w.loss for w in able)
-        return tuple(w._replace(loss=w.loss - lowest) for w in able)
+    def leads(self) -> Leads:
+        """Candidates that may lead where a rest remains."""
+        return Leads(self)
 
-    @cached_property
+    @property
     def lead(self) -> Candidate:
         """The best of those that may lead where a rest remains, with no more in it than takes a notable part."""
-        best = self._without_trifle(self._simpler_law(self._simplest(self._able)))
-        best = self._predicting(best) if len(best.effects) < 2 else self._determined(best)
-        return self._shared_law(best)
+        return self.leads.best
 
-    def _shared_law(self, best: Candidate) -> Candidate:
-        """The simpler law inside that weighty candidates share, where the best's own weight is not enough."""
-        if self.weight(best) >= self.criteria.sure:
-            return best
-        inside = [w.candidate for w in self._able if len(w.candidate.effects) == len(best.effects)]
-        inside = [c for c in inside if includes(best.effects, c.effects) and self.weight(c) >= self.criteria.sure]
-        return inside[0] if inside else best
-
-    def _predicting(self, one: Candidate) -> Candidate:
-        """The same effect with conditions alike in all runs, where free ones do not predict and it leads without."""
-        share, steady = self.share(one) if one.effects and one.deviations else (1.0, 1.0)
-        if share >= self.criteria.lead and steady >= self.criteria.steady:
-            return one
-        alike = [
-            w.candidate
-            for w in self._able
-            if w.candidate.names == one.names
-            and w.candidate.deviations < one.deviations
-            and self._taken(self.linear, w.candidate) >= self.criteria.lead
-        ]
-        return alike[0] if alike else one
-
-    def _determined(self, pair: Candidate) -> Candidate:
-        """One effect of two where the other is open: an effect that the data do not determine explains a rest only."""
-        open_ = {name.split(".")[0] for name in undetermined(self.context, self.criteria, pair)}
-        named = [name for name in pair.names if name not in open_]
-        alone = [w.candidate for w in self._able if w.candidate.names == tuple(named)]
-        return alone[0] if open_ and alone else pair
-
-    def _loss(self, found: Candidate) -> float:
-        return next(w.loss for w in self._able if w.candidate is found)
-
-    def _simpler_law(self, best: Candidate) -> Candidate:
-        """The simplest law inside a candidate that the data do not tell from it."""
-        near = [
-            w.candidate
-            for w in self._able
-            if abs(w.loss - self._loss(best)) < self.criteria.tie
-            and w.candidate.deviations == best.deviations
-            and len(w.candidate.effects) == len(best.effects)
-            and includes(best.effects, w.candidate.effects)
-        ]
-        return min(near, key=lambda c: (sum(len(e.parameters) for e in c.effects), self._loss(c)))
-
-    def _without_trifle(self, pair: Candidate) -> Candidate:
-        """One effect of two, where it leads and the other takes no such part of what it leaves."""
-        if len(pair.effects) < 2:
-            return pair
-        alone = [
-            w.candidate
-            for w in self._able
-            if len(w.candidate.effects) == 1
-            and includes(pair.effects, w.candidate.effects)
-            and self._taken(self.linear, w.candidate) >= self.criteria.lead
-            and self._taken(w.candidate, pair) < self.criteria.lead
-        ]
-        return alone[0] if alone else pair
-
-    def _taken(self, before: Candidate, after: Candidate) -> float:
-        """Share of the power above the floor that one candidate leaves, which another takes."""
-        noise = self.context.floor**2
-        left = before.optimum.rms**2 - noise
-        return 1.0 - max(after.optimum.rms**2 - noise, 0.0) / left if left > 0 else 0.0
-
-    @cached_property
+    @property
     def beside_lead(self) -> tuple[Candidate, ...]:
-        """Candidates that the data do not tell from the lead: its twins, and more general laws with more evidence."""
-        lead, own = self.lead, self._loss(self.lead)
-        out: dict[frozenset[str], Candidate] = {}
-        for w in self._able:
-            other, names = w.candidate, frozenset(w.candidate.names)
-            if (
-                len(names) != len(lead.effects)
-                or names == frozenset(lead.names)
-                or abs(w.loss - own) >= self.criteria.tie
-            ):
-                continue
-            if w.loss < own or not includes(other.effects, lead.effects):
-                out.setdefault(names, other)
-        return tuple(out.values())
+        """Candidates that the data do not tell from the lead."""
+        return self.leads.beside
+
+    def refuted(self, lead: Candidate) -> str:
+        """The state of which a law of another shape takes most of the rest that a lead leaves, '' where none does.
+
+        A law of one effect may be rough; two effects that are laws of one state follow a shape that neither has.
+        """
+        law = free_law(self.context, lead.optimum)
+        misfit = self.context.coarse_linear.cost - self.context.noise_cost
+        states = states_of_all(self.context, lead.optimum)
+        if law.share <= 0.5 or not any(law.state in own for own in states):
+            return ""
+        patched = len(states) > 1 and set(states) == {frozenset({law.state})}
+        return law.state if patched or law.power > self.criteria.rough * misfit else ""
+
+    def patchwork(self, found: Candidate) -> str:
+        """The state of which all effects of a candidate of more than two are laws, '' where there is none."""
+        own = set(states_of_all(self.context, found.optimum)) if len(found.effects) > 2 else set()
+        states = own.pop() if len(own) == 1 else frozenset()
+        return next(iter(states)) if len(states) == 1 else ""
 
     def weight(self, *found: Candidate) -> float:
         """Weight of all candidates that hold the effects of one of some, or effects that contain them."""

@@ -48,7 +48,8 @@ def locate(records: Records, linear: Optimum, floor: float, motion: Motion | Non
     force = residual_force(records, linear, motion, phase, floor)
     kind = shape(force)
     # what the linear parameters took in place of a clear shape is given back, so that a step looks like a step
-    shown = force.force - kind.taken if kind is not None and kind.share >= CLEAR else force.force
+    clear = kind if kind is not None and kind.share >= CLEAR else None
+    shown = force.force if clear is None else force.force - clear.taken
     velocity = _binned(force.v, shown, _sided(force.v))
     position = _binned(force.x, shown, _even(force.x))
     trends = run_trends(records, linear, np.array(list(runs.values())))
@@ -61,6 +62,7 @@ def locate(records: Records, linear: Optimum, floor: float, motion: Motion | Non
         runs=runs,
         trends=trends,
         sentences=sentences(_rms(square), floor, phases, runs, trends, kind),
+        jump=2 * clear.coefficient if clear is not None and clear.name == "sign of velocity" else None,
     )
 
 

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from stepid.core.bar import notebook_bar
+from stepid.core.takes import WantedError, caller
 from stepid.diagnosis.wording import effect_names
 
 _WORTH = 0.01  # share of the rest, below which a promise is not told
@@ -16,21 +21,50 @@ class Progress(str):
         What is done next; `str` of it.
     best : tuple of str
         Effects of the best answer so far.
+    done : int
+        Proposals that are fitted; of several campaigns, those that are diagnosed.
     left : int
-        Proposals that are not fitted yet.
+        Those that are not yet.
     promise : float
         Largest share of the misfit's power, as the best answer leaves it, that one of them promises to take.
     """
 
     best: tuple[str, ...]
+    done: int
     left: int
     promise: float
 
-    def __new__(cls, words: str, *, best: tuple[str, ...] = (), left: int = 0, promise: float = 0.0) -> Progress:
+    def __new__(
+        cls, words: str, *, best: tuple[str, ...] = (), done: int = 0, left: int = 0, promise: float = 0.0
+    ) -> Progress:
         """Make one."""
         out = super().__new__(cls, words)
-        out.best, out.left, out.promise = best, left, promise
+        out.best, out.done, out.left, out.promise = best, done, left, promise
         return out
+
+
+Tell = Callable[[Progress], object]
+
+
+def listener(value: object) -> object:
+    """Check an argument `progress`: a function of one argument, False for silence, None for a bar in notebooks."""
+    if value is None or value is False:
+        return value
+    if value is True:
+        raise WantedError("a function, or False; in a notebook there is a bar without it")
+    return caller("a function that takes one argument, a stepid.Progress, or False")(value)
+
+
+@contextmanager
+def telling(progress: Tell | bool | None) -> Iterator[Tell]:
+    """Give what each stage is told to: the caller's function, a bar in a notebook, or nothing."""
+    if callable(progress):
+        yield progress
+    elif progress is None:
+        with notebook_bar() as show:
+            yield lambda stage: show(stage_line(stage), stage.done, stage.left)
+    else:
+        yield lambda stage: None
 
 
 def stage_line(stage: Progress) -> str:

@@ -12,6 +12,7 @@ from stepid.core.estimate import Estimate
 from stepid.core.experiment import Campaign
 from stepid.core.frames import Row, make_frame, parameter_frame
 from stepid.core.latex import parameter_table
+from stepid.core.quantities import InputUnit, Motion
 from stepid.diagnosis.differences import Scatter
 from stepid.diagnosis.text import as_html, as_text, one_line
 from stepid.diagnosis.wording import length
@@ -100,6 +101,8 @@ class Where(Model):
         Correlation (−1 … 1) of the runs' RMS with "mass", "size" and "direction" of the step, where they vary.
     sentences : tuple of str
         The same in words.
+    jump : float or None
+        N, by how much the residual force jumps where the velocity changes sign; None where it has no such shape.
     """
 
     phases: Mapping[str, NonNegative]
@@ -110,6 +113,7 @@ class Where(Model):
     runs: Mapping[str, NonNegative]
     trends: Mapping[str, Finite]
     sentences: tuple[str, ...]
+    jump: Finite | None = None
 
     def summary(self) -> str:
         """Return the sentences, one a line."""
@@ -194,6 +198,8 @@ class Diagnosis(Written):
         Faults of single records.
     data : Campaign or None
         What was diagnosed, kept so that a report can show the hand method beside it.
+    motion, input_unit : str
+        Of the campaign, see `stepid.Campaign`.
     """
 
     campaign: Label
@@ -218,6 +224,8 @@ class Diagnosis(Written):
     scatter: Mapping[str, Scatter] = {}
     faults: tuple[RecordFault, ...] = ()
     data: Campaign | None = None
+    motion: Motion = "translation"
+    input_unit: InputUnit = "V"
 
     def to_dataframe(self) -> DataFrame:
         """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from stepid.core.estimate import Estimate, format_value
+from stepid.core.estimate import Estimate
 from stepid.core.tables import Rows, html_table, text_table
 from stepid.diagnosis.wording import candidate_name, chance, digits, effect_names, length, per_cent
 
@@ -106,14 +106,10 @@ def parameter_rows(d: Diagnosis) -> list[tuple[str, ...]]:
     """Every parameter, of the linear fit and of the final model, value ± standard uncertainty."""
 
     def cell(estimate: Estimate | None) -> str:
-        if estimate is None:
-            return "–"
-        if estimate.uncertainty is None:
-            return f"{estimate.value:.5g} (undetermined)"
-        return format_value(estimate.value, estimate.uncertainty)
+        return "–" if estimate is None else estimate.shown[0]
 
     return [
-        (name, cell(d.linear_parameters.get(name)), *([cell(found)] if d.effects else []), found.unit or "–")
+        (name, cell(d.linear_parameters.get(name)), *([cell(found)] if d.effects else []), found.shown[1] or "–")
         for name, found in d.parameters.items()
     ]
 

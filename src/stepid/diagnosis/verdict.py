@@ -75,6 +75,18 @@ def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
     return Answer("unexplained", e.best, (), (said, "No effect is named."))
 
 
+def shape_is_patched(e: EvidenceRecord) -> Answer | None:
+    """The best is a sum of three laws or more of one state: that describes a law of another shape, and names none."""
+    state = e.patchwork(e.best) if e.at_floor(e.best) else ""
+    if not state:
+        return None
+    said = (
+        f"{_title(e.best)} leaves only noise, but a sum of so many forces of {state} can follow a law of any shape.",
+        f"A force of {state} is missing, whose law is none of the catalogue's.",
+    )
+    return Answer("unexplained", e.best, (), said)
+
+
 def complete_but_open(e: EvidenceRecord) -> Answer | None:
     """The best leaves only noise, but a parameter of its effects is not determined: other answers are as good."""
     if not e.at_floor(e.best) or not e.undetermined:
@@ -133,8 +145,14 @@ def leads(e: EvidenceRecord) -> Answer | None:
     least = e.criteria.lead if len(lead.effects) == 1 else (1 + e.criteria.lead) / 2  # a second has to halve the rest
     if share < least or steady < e.criteria.steady:
         return None
-    said = (
+    said: tuple[str, ...] = (
         f"{_title(lead)} takes {percent(share)} of the misfit's power on runs that the fit did not see.",
+    )
+    state = e.refuted(lead)
+    if state:
+        no = f"A force of {state} of another shape takes most of what it leaves: no effect is named."
+        return Answer("unexplained", lead, (), (*said, no))
+    said += (
         f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor: more is missing.",
     )
     return _with_rivals(e, lead, beside, said) or Answer("named", lead, (), said)
@@ -160,6 +178,7 @@ RULES: tuple[Rule, ...] = (
     weights_are_enough,
     runs_differ,
     freedom_is_untested,
+    shape_is_patched,
     complete_but_open,
     complete,
     leads,

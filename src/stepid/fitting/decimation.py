@@ -20,7 +20,7 @@ _PERIODS = 60.0  # to keep of a record of which every sample is needed
 _MOST_CHANGES = 0.1  # share of samples with a new input above which all are needed
 
 
-def sketch(records: Records, linear: Optimum, period: float, floor: float) -> Records:
+def decimated(records: Records, linear: Optimum, period: float, floor: float) -> Records:
     """Keep every m-th sample, and those where the input changes; of a long record with a busy input its first part.
 
     What is averaged over each kept sample's neighborhood is the gap to the linear fit: it is small and slow, so that
@@ -109,8 +109,8 @@ def shortest_period(linear: Optimum) -> float:
     return float(np.min(2 * np.pi / (natural * (ratio + np.sqrt(ratio**2 - 1)))))
 
 
-def outline(records: Records, linear: Optimum) -> Optimum:
-    """Fit the linear plant to a sketch, from its fit to all samples."""
+def fit_coarsely(records: Records, linear: Optimum) -> Optimum:
+    """Fit the linear plant to decimated records, from its fit to all samples."""
     if records.at is None:
         return linear
     problem = replace(build(records, ()), free=linear.problem.free, active=linear.problem.active)
@@ -120,10 +120,10 @@ def outline(records: Records, linear: Optimum) -> Optimum:
     return found
 
 
-def full_residual(optimum: Optimum, linear: Optimum, sketched: Optimum) -> Array:
-    """Residual [m] of a fit to a sketch at all samples: the linear fit's, less what the fit changed; shape (S,)."""
+def full_residual(optimum: Optimum, linear: Optimum, coarse: Optimum) -> Array:
+    """Residual [m] of a coarse fit at all samples, shape (S,): the linear fit's, less what the coarse fit changed."""
     part, records = optimum.problem.records, linear.problem.records
-    change = optimum.solved.reading - sketched.solved.reading
+    change = optimum.solved.reading - coarse.solved.reading
     if part.at is not None:
         change = np.concatenate(
             [

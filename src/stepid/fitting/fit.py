@@ -10,6 +10,7 @@ import numpy as np
 from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.experiment import Campaign
 from stepid.core.noise import rms
+from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
@@ -96,6 +97,7 @@ def _begun(campaign: Campaign, wrong: Mapping[str, Mask], workers: int) -> tuple
     return records, linear, floor
 
 
+@in_own_quantities
 @recorded()
 @single_threaded
 def fit(
@@ -153,8 +155,8 @@ def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | N
     if not effects:
         return context.linear
     starts = well_starts(context, effects[0])
-    starts += race_starts(context, effects[0], score(context, context.outline, columns(context, effects[:1])))
-    fitted = _raced(context, effects[:1], starts, context.outline)
+    starts += race_starts(context, effects[0], score(context, context.coarse_linear, columns(context, effects[:1])))
+    fitted = _raced(context, effects[:1], starts, context.coarse_linear)
     for count in range(2, len(effects) + 1):
         if fitted.best is None:
             return None

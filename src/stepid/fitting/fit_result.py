@@ -8,9 +8,10 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from stepid.core.base import Matrix, Model, NonNegative
-from stepid.core.estimate import Estimate, format_value
+from stepid.core.estimate import Estimate, format_value, prefixed
 from stepid.core.frames import Row, parameter_frame
 from stepid.core.latex import parameter_table
+from stepid.core.quantities import InputUnit, Motion
 from stepid.core.tables import html_table, text_table
 from stepid.simulation.model import PlantModel
 
@@ -39,6 +40,8 @@ class Fit(Model):
     notes : tuple of str
         What was left out, which run disagrees with the others, whose input is not what the record says, that the fit
         did not converge.
+    motion, input_unit : str
+        Of the campaign, see `stepid.Campaign`.
     """
 
     parameters: Mapping[str, Estimate]
@@ -49,6 +52,8 @@ class Fit(Model):
     correlation: Matrix
     converged: bool
     notes: tuple[str, ...] = ()
+    motion: Motion = "translation"
+    input_unit: InputUnit = "V"
 
     def to_dataframe(self) -> DataFrame:
         """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""
@@ -88,9 +93,12 @@ class Fit(Model):
         header = ("parameter", "value", "95 % interval", *(_CAUSES[cause] for cause in causes), "unit")
         rows = []
         for name, e in self.parameters.items():
-            value = format_value(e.value, e.uncertainty)
-            interval = "not determined" if e.interval is None else _span(e.interval)
-            rows.append((name, value, interval, *(_size(e.parts.get(cause)) for cause in causes), e.unit))
+            value, spread, unit = prefixed(e.value, e.uncertainty, e.unit)
+            factor = 1.0 if unit == e.unit else 1e3
+            ends = e.interval and (factor * e.interval[0], factor * e.interval[1])
+            interval = "not determined" if ends is None else _span(ends)
+            parts = (_size(factor * e.parts[cause] if cause in e.parts else None) for cause in causes)
+            rows.append((name, format_value(value, spread), interval, *parts, unit))
         return header, rows
 
 

@@ -11,10 +11,10 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Motion, Scales
-from stepid.fitting.decimation import outline, shortest_period, sketch
+from stepid.fitting.decimation import decimated, fit_coarsely, shortest_period
 from stepid.fitting.deviations import with_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
-from stepid.fitting.multistart_sticking import resettle
+from stepid.fitting.multistart_sticking import other_sticking
 from stepid.fitting.noise_color import NoiseColor
 from stepid.fitting.problem import build, fixes_mass, phase_rows, scales, start_local, start_phases
 from stepid.fitting.record_fault import RecordFault
@@ -52,9 +52,9 @@ class Start(NamedTuple):
 class FitContext:
     """What every search on one campaign shares: records, linear fit, scales, the weak form, the measured motion.
 
-    Candidates race on `sketch`, a part of the samples; `outline` is the linear plant there. `faults` of the readings
-    are removed already; `colored` is set where their noise is not white. `by_weights` is the linear plant with the most
-    likely added masses, where errors within their uncertainty are enough for it to leave only noise.
+    Candidates race on `decimated`, a part of the samples; `coarse_linear` is the linear plant there. `faults` of the
+    readings are removed already; `colored` is set where their noise is not white. `by_weights` is the linear plant with
+    the most likely added masses, where errors within their uncertainty are enough for it to leave only noise.
     """
 
     def __init__(
@@ -79,26 +79,26 @@ class FitContext:
         if linear.rms < 4 * floor:  # the fit is better known than the noisy velocity
             x, v = linear.solved.states[:2]
             self.motion = self.motion._replace(x=x, v=v, sign=np.where(v < 0, -1.0, 1.0))
-        self.sketch = sketch(records, linear, shortest_period(linear), floor)
-        self.outline = outline(self.sketch, linear)
-        self.tangent = np.linalg.qr(self.outline.problem.jacobian(self.outline.solved))[0]
+        self.decimated = decimated(records, linear, shortest_period(linear), floor)
+        self.coarse_linear = fit_coarsely(self.decimated, linear)
+        self.tangent = np.linalg.qr(self.coarse_linear.problem.jacobian(self.coarse_linear.solved))[0]
         self.weak = WeakForm(records, 0.6 * period, fixed_mass=fixes_mass(records))
 
     @property
     def noise_cost(self) -> float:
         """Cost of a perfect model in the race, m²."""
         square = self.records.weight**2
-        return float((square if self.sketch.at is None else square[self.sketch.at]).sum()) * self.floor**2
+        return float((square if self.decimated.at is None else square[self.decimated.at]).sum()) * self.floor**2
 
     @property
     def floored(self) -> float:
         """Cost in the race below which nothing but noise is left, m²: the noise's own scatter above its cost."""
-        return (1.05 + 3.0 / math.sqrt(2.0 * self.sketch.size)) ** 2 * self.noise_cost
+        return (1.05 + 3.0 / math.sqrt(2.0 * self.decimated.size)) ** 2 * self.noise_cost
 
     @property
     def unit(self) -> float:
         """Cost in the race of one unit of χ² in all samples, m²."""
-        return float((self.sketch.weight**2).sum() / (self.records.weight**2).sum()) * self.floor**2
+        return float((self.decimated.weight**2).sum() / (self.records.weight**2).sum()) * self.floor**2
 
     @property
     def tolerance(self) -> float:
@@ -129,13 +129,13 @@ class CandidateFit:
         self, context: FitContext, effects: tuple[Effect, ...], deviations: frozenset[str] = frozenset()
     ) -> None:
         self.context, self.effects, self.deviations = context, effects, deviations
-        coarse = build(context.sketch, effects, tolerance=COARSE, workers=context.workers)
+        coarse = build(context.decimated, effects, tolerance=COARSE, workers=context.workers)
         fine = build(context.records, effects, workers=context.workers)
         self.coarse, self.fine = (with_deviations(problem, deviations) for problem in (coarse, fine))
         self.best: Optimum | None = None
         self.polished: Optimum | None = None  # on all samples
         self.rested: tuple[Optimum, Optimum] | None = None  # a polished fit, and the better of it and the one at rest
-        self._resettled: Optimum | None = None  # where other patterns of sticking led last
+        self._sticking: Optimum | None = None  # where other patterns of sticking led last
         self._tolerance = 0.0  # with which the best fit so far ended, m²
 
     @property
@@ -162,7 +162,7 @@ class CandidateFit:
         local = np.repeat(start_local(problem, like)[None], len(starts), axis=0)
         for own, start in zip(local, starts, strict=True):
             if start.displacement is not None:
-                own[0] = np.where(self.context.sketch.moving, start.displacement, own[0])
+                own[0] = np.where(self.context.decimated.moving, start.displacement, own[0])
         if phase_rows(problem):
             local = start_phases(problem, shared, local)
         order = list(range(len(starts)))
@@ -187,7 +187,7 @@ class CandidateFit:
         if not any(e.never_rests for e in self.effects):
             return [self.coarse]
         active = self.coarse.active.copy()
-        active[:2] = self.context.sketch.moving
+        active[:2] = self.context.decimated.moving
         return [replace(self.coarse, active=active), self.coarse]
 
     def _try(self, problem: Problem, shared: Array, local: Array, like: Optimum, laps: int) -> bool:
@@ -208,7 +208,7 @@ class CandidateFit:
         """Cost that a trajectory would leave after the linear plant has adapted to it."""
         if not np.isfinite(reading).all() or np.abs(reading).max() > 1e2:
             return np.inf
-        records = self.context.sketch
+        records = self.context.decimated
         r = records.weighted(records.position - reading)
         r = r - self.context.tangent @ (self.context.tangent.T @ r)
         return float(r @ r)
@@ -228,13 +228,13 @@ class CandidateFit:
         if found is not None and found.cost <= self.best.cost:
             self.best, self.polished, self._tolerance = found, None, tolerance
 
-    def resettle(self) -> bool:
+    def other_sticking(self) -> bool:
         """Try other patterns of sticking from the best fit so far; True where one is better."""
-        if self.best is None or self._resettled is self.best:
+        if self.best is None or self._sticking is self.best:
             return False
         tolerance = max(self.context.tolerance, _SLIGHT * self.excess)
-        moved = resettle(self.best, tolerance=tolerance)
-        better, self._resettled = moved is not self.best, moved
+        moved = other_sticking(self.best, tolerance=tolerance)
+        better, self._sticking = moved is not self.best, moved
         if better:
             self.best, self.polished, self._tolerance = moved, None, tolerance
         return better
@@ -258,11 +258,11 @@ class CandidateFit:
 
 def _less_damped(context: FitContext, effect: Effect) -> list[Array]:
     """The linear optimum; for dry friction, also with less damping, which stood in for the friction."""
-    out = [context.outline.shared]
+    out = [context.coarse_linear.shared]
     if effect.dry:
-        damping = context.outline.problem.layout.damping
+        damping = context.coarse_linear.problem.layout.damping
         for share in (0.65, 0.35):
-            lighter = context.outline.shared.copy()
+            lighter = context.coarse_linear.shared.copy()
             lighter[damping] *= share
             out.append(lighter)
     return out
@@ -272,11 +272,11 @@ def race_starts(context: FitContext, effect: Effect, scored: Sequence[Scored]) -
     """Starts of one effect: its best scores, the weak form's best, its own guesses where it is hard to score."""
     own = [s for s in scored if s.effect is effect][:2]
     starts = [Start(s.shared, (s.values,)) for s in own]
-    starts += [Start(context.outline.shared, (s.values,)) for s in own[:1]]
+    starts += [Start(context.coarse_linear.shared, (s.values,)) for s in own[:1]]
     starts += context.weak_starts(effect, 3)
     guesses = [tuple(v) for v in effect.starts(context.scales)]
     if not effect.linear or len(starts) < 2:
         starts += [Start(shared, (v,)) for shared in _less_damped(context, effect) for v in guesses]
     if own:
-        starts.append(Start(context.outline.shared, (effect.faint(own[0].values, 0.05),)))
+        starts.append(Start(context.coarse_linear.shared, (effect.faint(own[0].values, 0.05),)))
     return starts

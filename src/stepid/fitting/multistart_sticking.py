@@ -41,7 +41,7 @@ def _held(problem: Problem) -> Array:
     return held
 
 
-def resettle(optimum: Optimum, *, tolerance: float, iterations: int = 20) -> Optimum:
+def other_sticking(optimum: Optimum, *, tolerance: float, iterations: int = 20) -> Optimum:
     """Fit again from the best starts of the runs, and from slightly other dry effects, until nothing is gained.
 
     Parameters

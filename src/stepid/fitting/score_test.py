@@ -33,7 +33,7 @@ class _Column(NamedTuple):
 
 def force_responses(context: FitContext, forces: list[Array]) -> Array:
     """Reading's response of the linear plant to added forces, shapes (S,) each to (S, n)."""
-    linear, records = context.outline, context.sketch
+    linear, records = context.coarse_linear, context.decimated
     free = np.append(linear.shared[:-1], 1.0)
     out = np.empty((len(forces), records.size))
     for i in range(0, len(forces), _AT_ONCE):  # the plant driven by the forces, in N, beside each other
@@ -46,7 +46,7 @@ def force_responses(context: FitContext, forces: list[Array]) -> Array:
 
 
 def _means(force: Array, records: Records) -> Array:
-    """Mean of a force, given at all samples, from each sample of a sketch to the next, shape (S,)."""
+    """Mean of a force, given at all samples, from each decimated sample to the next, shape (S,)."""
     between = 0.5 * (force[:-1] + force[1:])
     if records.at is not None:
         sums = np.concatenate([[0.0], np.cumsum(between)])
@@ -56,7 +56,7 @@ def _means(force: Array, records: Records) -> Array:
 
 def responses_along(base: Optimum, context: FitContext, forces: list[Array]) -> Array:
     """Reading's response of a fitted plant to slight added forces, per newton, shapes (S,) each to (S, n)."""
-    problem, records = base.problem, context.sketch
+    problem, records = base.problem, context.decimated
     of, gain = problem.layout, float(base.shared[problem.layout.force_gain])
     stiffness = float(base.shared[of.stiffness].mean())
     shared = base.shared.copy()
@@ -100,7 +100,7 @@ def columns(
     scales : Scales, optional
         For the starts, the context's by default.
     base : Optimum, optional
-        The fit, on the context's sketch.
+        The fit, on the context's decimated records.
     """
     if base is not None and astray(context, base):
         return _columns(context, effects, scales or context.scales, base)
@@ -131,11 +131,11 @@ def _columns(
                     context.responses[key] = _difference(context, *key)
                 response = context.responses[key]
                 if response is not None:
-                    weighted = context.sketch.weighted(response.T).T
+                    weighted = context.decimated.weighted(response.T).T
                     found.append(_Column(effect, weighted, _scaled(effect, tuple(values))))
     if forces:
         pushed = force_responses(context, forces) if base is None else responses_along(base, context, forces)
-        responses = context.sketch.weighted(pushed.T).T
+        responses = context.decimated.weighted(pushed.T).T
         at = 0
         for effect, width, convert in pending:
             found.append(_Column(effect, responses[:, at : at + width], convert))
@@ -156,7 +156,7 @@ def _scaled(effect: Effect, values: tuple[float, ...]) -> Callable[[Array], tupl
 
 
 def _difference(context: FitContext, effect: Effect, values: tuple[float, ...]) -> Array | None:
-    records, linear = context.sketch, context.outline
+    records, linear = context.decimated, context.coarse_linear
     problem = build(records, (effect,), tolerance=COARSE)
     of = problem.layout
     free = problem.free.copy()
@@ -241,7 +241,7 @@ def promises(context: FitContext, inner: Optimum, effects: tuple[Effect, ...], s
     jacobian = inner.problem.jacobian(inner.solved)
     if not starts or not np.isfinite(jacobian).all():
         return [np.inf] * len(starts)
-    sim = Simulator(context.sketch, effects, COARSE)
+    sim = Simulator(context.decimated, effects, COARSE)
     shared = np.array([np.concatenate([start.linear, *start.values]) for start in starts])
     local = np.zeros((sim.layout.n_run, inner.local.shape[1]))
     of = inner.problem.layout
@@ -254,7 +254,7 @@ def promises(context: FitContext, inner: Optimum, effects: tuple[Effect, ...], s
     residual = inner.problem.residual(inner.solved)
     found = []
     for reading in readings:
-        seen = context.sketch.weighted(reading - inner.solved.reading)
+        seen = context.decimated.weighted(reading - inner.solved.reading)
         seen = seen - q @ (q.T @ seen)
         power, along = float(seen @ seen), float(seen @ residual)
         # a step that asks for hardly any of the change is the simpler law's, seen from too far for a line to tell

@@ -9,6 +9,7 @@ import numpy as np
 
 from stepid.core.arguments import as_experiment
 from stepid.core.experiment import Experiment
+from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.takes import takes
 from stepid.errors import IdentificationError
@@ -57,6 +58,7 @@ def _computable(experiment: Experiment) -> Iterator[None]:
         ) from None
 
 
+@in_own_quantities
 @takes(peak=a_peak)
 @recorded(peak=InterpolatedPeak)
 def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Characteristics:
@@ -94,6 +96,7 @@ def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Charact
         return step_characteristics(experiment, find_steps(experiment)[0], peak=how)
 
 
+@in_own_quantities
 @takes(peak=a_peak)
 @recorded(peak=InterpolatedPeak)
 def characterize_each(
@@ -130,6 +133,7 @@ def characterize_each(
     return tuple(found)
 
 
+@in_own_quantities
 @takes(peak=a_peak)
 @recorded(peak=InterpolatedPeak)
 def characterize_all(experiment: Experiment, *, peak: Peak | None = None) -> tuple[Characteristics, ...]:

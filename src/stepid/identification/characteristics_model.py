@@ -10,8 +10,9 @@ from typing import Any, Self
 from pydantic import model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive
-from stepid.core.estimate import format_value
+from stepid.core.estimate import format_value, prefixed
 from stepid.core.latex import parameter_table
+from stepid.core.quantities import InputUnit, Motion
 from stepid.core.tables import html_table, text_table
 from stepid.identification.second_order import (
     damped_fraction,
@@ -85,6 +86,8 @@ class Characteristics(Model):
         V, signed change of the input; None for a release.
     notes : tuple of str
         What a reader should know, for example that the steady state comes from a fitted tail.
+    motion, input_unit : str
+        Of the campaign, see `stepid.Campaign`.
 
     Raises
     ------
@@ -110,6 +113,8 @@ class Characteristics(Model):
     start: Finite | None = None
     step: Finite | None = None
     notes: tuple[str, ...] = ()
+    motion: Motion = "translation"
+    input_unit: InputUnit = "V"
 
     @model_validator(mode="before")
     @classmethod
@@ -148,7 +153,8 @@ class Characteristics(Model):
         for field, unit in _UNITS.items():
             value = getattr(self, field)
             if value is not None:
-                rows.append((field.replace("_", " "), format_value(value, getattr(self.uncertainty, field)), unit))
+                shown, spread, own = prefixed(value, getattr(self.uncertainty, field), unit)
+                rows.append((field.replace("_", " "), format_value(shown, spread), own))
         return rows
 
     def __repr__(self) -> str:

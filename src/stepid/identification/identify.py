@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stepid.core.arguments import as_campaign
 from stepid.core.experiment import Campaign, Experiment, MassOffset
+from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.samples import CLOSE, off_even_clock
 from stepid.core.takes import takes
@@ -24,6 +25,7 @@ _VAGUE = 0.1  # relative uncertainty of the natural frequency beyond which a run
 _LEAST_OVERSHOOT = 0.01  # below it the peak is so flat that the smallest departure from the model moves it far
 
 
+@in_own_quantities
 @takes(peak=a_peak, solver=a_solver)
 @recorded(peak=InterpolatedPeak, solver=WeightedLeastSquares)
 def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | None = None) -> IdentifiedParameters:
@@ -60,6 +62,7 @@ def identify(campaign: Campaign, *, peak: Peak | None = None, solver: Solver | N
     return identify_with_system(campaign, peak=peak, solver=solver)[1]
 
 
+@in_own_quantities
 def identify_with_system(
     campaign: Campaign, *, peak: Peak | None = None, solver: Solver | None = None
 ) -> tuple[StackedSystem, IdentifiedParameters]:
@@ -92,6 +95,7 @@ def identify_with_system(
     return system, IdentifiedParameters(**fields)
 
 
+@in_own_quantities
 def characterize_campaign(
     campaign: Campaign, *, peak: Peak | None = None
 ) -> tuple[dict[str, Characteristics], dict[str, str]]:

@@ -1,4 +1,4 @@
-"""The results of the paper's method: the stacked system and the identified parameters."""
+"""The result of the paper's method: the identified parameters."""
 
 from __future__ import annotations
 
@@ -10,71 +10,18 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from stepid.core.base import Finite, Label, Matrix, Model, NonNegative, Positive, Vector
+from stepid.core.base import Finite, Label, Matrix, Model, NonNegative, Positive
 from stepid.core.estimate import Estimate, format_value
-from stepid.core.experiment import MassOffset
 from stepid.core.frames import Row, parameter_frame
 from stepid.core.latex import parameter_table
+from stepid.core.quantities import InputUnit, Motion, in_own_quantities
 from stepid.core.tables import html_table, text_table
 from stepid.core.takes import described
 from stepid.errors import InputError
-from stepid.identification.characteristics_model import Characteristics
+from stepid.identification.stacked_system import StackedSystem as StackedSystem
 
 if TYPE_CHECKING:
     from stepid.core.frames import DataFrame
-
-
-class StackedSystem(Model):
-    """The stacked linear system of Eqs. 6, 9 and 10 (corrected), made by `stepid.assemble`.
-
-    Parameters
-    ----------
-    matrix : array, shape (2n − b, n + s)
-        n runs of b bases, s spring labels; columns are the masses [kg], then the stiffnesses [N/m].
-    rhs : array, shape (2n − b,)
-        N/m·rad² for the frequency rows (all zero), kg for the mass rows.
-    row_labels, column_labels : tuple of str
-    characteristics : tuple of Characteristics
-        The runs, in the order of their columns.
-    mass_offsets : tuple of MassOffset
-        In the order of their rows.
-    """
-
-    matrix: Matrix
-    rhs: Vector
-    row_labels: tuple[str, ...]
-    column_labels: tuple[str, ...]
-    characteristics: tuple[Characteristics, ...]
-    mass_offsets: tuple[MassOffset, ...]
-
-    @model_validator(mode="after")
-    def _shapes(self) -> Self:
-        rows, columns = self.matrix.shape
-        if self.rhs.size != rows or len(self.row_labels) != rows or len(self.column_labels) != columns:
-            raise ValueError(f"matrix is {rows} × {columns}; rhs and labels must match it")
-        return self
-
-    def _rows(self) -> list[tuple[str, ...]]:
-        return [
-            (label, *(f"{value:.5g}" for value in row), f"{right:.4g}")
-            for label, row, right in zip(self.row_labels, self.matrix, self.rhs, strict=True)
-        ]
-
-    @property
-    def _title(self) -> str:
-        return f"Stacked system (Eq. 10, corrected): {self.matrix.shape[0]} rows, {self.matrix.shape[1]} unknowns"
-
-    def summary(self) -> str:
-        """Return the system as the paper prints Eq. 10: a row an equation, a column an unknown."""
-        return text_table(("row", *self.column_labels, "= rhs"), self._rows(), title=self._title)
-
-    def __repr__(self) -> str:
-        return f"StackedSystem({self.matrix.shape[0]} rows, unknowns: {', '.join(self.column_labels)})"
-
-    __str__ = summary
-
-    def _repr_html_(self) -> str:
-        return html_table(("row", *self.column_labels, "= rhs"), self._rows(), title=self._title)
 
 
 class ParameterUncertainty(Model):
@@ -123,6 +70,8 @@ class IdentifiedParameters(Model):
         labels are as assumed; much more says that the plant is not linear or a label or weight is wrong.
     notes : tuple of str
         That more than noise is left of the runs, where it is; whether a joint fit would be tighter by much.
+    motion, input_unit : str
+        Of the campaign, see `stepid.Campaign`.
     """
 
     masses: Mapping[str, Positive]
@@ -142,6 +91,8 @@ class IdentifiedParameters(Model):
     solver: str = ""
     misfit: NonNegative | None = None
     notes: tuple[str, ...] = ()
+    motion: Motion = "translation"
+    input_unit: InputUnit = "V"
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -164,6 +115,7 @@ class IdentifiedParameters(Model):
             )
         return self.stiffness[self.springs[name]]
 
+    @in_own_quantities
     def base_difference(self, from_base: str, to_base: str) -> Estimate:
         """Mass that `to_base` carries more than `from_base`, for example the moving parts of a connected damper.
 
@@ -249,7 +201,6 @@ class IdentifiedParameters(Model):
             text_table(_RUN_HEADER, self._runs(), title=title),
             text_table(("shared", "value", "unit"), shared_rows(self)),
             *(f"left out: {name}: {why}" for name, why in self.excluded.items()),
-            *self.notes,
         ]
         if self.misfit is not None and self.misfit > _LARGE_MISFIT:
             parts.append(

@@ -67,6 +67,8 @@ def pool_steps(steps: Sequence[Characteristics], *, name: str) -> Characteristic
         added_mass=first.added_mass,
         start=first.start,
         step=first.step,
+        motion=first.motion,
+        input_unit=first.input_unit,
         notes=notes,
         **means,
     )

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.experiment import WEIGHT, WEIGHT_UNCERTAINTY
+from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.takes import a, able, optional, takes
 from stepid.identification.characteristics_model import Characteristics
@@ -43,6 +44,7 @@ a_solver = optional(able("unknowns", "a solver with its brackets, as WeightedLea
 """Check of an argument `solver`."""
 
 
+@in_own_quantities
 @takes(system=a(StackedSystem, "a StackedSystem from stepid.assemble"), solver=a_solver)
 @recorded(solver=WeightedLeastSquares)
 def solve(system: StackedSystem, *, solver: Solver | None = None) -> IdentifiedParameters:

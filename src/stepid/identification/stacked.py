@@ -9,6 +9,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import MassOffset
+from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.takes import a, each, takes
 from stepid.errors import InputError, UndeterminedError
@@ -33,6 +34,7 @@ def frequency_row(damped_frequency: float, damping_ratio: float) -> tuple[float,
     return damped_frequency**2, damping_ratio**2 - 1.0
 
 
+@in_own_quantities
 @takes(
     characteristics=each(a(Characteristics, ""), "characteristics, one a run, as stepid.characterize returns them"),
     mass_offsets=each(a(MassOffset, ""), "mass differences, as campaign.mass_offsets"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,13 +12,14 @@ from stepid.core.experiment import Experiment
 from stepid.core.noise import apparent_resolution, noise_level
 from stepid.errors import NoOvershootError, NoStepError, NotSettledError
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
-from stepid.identification.peak import Peak
+from stepid.identification.peak import Peak, PeakReading
 from stepid.identification.second_order import damped_frequency, damping_ratio, damping_ratio_slope
-from stepid.identification.steady_state import last_swing, settling_time_measured, steady_state
+from stepid.identification.steady_state import SteadyState, last_swing, settling_time_measured, steady_state
 from stepid.identification.steps import Step
 
 _MOVING = 0.05  # swing left at the end, as a fraction of the steady displacement, that is too much
 _RINGING = 0.02  # and that deserves a note
+_ROUNDS = 30  # of peak and level, at most
 _VAGUE = 0.25  # relative uncertainty of a peak time that is none
 
 
@@ -37,8 +39,87 @@ def static_gain(steady: float, step: float) -> float:
     return steady / step
 
 
+class _Response(NamedTuple):
+    """A step's response from rest, turned upward: s and m; `rest` is the standard uncertainty of the rest position."""
+
+    who: str
+    time: Array
+    swing: Array
+    sign: float
+    noise: float
+    grid: float
+    rest: float
+
+    @property
+    def tolerance(self) -> float:
+        """What stands out of noise and grid, m."""
+        return max(5 * self.noise, 2 * self.grid)
+
+
+class _Reading(NamedTuple):
+    """Peak, final level [m], and what they say: rad/s, 1, 1; `left` is the swing at the end, m."""
+
+    peak: PeakReading
+    tail: SteadyState
+    frequency: float
+    ratio: float
+    excess: float
+    left: float
+
+
+class _Spreads(NamedTuple):
+    """Standard uncertainties: of peak time and frequency, overshoot and ratio, steady state; and of the tail alone."""
+
+    time: float
+    frequency: float
+    excess: float
+    ratio: float
+    steady: float
+    tail: float
+    correlation: float
+
+
 def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> Characteristics:
     """Read the characteristics off the response to one step; see `stepid.characterize`."""
+    response = _response(experiment, step)
+    read = _read(response, peak)
+    level = read.tail.level
+    spreads = _spreads(response, read, _ringing(experiment, step, read.peak.time, response.noise) / level)
+    time, swing, half = response.time, response.swing, read.peak.time
+    settled = settling_time_measured(
+        time, swing, level=level, half_period=half, noise=response.noise, spread=spreads.tail
+    )
+    still = f"the record ends while it still swings ±{100 * read.left / level:.1f} %: steady state from the fitted tail"
+    return Characteristics(
+        name=experiment.name if step.number == 1 else f"{experiment.name}, step {step.number}",
+        peak_time=read.peak.time,
+        overshoot=read.excess,
+        damped_frequency=read.frequency,
+        damping_ratio=read.ratio,
+        natural_frequency=read.frequency / math.sqrt(1 - read.ratio**2),
+        steady_state=response.sign * level,
+        static_gain=static_gain(response.sign * level, step.size),
+        settling_time=None if settled is None else settled[0],
+        uncertainty=CharacteristicsUncertainty(
+            peak_time=spreads.time,
+            overshoot=spreads.excess,
+            steady_state=spreads.steady,
+            static_gain=spreads.steady / abs(step.size),
+            settling_time=None if settled is None else settled[1],
+        ),
+        correlation=spreads.correlation,
+        spring=experiment.spring,
+        damper=experiment.damper,
+        base=experiment.base,
+        added_mass=experiment.added_mass,
+        start=float(experiment.time[step.start]),
+        step=step.size,
+        notes=() if read.left <= _RINGING * level else (still,),
+    )
+
+
+def _response(experiment: Experiment, step: Step) -> _Response:
+    """The response to a step from the rest before it; refused where there is none, or where it is cut."""
     who = _who(experiment, step)
     time = experiment.time[step.start : step.stop + 1] - experiment.time[step.start]
     position = experiment.position[step.start : step.stop + 1]
@@ -59,34 +140,34 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
             "Check that the amplifier was on, and that the right encoder column was read.",
         )
     sign = math.copysign(1.0, rough)
-    swing = sign * swing
-    _require_peak(who, time, swing, max(5 * noise, 2 * grid))
-    first_peak = float(time[np.argmax(swing)])
-    if time[-1] < 1.9 * first_peak and last_swing(time, swing, 0.5 * float(time[-1])) > _MOVING * abs(rough):
+    out = _Response(who, time, sign * swing, sign, noise, grid, rest_spread)
+    _require_peak(who, time, out.swing, out.tolerance)
+    first_peak = float(time[np.argmax(out.swing)])
+    if time[-1] < 1.9 * first_peak and last_swing(time, out.swing, 0.5 * float(time[-1])) > _MOVING * abs(rough):
         raise _not_settled(who, f"ends {time[-1] / first_peak:.2f} peak times after the step")
+    return out
+
+
+def _read(response: _Response, peak: Peak) -> _Reading:
+    """Locate the peak and fit the tail in turn, until the level stays: the tail's fit needs the damping ratio."""
+    who, time, swing, *_ = response
+    noise = response.noise
+    first_peak = float(time[np.argmax(swing)])
     level = float(np.mean(swing[time >= time[-1] - 2 * first_peak]))
     left = last_swing(time, swing, min(first_peak, float(time[-1]) - first_peak)) - 3 * noise
     if left > 2 * _MOVING * abs(level):
         raise _swinging(who, left / abs(level))
-    for _ in range(30):  # the tail fit needs the damping ratio, which needs the level
+    for _ in range(_ROUNDS):
         try:
             found = peak.locate(time, swing, level=level, noise=noise)
         except NoOvershootError as error:
             raise NoOvershootError(f"{who}: {error.cause}", error.remedy) from None
         excess = overshoot(found.height, level)
         vague = found.time_uncertainty > _VAGUE * found.time
-        if vague or not max(5 * noise, 2 * grid) < excess * level < level:
-            raise _no_overshoot(who, excess, level, noise, grid)
+        if vague or not response.tolerance < excess * level < level:
+            raise _no_overshoot(who, excess, level, noise, response.grid)
         frequency, ratio = damped_frequency(found.time), damping_ratio(excess)
-        tail = steady_state(
-            time,
-            swing,
-            peak_time=found.time,
-            damped_frequency=frequency,
-            damping_ratio=ratio,
-            overshoot=excess,
-            noise=noise,
-        )
+        tail = _tail(response, found, frequency, ratio, excess)
         change, level = abs(tail.level - level), tail.level
         if level <= 0 or change < 1e-12 * level:
             break
@@ -94,20 +175,30 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
     if level <= 0 or left > _MOVING * level:
         raise _swinging(who, left / abs(level))
     excess = overshoot(found.height, level)
-    ratio = damping_ratio(excess)
+    return _Reading(found, tail, frequency, damping_ratio(excess), excess, left)
+
+
+def _tail(response: _Response, found: PeakReading, frequency: float, ratio: float, excess: float) -> SteadyState:
+    return steady_state(
+        response.time,
+        response.swing,
+        peak_time=found.time,
+        damped_frequency=frequency,
+        damping_ratio=ratio,
+        overshoot=excess,
+        noise=response.noise,
+    )
+
+
+def _spreads(response: _Response, read: _Reading, ring: float) -> _Spreads:
+    """Standard uncertainties; `ring` is the swing left from the step before, over the level."""
+    found, tail, frequency, ratio, excess, _ = read
+    level = tail.level
 
     def level_at(frequency_shift: float, ratio_shift: float) -> float:
-        return steady_state(
-            time,
-            swing,
-            peak_time=found.time,
-            damped_frequency=frequency + frequency_shift,
-            damping_ratio=min(max(ratio + ratio_shift, 1e-6), 0.999),
-            overshoot=excess,
-            noise=noise,
-        ).level
+        shifted = min(max(ratio + ratio_shift, 1e-6), 0.999)
+        return _tail(response, found, frequency + frequency_shift, shifted, excess).level
 
-    ring = _ringing(experiment, step, found.time, noise) / level
     time_spread = math.hypot(found.time_uncertainty, found.time * ring / math.pi / math.sqrt(2))
     slope = abs(damping_ratio_slope(excess, ratio))
     frequency_spread = frequency**2 / math.pi * time_spread
@@ -116,45 +207,15 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
         tail.uncertainty,
         level_at(frequency_spread, 0) - level,
         level_at(0, first) - level,
-        grid / math.sqrt(12),
+        response.grid / math.sqrt(12),
     )
-    excess_spread = math.hypot(found.height_uncertainty, (1 + excess) * tail_spread, excess * rest_spread) / level
-    excess_spread = math.hypot(excess_spread, excess * ring / math.sqrt(2))
-    steady_spread = math.hypot(tail_spread, rest_spread)
+    height = math.hypot(found.height_uncertainty, (1 + excess) * tail_spread, excess * response.rest) / level
+    excess_spread = math.hypot(height, excess * ring / math.sqrt(2))
     ratio_spread = slope * excess_spread
     cross = frequency**2 / math.pi * slope * found.covariance / level  # of ω_d and ζ
-    settled = settling_time_measured(time, swing, level=level, half_period=found.time, noise=noise, spread=tail_spread)
-    notes = (
-        ()
-        if left <= _RINGING * level
-        else (f"the record ends while it still swings ±{100 * left / level:.1f} %: steady state from the fitted tail",)
-    )
-    return Characteristics(
-        name=experiment.name if step.number == 1 else f"{experiment.name}, step {step.number}",
-        peak_time=found.time,
-        overshoot=excess,
-        damped_frequency=frequency,
-        damping_ratio=ratio,
-        natural_frequency=frequency / math.sqrt(1 - ratio**2),
-        steady_state=sign * level,
-        static_gain=static_gain(sign * level, step.size),
-        settling_time=None if settled is None else settled[0],
-        uncertainty=CharacteristicsUncertainty(
-            peak_time=time_spread,
-            overshoot=excess_spread,
-            steady_state=steady_spread,
-            static_gain=steady_spread / abs(step.size),
-            settling_time=None if settled is None else settled[1],
-        ),
-        correlation=float(np.clip(cross / (frequency_spread * ratio_spread), -1, 1)) if cross else 0.0,
-        spring=experiment.spring,
-        damper=experiment.damper,
-        base=experiment.base,
-        added_mass=experiment.added_mass,
-        start=float(experiment.time[step.start]),
-        step=step.size,
-        notes=notes,
-    )
+    correlation = float(np.clip(cross / (frequency_spread * ratio_spread), -1, 1)) if cross else 0.0
+    steady_spread = math.hypot(tail_spread, response.rest)
+    return _Spreads(time_spread, frequency_spread, excess_spread, ratio_spread, steady_spread, tail_spread, correlation)
 
 
 def _who(experiment: Experiment, step: Step) -> str:

@@ -81,7 +81,8 @@ def tighter_by_fit(runs: Sequence[Experiment], found: IdentifiedParameters, weig
 
 
 def _size(value: float, spread: float | None) -> str:
-    return format_value(value, spread).partition(" ± ")[2].removesuffix(")")
+    shown = format_value(value, spread).partition(" ± ")[2]
+    return f"{spread:.2g}" if "e" in shown else shown
 
 
 def _joint(

@@ -7,6 +7,7 @@ from typing import Literal
 
 from stepid.core.base import Label, Model
 from stepid.core.estimate import format_value
+from stepid.core.quantities import InputUnit, Motion, in_own_quantities, spoken
 from stepid.core.recorded import recorded
 from stepid.core.tables import html_table, text_table
 from stepid.core.takes import a, each, takes
@@ -55,6 +56,7 @@ class Trend(Model):
             return "no clear change"
         return "rises" if last > first else "falls"
 
+    @spoken
     def setting(self, run: Characteristics) -> str:
         """What varies, of one run: its damper, its added mass or its spring, as text."""
         return _setting(self.varies, run)
@@ -93,6 +95,8 @@ class Trends(Model):
     """All groups of runs in which only one thing varies, made by `find_trends`."""
 
     trends: tuple[Trend, ...]
+    motion: Motion = "translation"
+    input_unit: InputUnit = "V"
 
     def summary(self) -> str:
         """Return the tables of all trends."""
@@ -110,6 +114,7 @@ class Trends(Model):
 _HEADER = ("run", *(f"{quantity.replace('_', ' ')} [{unit}]" for quantity, unit in _QUANTITIES))
 
 
+@in_own_quantities
 @takes(runs=each(a(object, ""), "[stepid.characterize(run) for run in campaign.experiments]"))
 @recorded()
 def find_trends(runs: Iterable[Characteristics]) -> Trends:

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from stepid.core.arguments import as_campaign
 from stepid.core.atomic_write import staged
-from stepid.core.experiment import WEIGHT_UNCERTAINTY, Campaign, Experiment
+from stepid.core.base import Model
+from stepid.core.experiment import Campaign, Experiment
+from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.takes import described
 from stepid.errors import InputError
 from stepid.io.ecp_write import render_export
-from stepid.io.manifest import parse_manifest, render_manifest
+from stepid.io.manifest import parse_manifest, quantities_in, render_manifest
 from stepid.io.readers import EcpReader, Reader, TableReader
 from stepid.io.safe_read import inside
 from stepid.io.textfile import as_path, decode, read_bytes
@@ -52,7 +54,9 @@ def read_campaign(path: str | os.PathLike[str], *, allow_outside: bool = False) 
 
     Notes
     -----
-    Keys of the campaign: ``name`` and, optionally, ``weight_uncertainty`` (kg) and ``scale_uncertainty`` (relative).
+    Keys of the campaign: ``name`` and, optionally, ``weight_uncertainty`` (kg), ``scale_uncertainty`` (relative),
+    ``motion`` (``"translation"``, ``"rotation"``: kg·m², rad and N·m in place of kg, m and N) and ``input_unit``
+    (``"V"``, ``"A"``, ``"N"``, ``"N·m"``; in place of V).
     Keys of a run (``[[experiment]]``):
     ``name``, ``file``, ``added_mass`` (kg), ``spring``, ``damper``, ``counts_per_meter``; optionally ``base``,
     ``encoder``, ``sample_time`` (s), ``step = { level = 0.5, start = 0.0 }`` (V, s) where the file has no Control
@@ -77,7 +81,8 @@ def campaign_of(text: str, manifest: Path, *, allow_outside: bool = False) -> Ca
     """Read a campaign from the text of its manifest; files are looked for beside `manifest`, which need not exist."""
     where = str(manifest)
     keys, runs = parse_manifest(text, where, READERS)
-    experiments = tuple(_read_run(kind, run, manifest, allow_outside=allow_outside) for kind, run in runs)
+    with quantities_in({**keys, "experiment": [run for _, run in runs]}, where).spoken():
+        experiments = tuple(_read_run(kind, run, manifest, allow_outside=allow_outside) for kind, run in runs)
     try:
         return Campaign(experiments=experiments, **keys)
     except InputError as error:
@@ -113,6 +118,7 @@ def _read_run(kind: str, run: dict[str, Any], manifest: Path, *, allow_outside: 
         raise InputError(f"{who}: {error.cause}", error.remedy) from None
 
 
+@in_own_quantities
 def write_campaign(campaign: Campaign, folder: str | os.PathLike[str]) -> Path:
     """Write a campaign: a manifest, and for each run a file that reads back equal.
 
@@ -152,10 +158,7 @@ def _render(campaign: Campaign) -> dict[str, bytes]:
     keys: dict[str, object] = {"name": campaign.name}
     if shared is not None:
         keys["counts_per_meter"] = shared
-    if campaign.weight_uncertainty != WEIGHT_UNCERTAINTY:
-        keys["weight_uncertainty"] = campaign.weight_uncertainty
-    if campaign.scale_uncertainty:
-        keys["scale_uncertainty"] = campaign.scale_uncertainty
+    keys |= _unusual(campaign, ("weight_uncertainty", "scale_uncertainty", "motion", "input_unit"))
     files: dict[str, bytes] = {}
     runs = []
     for number, experiment in enumerate(campaign.experiments, 1):
@@ -168,12 +171,7 @@ def _render(campaign: Campaign) -> dict[str, bytes]:
         }
         if shared is None and experiment.counts_per_meter is not None:
             run["counts_per_meter"] = experiment.counts_per_meter
-        if experiment.input_before != 0:
-            run["input_before"] = experiment.input_before
-        if experiment.input_between != "held":
-            run["input_between"] = experiment.input_between
-        if experiment.starts != "auto":
-            run["starts"] = experiment.starts
+        run |= _unusual(experiment, ("input_before", "input_between", "starts"))
         stem = f"{number:02d}-" + (re.sub(r"[^a-z0-9]+", "-", experiment.name.lower()).strip("-")[:40] or "run")
         export = render_export(experiment)
         if export is not None:
@@ -189,6 +187,12 @@ def _render(campaign: Campaign) -> dict[str, bytes]:
     except UnicodeEncodeError as error:
         raise InputError(f"campaign {campaign.name!r}: a name is not text ({error.reason})", "Rename it.") from None
     return files
+
+
+def _unusual(model: Model, fields: Iterable[str]) -> dict[str, object]:
+    """Values of the fields that differ from their defaults."""
+    values = {field: getattr(model, field) for field in fields}
+    return {field: value for field, value in values.items() if value != type(model).model_fields[field].default}
 
 
 def _table_text(experiment: Experiment) -> str:

@@ -8,12 +8,15 @@ from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, TypeVar
 
+from stepid.core.quantities import CART, INPUT_UNITS, MOTIONS, Quantities, middle_dot
 from stepid.errors import InputError
 from stepid.io.manifest_values import (
     Check,
     WantedError,
     check_between,
+    check_input_unit,
     check_mass,
+    check_motion,
     check_number,
     check_positive,
     check_scale,
@@ -30,6 +33,8 @@ CAMPAIGN: Mapping[str, Check] = {
     "name": check_text,
     "weight_uncertainty": check_positive,
     "scale_uncertainty": check_share,
+    "motion": check_motion,
+    "input_unit": check_input_unit,
 }
 SHARED: Mapping[str, Check] = {
     "name": check_text,
@@ -88,6 +93,27 @@ def parse_manifest(text: str, where: str, readers: Readers) -> tuple[dict[str, A
             ) from None
         remedy = "Correct it; texts need quotation marks, numbers points, and runs two brackets: [[experiment]]."
         raise InputError(f"{where}: is not TOML ({error})", remedy) from None
+    with quantities_in(document, where).spoken():
+        return _parsed(document, where, readers)
+
+
+def quantities_in(document: Mapping[str, Any], where: str) -> Quantities:
+    """Quantities that a manifest speaks of; its texts and its path are names."""
+    motion, input_unit = document.get("motion"), middle_dot(document.get("input_unit"))
+    own = Quantities(
+        motion if motion in MOTIONS else CART.motion, input_unit if input_unit in INPUT_UNITS else CART.input_unit
+    )
+    runs = document.get("experiment")
+    tables = [document, *(run for run in runs if isinstance(run, Mapping))] if isinstance(runs, list) else [document]
+    values = [value for table in tables for value in table.values()]
+    several = [one for value in values for one in (value if isinstance(value, list | tuple) else [value])]
+    return own.keeping([where, *(text for text in several if isinstance(text, str))])
+
+
+def _parsed(
+    document: dict[str, Any], where: str, readers: Readers
+) -> tuple[dict[str, Any], list[tuple[str, dict[str, Any]]]]:
+    """Check what stands in a manifest; see `parse_manifest`."""
     runs = document.pop("experiment", None)
     if not isinstance(runs, list) or not runs or not all(isinstance(run, dict) for run in runs):
         raise InputError(f"{where}: lists no experiments", "Add a [[experiment]] table for each run.")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from stepid.core.quantities import INPUT_UNITS, MOTIONS, middle_dot
 from stepid.core.samples import STARTS, WAYS
 from stepid.io.step_input import StepInput
 
@@ -111,6 +112,21 @@ def check_between(value: object) -> str:
     if value not in WAYS:
         raise WantedError('"held" (the default), "lines" (joined by straight lines) or "smooth" (a cubic spline)')
     return str(value)
+
+
+def check_motion(value: object) -> str:
+    """How a plant moves."""
+    if value not in MOTIONS:
+        raise WantedError('"translation" (the default) or "rotation" (kg·m², N·m/rad, rad)')
+    return str(value)
+
+
+def check_input_unit(value: object) -> str:
+    """Unit of an input."""
+    unit = middle_dot(value)
+    if unit not in INPUT_UNITS:
+        raise WantedError('"V" (the default), "A", "N" or "N·m"')
+    return str(unit)
 
 
 def check_starts(value: object) -> str:

@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -158,23 +158,10 @@ def _one(
     plant = Plant(*(float(f"{v:.6g}") for v in drawn))
     places = own("start")
     start = Start(places.uniform(-1, 1, len(rig.runs)), places.uniform(0, 2 * math.pi, len(rig.runs)))
-    low, high = visibility
-    hidden = []
-    for effect, given in chosen:
-        wanted = math.exp(own(f"{effect.name} visibility").uniform(math.log(low), math.log(high)))
-        hidden.append(
-            given
-            or sized(
-                rig,
-                plant,
-                effect,
-                start,
-                misfit=noise * math.sqrt(wanted**2 - 1),
-                least=noise * math.sqrt(low**2 - 1),
-                stream=own,
-                catalogue=catalogue,
-            )
-        )
+    hidden = [
+        given or _sized(effect, rig, plant, start, noise=noise, visibility=visibility, own=own, catalogue=catalogue)
+        for effect, given in chosen
+    ]
     effects = tuple(hidden)
     model = model_of(rig, plant, effects, start, catalogue=catalogue)
     amplifier = own("drive noise")
@@ -185,12 +172,7 @@ def _one(
     campaign = campaign_of(rig, positions=read, name=f"group {group}")
     error = np.concatenate([x - y - np.mean(x - y) for x, y in zip(read, exact, strict=True)])
     random = max(rms(error), rounding)
-    values = dict(zip(rig.labels, plant, strict=True))
-    units = dict(zip(rig.labels, _UNITS, strict=True))
-    for (effect, _), own_values in zip(chosen, effects, strict=True):
-        for parameter in effect.parameters:
-            values[f"{effect.name}.{parameter.name}"] = own_values.values[parameter.name]
-            units[f"{effect.name}.{parameter.name}"] = parameter.unit
+    values, units = _written(rig, plant, tuple(effect for effect, _ in chosen), effects)
     return campaign, Answer(
         group=group,
         effects=tuple(effect.name for effect, _ in chosen),
@@ -202,6 +184,45 @@ def _one(
         records=digest(campaign),
         nonce=hashlib.sha256(json.dumps(["nonce", seed, group]).encode()).hexdigest(),
     )
+
+
+def _sized(
+    effect: Effect,
+    rig: Rig,
+    plant: Plant,
+    start: Start,
+    *,
+    noise: float,
+    visibility: tuple[float, float],
+    own: Callable[[str], np.random.Generator],
+    catalogue: tuple[Effect, ...],
+) -> EffectModel:
+    """An effect as visible as is drawn for it; `noise` in m."""
+    low, high = visibility
+    wanted = math.exp(own(f"{effect.name} visibility").uniform(math.log(low), math.log(high)))
+    return sized(
+        rig,
+        plant,
+        effect,
+        start,
+        misfit=noise * math.sqrt(wanted**2 - 1),
+        least=noise * math.sqrt(low**2 - 1),
+        stream=own,
+        catalogue=catalogue,
+    )
+
+
+def _written(
+    rig: Rig, plant: Plant, effects: tuple[Effect, ...], hidden: tuple[EffectModel, ...]
+) -> tuple[dict[str, float], dict[str, str]]:
+    """Values and units of an answer, by name."""
+    values = dict(zip(rig.labels, plant, strict=True))
+    units = dict(zip(rig.labels, _UNITS, strict=True))
+    for effect, own in zip(effects, hidden, strict=True):
+        for parameter in effect.parameters:
+            values[f"{effect.name}.{parameter.name}"] = own.values[parameter.name]
+            units[f"{effect.name}.{parameter.name}"] = parameter.unit
+    return values, units
 
 
 def _attainable(

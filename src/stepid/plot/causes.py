@@ -10,16 +10,17 @@ from matplotlib.axes import Axes
 from stepid.core.base import Array
 from stepid.core.takes import a, takes
 from stepid.diagnosis.result import Diagnosis, Ranked, Where
-from stepid.diagnosis.wording import candidate_name, chance, per_cent
+from stepid.diagnosis.wording import candidate_name, chance, digits, per_cent
 from stepid.plot.gap import AFTER, BEFORE, NOISE, a_diagnosis
 from stepid.plot.scale import plain_logarithm
-from stepid.plot.style import SERIES, an_axes, dress, styled
+from stepid.plot.style import OTHER, SERIES, an_axes, dress, in_own_words, styled
 
 _what = a((Diagnosis, Where), "a Diagnosis, or its `where`")
 _SHOWN = 6  # candidates, for which there is room
 _WIDE = 60  # letters of a candidate's name on one line
 
 
+@in_own_words
 @takes(d=_what, axes=an_axes)
 def force_against_velocity(d: Diagnosis | Where, *, axes: Axes) -> Axes:
     """Draw the residual force of the linear model against velocity: Coulomb friction is a step at zero.
@@ -37,9 +38,32 @@ def force_against_velocity(d: Diagnosis | Where, *, axes: Axes) -> Axes:
         The same axes.
     """
     where = d.where if isinstance(d, Diagnosis) else d
-    return _force(axes, where.velocity_levels, where.velocity_force, "velocity [m/s]", 1.0, parted=True)
+    _force(axes, where.velocity_levels, where.velocity_force, "velocity [m/s]", 1.0, parted=True)
+    ends = jump_ends(where)
+    if ends is not None:
+        with styled():
+            axes.annotate("", (0, ends[1]), (0, ends[0]), arrowprops={"arrowstyle": "<->", "color": OTHER})
+            axes.annotate(
+                f"jump {abs(ends[1] - ends[0]):.2g} N",
+                (0, 0),
+                xytext=(4, 2),
+                textcoords="offset points",
+                color=OTHER,
+                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
+            )
+    return axes
 
 
+def jump_ends(where: Where) -> tuple[float, float] | None:
+    """Forces [N] below and above zero velocity, apart by the jump; None where there is none."""
+    below, above = where.velocity_force[where.velocity_levels < 0], where.velocity_force[where.velocity_levels >= 0]
+    if where.jump is None or not below.size or not above.size:
+        return None
+    middle = float(below[-1] + above[0]) / 2
+    return middle - where.jump / 2, middle + where.jump / 2
+
+
+@in_own_words
 @takes(d=_what, axes=an_axes)
 def force_against_position(d: Diagnosis | Where, *, axes: Axes) -> Axes:
     """Draw the residual force of the linear model against position from rest: a cubic spring is a cubic.
@@ -75,6 +99,7 @@ def _force(axes: Axes, levels: Array, force: Array, label: str, factor: float, *
     return axes
 
 
+@in_own_words
 @takes(d=a_diagnosis, axes=an_axes)
 def phase_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     """Draw the linear model's residual by phase of the response.
@@ -103,6 +128,7 @@ def phase_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     return axes
 
 
+@in_own_words
 @takes(d=a_diagnosis, axes=an_axes)
 def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
     """Draw what each of the best candidates leaves, best on top, with the linear model and the noise floor.
@@ -122,11 +148,12 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
     with styled():
         dress(axes)
         for place, (one, named) in enumerate(shown):
-            color, hatch = (AFTER, "") if named else (BEFORE, "//")
-            axes.barh(place, 1e6 * one.rms, 0.42, color=color, hatch=hatch, edgecolor="white", zorder=2)
-            said = f" {1e6 * one.rms:.3g}" + _explains(one)
-            axes.text(1e6 * one.rms, place, said, va="center", fontsize=7)
-            # above its bar: beside it, long names would leave no room in a column
+            color, marker = (AFTER, "o") if named else (BEFORE, "D")
+            axes.plot([1e6 * one.rms], [place], marker, color=color, markersize=5, zorder=3)
+            said = f"{digits(1e6 * one.rms)}{_explains(one)}"
+            at = (1e6 * one.rms, place)
+            axes.annotate(said, at, xytext=(5, 0), textcoords="offset points", va="center", fontsize=7)
+            # above its dot: beside it, long names would leave no room in a column
             axes.text(
                 0.01,
                 place - 0.26,
@@ -146,9 +173,9 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
             low, high = 0.5 * min(values), max(values) ** 1.5 / min(values) ** 0.5 * 1.6  # with room for the numbers
             axes.set_xlim(low, high)
             plain_logarithm(axes.xaxis, marks=(1.0,) if high > 50 * low else (1.0, 2.0, 5.0))
-        axes.set_yticks([])
+        axes.set_yticks(range(len(shown)), [""] * len(shown))
+        axes.tick_params(axis="y", length=0)
         axes.set_ylim(max(len(shown), 1) - 0.7, -0.85)
-        axes.grid(axis="y", visible=False)
         axes.set_xlabel("RMS left [µm] (dashed: noise; %: explained, probable)")
         axes.set_title("candidates")
     return axes

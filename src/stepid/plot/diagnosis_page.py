@@ -15,7 +15,7 @@ from stepid.errors import InputError
 from stepid.plot.causes import candidates, force_against_position, force_against_velocity, phase_bars
 from stepid.plot.gap import a_diagnosis, gap_bars, gap_residual, gap_response
 from stepid.plot.layout import new_figure, one_legend, stacked_axes
-from stepid.plot.style import PAGE, styled
+from stepid.plot.style import PAGE, in_own_words, styled
 
 _names = each(text(), "names of runs, as a tuple")
 _panels = optional(a(Mapping, "a mapping of panels to axes"))
@@ -29,6 +29,7 @@ _PANELS: dict[str, Callable[..., Axes]] = {
 }
 
 
+@in_own_words
 @takes(d=a_diagnosis, runs=_names, axes=_panels)
 def diagnosis(d: Diagnosis, *, runs: Sequence[str] = (), axes: Mapping[str, Axes] | None = None) -> dict[str, Axes]:
     """Draw a whole diagnosis on one page.

@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 
 from stepid.core.takes import a, described, number, optional, takes
 from stepid.diagnosis.result import Diagnosis, RunGap
-from stepid.diagnosis.wording import length
+from stepid.diagnosis.wording import digits, length
 from stepid.errors import InputError
 from stepid.plot.layout import one_legend, page_of_pairs
 from stepid.plot.scale import length_unit, plain_logarithm, reach_of
-from stepid.plot.style import MARK, MEASURED, MODEL, OTHER, an_axes, beside, dress, laid_out, styled
+from stepid.plot.style import MARK, MEASURED, MODEL, OTHER, an_axes, beside, dress, in_own_words, laid_out, styled
 
 BEFORE, AFTER, NOISE = OTHER, MODEL, MARK
 a_diagnosis = a(Diagnosis, "a Diagnosis, as stepid.diagnose returns it")
@@ -29,6 +29,7 @@ def _run(d: Diagnosis, name: str) -> RunGap:
     )
 
 
+@in_own_words
 @takes(d=a_diagnosis, axes=an_axes)
 def gap_response(d: Diagnosis, name: str, *, axes: Axes) -> Axes:
     """Draw a run as measured, as the linear model says, and as the model with the effects says.
@@ -71,6 +72,7 @@ def _title(d: Diagnosis, run: RunGap) -> str:
     return f"{run.name}: {length(run.before)} → {length(run.after)}"
 
 
+@in_own_words
 @takes(d=a_diagnosis, axes=an_axes, largest=optional(number("a length in m", above=0.0)))
 def gap_residual(d: Diagnosis, name: str, *, axes: Axes, largest: float | None = None) -> Axes:
     """Draw measured minus simulated before and after, with the noise as a band of two standard deviations.
@@ -121,9 +123,10 @@ def gap_residual(d: Diagnosis, name: str, *, axes: Axes, largest: float | None =
     return axes
 
 
+@in_own_words
 @takes(d=a_diagnosis, axes=an_axes)
 def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
-    """Draw the gap as bars: before, after and noise floor, of the runs that were fitted and of those held out.
+    """Draw the gap as dots: before, after and noise floor, of the runs that were fitted and of those held out.
 
     Parameters
     ----------
@@ -142,25 +145,16 @@ def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     with styled():
         dress(axes)
         for at, (_, before, after) in enumerate(groups):
-            bars = [("linear", before, BEFORE, "//")]
-            bars += [("with the effect", after, AFTER, "")] if d.effects else []
-            bars += [("noise", d.gap.noise, NOISE, "..")]
-            for i, (label, value, color, hatch) in enumerate(bars):
-                place = at + 0.27 * (i - (len(bars) - 1) / 2)
-                axes.bar(
-                    place,
-                    1e6 * value,
-                    0.25,
-                    color=color,
-                    hatch=hatch,
-                    edgecolor="white",
-                    label="" if at else label,
-                    zorder=2,
-                )
+            dots = [("linear", before, BEFORE, "D")]
+            dots += [("with the effect", after, AFTER, "o")] if d.effects else []
+            dots += [("noise", d.gap.noise, NOISE, "s")]
+            for i, (label, value, color, marker) in enumerate(dots):
+                place = at + 0.27 * (i - (len(dots) - 1) / 2)
+                axes.plot([place], [1e6 * value], marker, color=color, markersize=5, label="" if at else label)
                 axes.annotate(
-                    f"{1e6 * value:.3g}",
+                    digits(1e6 * value),
                     (place, 1e6 * value),
-                    xytext=(0, 1),
+                    xytext=(0, 4),
                     textcoords="offset points",
                     ha="center",
                     va="bottom",
@@ -180,6 +174,7 @@ def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     return axes
 
 
+@in_own_words
 @takes(d=a_diagnosis, columns=beside)
 def gap_runs(d: Diagnosis, *, columns: int = 3, axes: npt.NDArray[np.object_] | None = None) -> npt.NDArray[np.object_]:
     """Draw every run on one page: measured, before and after, each with its residual below on one common scale.

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from matplotlib.axes import Axes
 
 from stepid.core.takes import a, takes
-from stepid.datasets.replication import PaperResponse
+from stepid.datasets.replication import PaperResponse, rebuild_paper
 from stepid.plot.layout import column_axes
 from stepid.plot.scale import length_unit, reach_of
 from stepid.plot.style import MARK, MODEL, OTHER, dress, laid_out, styled
@@ -30,8 +32,8 @@ def paper_figure(run: PaperResponse, *, axes: tuple[Axes, Axes] | None = None) -
     pair of matplotlib.axes.Axes
     """
     upper, lower = column_axes() if axes is None else laid_out(axes, (2,))
-    difference = run.rebuilt - run.printed
-    scale, unit = length_unit(reach_of([difference]))
+    reach = _reach()
+    scale, unit = length_unit(reach)
     with styled():
         dress(upper, lower)
         upper.plot(
@@ -45,7 +47,18 @@ def paper_figure(run: PaperResponse, *, axes: tuple[Axes, Axes] | None = None) -
         upper.set_title(f"{run.figure}: {run.name}, 0.5 V step")
         upper.legend(loc="lower right")
         lower.axhline(0.0, color=MODEL, linewidth=0.8)
-        lower.plot(run.time, scale * difference, "-", color=OTHER)
+        lower.plot(run.time, scale * (run.rebuilt - run.printed), "-", color=OTHER)
+        lower.set_ylim(-1.05 * scale * reach, 1.05 * scale * reach)  # one axis in all figures: they compare
+        lower.text(
+            0.98, 0.94, "no measured record is published", transform=lower.transAxes,
+            ha="right", va="top", fontsize=7,
+        )  # fmt: skip
         lower.set_ylabel(f"difference [{unit}]")
         lower.set_xlabel("time [s]")
     return upper, lower
+
+
+@cache
+def _reach() -> float:
+    """m, the largest difference in any of the paper's figures."""
+    return reach_of(one.rebuilt - one.printed for one in rebuild_paper().responses)

@@ -8,11 +8,12 @@ from stepid.core.arguments import as_campaign
 from stepid.core.experiment import Campaign
 from stepid.plot.layout import new_figure, stacked_axes
 from stepid.plot.scale import length_unit, reach_of
-from stepid.plot.style import MARKERS, PAGE, SERIES, dress, styled
+from stepid.plot.style import MARKERS, PAGE, SERIES, dress, in_own_words, styled
 
 _MARKED = 8  # markers on a curve
 
 
+@in_own_words
 def records(campaign: Campaign, *, axes: tuple[Axes, Axes] | None = None) -> tuple[Axes, Axes]:
     """Draw the positions of all runs over each other, and their inputs below.
 

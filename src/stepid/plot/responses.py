@@ -11,13 +11,14 @@ from matplotlib.axes import Axes
 from stepid.core.takes import a, takes
 from stepid.plot.layout import column_axes, one_legend, page_of_pairs
 from stepid.plot.scale import length_unit, reach_of
-from stepid.plot.style import MARK, MEASURED, MODEL, an_axes, beside, dress, laid_out, styled
+from stepid.plot.style import MARK, MEASURED, MODEL, an_axes, beside, dress, in_own_words, laid_out, styled
 from stepid.transfer.verification import Verification, VerificationRun
 
 AxesPair = tuple[Axes, Axes]
 _a_run = a(VerificationRun, "a run of a Verification: verified[name]")
 
 
+@in_own_words
 @takes(run=_a_run, axes=an_axes)
 def response(run: VerificationRun, *, axes: Axes) -> Axes:
     """Draw the measured response as dots and the model's as a line, with the first peak marked.
@@ -44,6 +45,7 @@ def response(run: VerificationRun, *, axes: Axes) -> Axes:
     return axes
 
 
+@in_own_words
 @takes(run=_a_run, axes=an_axes)
 def residual(run: VerificationRun, *, axes: Axes) -> Axes:
     """Draw measured minus model, with the first peak marked.
@@ -81,6 +83,7 @@ def _mark_peak(run: VerificationRun, axes: Axes) -> None:
         axes.axvline(run.peak_time, color=MARK, linewidth=0.9, linestyle="--", label="first peak")
 
 
+@in_own_words
 @takes(run=_a_run)
 def verification(run: VerificationRun, *, axes: AxesPair | None = None) -> AxesPair:
     """Draw one run's verification response with its residual below.
@@ -102,6 +105,7 @@ def verification(run: VerificationRun, *, axes: AxesPair | None = None) -> AxesP
     return upper, lower
 
 
+@in_own_words
 @takes(verified=a(Verification, "what stepid.verify returns"), columns=beside)
 def verification_grid(
     verified: Verification, *, columns: int = 3, axes: npt.NDArray[np.object_] | None = None

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import matplotlib.pyplot as plt
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
+from stepid.core.quantities import CART, quantities_of
 from stepid.core.takes import a, count, takes
 from stepid.errors import InputError
 
+P = ParamSpec("P")
+R = TypeVar("R")
 COLUMN = 85 / 25.4  # inches, one journal column of 85 mm
 PAGE = 7.2  # inches, two columns
 # Okabe and Ito, "Color universal design" (2008)
@@ -66,6 +71,24 @@ def figure_of(axes: Axes) -> Figure:
     figure = axes.figure.figure  # get_figure(root=True) is of matplotlib 3.10
     assert isinstance(figure, Figure)
     return figure
+
+
+def in_own_words(draw: Callable[P, R]) -> Callable[P, R]:
+    """Have a picture speak of its data in their own quantities; see `stepid.core.quantities`."""
+
+    @wraps(draw)
+    def inner(*args: P.args, **kwargs: P.kwargs) -> R:
+        drawn = draw(*args, **kwargs)
+        quantities = quantities_of(args[0]) if args else CART
+        if not quantities.usual:
+            shown = drawn.values() if isinstance(drawn, Mapping) else np.asarray(drawn, dtype=object).flat
+            own = kwargs.get("axes") is None  # else the figure is the caller's, and so is what else it says
+            for one in {figure_of(axes) for axes in shown} if own else shown:
+                for text in one.findobj(Text):
+                    text.set_text(quantities.text(text.get_text()))
+        return drawn
+
+    return inner
 
 
 an_axes = a(Axes, "axes of matplotlib")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,10 +10,11 @@ import numpy.typing as npt
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 
+from stepid.core.quantities import quantities_of
 from stepid.core.takes import a, takes
 from stepid.identification.trends import Trend, Trends
 from stepid.plot.layout import new_figure
-from stepid.plot.style import MARKERS, PAGE, SERIES, dress, laid_out, styled
+from stepid.plot.style import MARKERS, PAGE, SERIES, dress, in_own_words, laid_out, styled
 
 _QUANTITIES = (  # field, label, factor from SI
     ("peak_time", "peak time [s]", 1.0),
@@ -23,6 +25,7 @@ _QUANTITIES = (  # field, label, factor from SI
 _ROOM = 24  # letters that fit below one axes
 
 
+@in_own_words
 @takes(one=a(Trend, "a Trend: one of the trends of stepid.find_trends"))
 def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
     """Draw peak time, overshoot, settling time and static gain of runs in which one thing varies.
@@ -43,12 +46,14 @@ def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
         with styled():
             axes = new_figure(width=PAGE, height=2.2).subplots(1, len(_QUANTITIES)).tolist()
     places = np.arange(len(one.runs))
-    settings = [one.setting(run).removesuffix(" kg") for run in one.runs]
+    settings = [re.sub(r" kg(·m²)?$", "", one.setting(run)) for run in one.runs]
     crowded = sum(map(len, settings)) > _ROOM
     kind = ("damping", "mass", "stiffness").index(one.varies)
     with styled():
         for ax, (field, label, factor) in zip(axes, _QUANTITIES, strict=True):
             dress(ax)
+            if "cm" in label and quantities_of(one).motion == "rotation":
+                label, factor = label.replace("cm", "mm"), 1e3  # no one says a hundredth of a radian
             values = [getattr(run, field) for run in one.runs]
             spread = [getattr(run.uncertainty, field) or 0.0 for run in one.runs]
             known = [i for i, value in enumerate(values) if value is not None]
@@ -79,6 +84,7 @@ def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
     return axes
 
 
+@in_own_words
 @takes(found=a(Trends, "what stepid.find_trends returns"))
 def trends(found: Trends, *, axes: npt.NDArray[np.object_] | None = None) -> npt.NDArray[np.object_]:
     """Draw all trends on one page, a row each.

@@ -20,7 +20,8 @@ _LINES: dict[str, dict[str, Any]] = {
 }
 _NOISE = {"color": "var(--mark)", "dash": "dash", "width": 1.5}
 _NAMED: dict[str, Any] = {"text": "noise", "font": {"color": "var(--mark)"}, "showarrow": False}
-_PATTERNS = {"before": "/", "after": "", "noise": "."}
+_PATTERNS = {"before": "/"}
+_DOTS = {"before": "diamond", "after": "circle", "noise": "square"}
 
 
 def run_line(run: int) -> tuple[str, str, str]:
@@ -65,20 +66,34 @@ def noise_upright(figure: go.Figure, noise: float) -> None:
         figure.update_layout(margin={"t": 26})
 
 
-def paired(what: str, reach: float) -> go.Figure:
-    """A response above what is left of it, with one time axis; the lower scale ends at ±reach."""
+def paired(what: str, reach: float, after: tuple[str, float] | None = None) -> go.Figure:
+    """A response above what is left of it, with one time axis; the lower scale ends at ±reach.
+
+    With `after`, unit and reach of the residual of a second model, that has a scale of its own below.
+    """
     figure = framed(go.Figure(), x="time [s]", y="position [mm]")
     upper = figure.layout.yaxis.to_plotly_json()
+
+    def lower(name: str, what: str, reach: float, domain: list[float]) -> dict[str, Any]:
+        own: dict[str, Any] = {"domain": domain, "anchor": "x", "range": [-reach, reach], "zeroline": True, "nticks": 5}
+        return {**upper, **own, "title": {"text": f"{name} [{what}]", "font": {"size": 11.5}}}
+
     figure.update_layout(
         height=340,
         hovermode="x unified",
         hoversubplots="axis",
         xaxis={"anchor": "y2", "unifiedhovertitle": {"text": "%{x:.3f} s"}},
         yaxis={"domain": [0.42, 1.0]},
-        yaxis2=upper
-        | {"domain": [0.0, 0.34], "anchor": "x", "range": [-reach, reach], "zeroline": True}
-        | {"title": {"text": f"residual [{what}]", "font": {"size": 11.5}}},
+        yaxis2=lower("residual", what, reach, [0.0, 0.34]),
     )
+    if after is not None:
+        figure.update_layout(
+            height=430,
+            xaxis={"anchor": "y3"},
+            yaxis={"domain": [0.55, 1.0]},
+            yaxis2=lower("linear", what, reach, [0.29, 0.49]),
+            yaxis3=lower("after", *after, [0.0, 0.2]),
+        )
     return figure
 
 
@@ -90,6 +105,20 @@ def own_line(kind: str, name: str, what: str) -> dict[str, Any]:
         "line": _LINES[kind],
         "meta": {"at": " s", "unit": what},
         "hovertemplate": f"%{{y:.4g}} {what}",
+    }
+
+
+def dots(kind: str, name: str) -> dict[str, Any]:
+    """How values on a logarithmic axis look, which has no zero for a bar to stand on, and what they say."""
+    return {
+        "name": name,
+        "mode": "markers+text",
+        "marker": {"color": f"var(--{kind})", "symbol": _DOTS[kind], "size": 10},
+        "meta": {"at": "", "unit": "µm"},
+        "texttemplate": "%{y:.3s}",
+        "textposition": "top center",
+        "cliponaxis": False,
+        "hovertemplate": "%{x}<br>%{y:.4g} µm<extra>" + name + "</extra>",
     }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from stepid.core.latex import parameter_name
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.wording import candidate_name, digits, length
 from stepid.report.chapter import Picture
@@ -73,22 +74,22 @@ def candidates(d: Diagnosis) -> Picture:
     return Picture(
         name="candidates",
         title="What each candidate leaves",
-        alt=f"Bars of the RMS that each candidate leaves; the best is {name} with {length(best.rms)}, the noise "
+        alt=f"The RMS that each candidate leaves; the best is {name} with {length(best.rms)}, the noise "
         f"{length(d.gap.noise)}. All values are in the table.",
         still="candidates",
     )
 
 
 def gap(d: Diagnosis) -> Picture:
-    """The gap as bars."""
-    bars = [f"linear model {length(d.gap.before)}"]
+    """The gap in numbers."""
+    values = [f"linear model {length(d.gap.before)}"]
     if d.effects:
-        bars.append(f"with the effect {length(d.gap.after)}")
+        values.append(f"with the effect {length(d.gap.after)}")
     if d.gap.held_out:
         before, after = map(length, d.gap.held_out)
-        bars.append(f"on runs held out {f'{before} and {after}' if d.effects else before}")
-    bars.append(f"noise {length(d.gap.noise)}")
-    return Picture(name="gap", title="RMS gap and noise", alt=f"Bars: {'; '.join(bars)}.", still="gap")
+        values.append(f"on runs held out {f'{before} and {after}' if d.effects else before}")
+    values.append(f"noise {length(d.gap.noise)}")
+    return Picture(name="gap", title="RMS gap and noise", alt=f"RMS: {'; '.join(values)}.", still="gap")
 
 
 def gap_runs(d: Diagnosis) -> Picture:
@@ -99,7 +100,7 @@ def gap_runs(d: Diagnosis) -> Picture:
         key.append(("after", "with the effect"))
     return Picture(
         name="run",
-        title="Run by run, residuals below on one scale",
+        title="Run by run, residuals below" + (", those with the effect on a finer scale" if d.effects else ""),
         alt=f"For each run the measured position, the models', and what they leave. RMS: {said}.",
         still="runs",
         runs=tuple(run.name for run in d.runs),
@@ -115,7 +116,7 @@ def gap_runs(d: Diagnosis) -> Picture:
 
 def pull(d: Diagnosis) -> Picture:
     """How far the missing effect pulled the linear fit's numbers."""
-    said = [f"{name} {_signed(off)} %" for name, off, _ in linear_pull(d)]
+    said = [f"{parameter_name(name)} {_signed(off)} %" for name, off, _ in linear_pull(d)]
     return Picture(
         name="pull",
         title="How far the linear fit is off without the effect",

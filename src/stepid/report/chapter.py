@@ -73,6 +73,8 @@ class Chapter(Model):
         Further ones, as a list.
     pictures : tuple of Picture
     tables : tuple of Table
+    folded : bool
+        Details that a page shows when they are asked for.
     """
 
     name: Label
@@ -81,3 +83,4 @@ class Chapter(Model):
     points: tuple[str, ...] = ()
     pictures: tuple[Picture, ...] = ()
     tables: tuple[Table, ...] = ()
+    folded: bool = False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stepid.core.base import Model
 from stepid.core.experiment import Campaign
+from stepid.core.quantities import in_own_quantities
 from stepid.diagnosis.result import Diagnosis
 from stepid.errors import IdentificationError
 from stepid.identification.identify import identify_with_system
@@ -32,6 +33,7 @@ Hand = HandMethod | IdentificationError | None
 """What the hand method makes of a diagnosis, or why nothing; None where the diagnosis does not know its campaign."""
 
 
+@in_own_quantities
 def by_hand(campaign: Campaign) -> HandMethod | IdentificationError:
     """Go the paper's way: characteristics, stacked system, solution, verification.
 

@@ -10,6 +10,7 @@ from jinja2.loaders import DictLoader, PackageLoader
 from jinja2.sandbox import SandboxedEnvironment
 
 from stepid.core.latex import escaped
+from stepid.core.quantities import quantities_of
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.text import answer
 from stepid.diagnosis.wording import effect_names
@@ -89,11 +90,14 @@ def lab_report(
 
 def _values(d: Diagnosis, hand: Hand, provenance: Provenance, files: Mapping[str, str]) -> dict[str, Any]:
     """What a template can use."""
-    laws = {effect.name: _Typeset(effect.formula) for effect in CATALOGUE}
+    own = quantities_of(d)
+    laws = {effect.name: _Typeset(own.formula(effect.formula)) for effect in CATALOGUE}
     return {
         "d": d,
         "campaign": d.campaign,
-        "answer": answer(d),
+        "answer": own.text(answer(d)),
+        "say": lambda words: _Typeset(own.text(words)),
+        "formula": lambda latex: _Typeset(own.formula(latex)),
         "effects": effect_names(d.effects),
         "laws": [(effect_names((name,)), laws[name]) for name in d.effects if name in laws],
         "chapters": {chapter.name: chapter for chapter in tell(d, hand, provenance)},

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from urllib.parse import quote
 
+from stepid.core.quantities import quantities_of
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.text import answer
 from stepid.report.chapter import Chapter, Table
@@ -32,7 +33,7 @@ def markdown(d: Diagnosis, hand: Hand, provenance: Provenance, files: Mapping[st
     -------
     str
     """
-    parts = [f"# {plain(d.campaign)}: diagnosis", f"**{plain(answer(d))}**"]
+    parts = [f"# {plain(d.campaign)}: diagnosis", f"**{plain(quantities_of(d).text(answer(d)))}**"]
     for number, chapter in enumerate(tell(d, hand, provenance), 1):
         parts.append(f"## {number}. {plain(chapter.title)}")
         parts += _body(chapter, files)

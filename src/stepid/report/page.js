@@ -1,6 +1,11 @@
 "use strict";
 (async () => {
   const root = document.documentElement;
+  // what is linked, or printed, is not folded
+  const unfold = () => document.getElementById(decodeURIComponent(location.hash.slice(1)))?.querySelector("details")?.setAttribute("open", "");
+  addEventListener("hashchange", unfold);
+  addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((one) => (one.open = true)));
+  unfold();
   if (!root.classList.contains("live")) return; // the still pictures stand
 
   const unpack = async (id) => {

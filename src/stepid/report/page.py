@@ -14,10 +14,12 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup, escape
 from plotly.offline import get_plotlyjs
 
+from stepid.core.quantities import quantities_of
 from stepid.diagnosis.result import Diagnosis
-from stepid.diagnosis.text import answer, found_sizes
+from stepid.diagnosis.text import answer, found_sizes, standing
 from stepid.diagnosis.wording import digits, effect_names, length
 from stepid.report.axes import run_line
+from stepid.report.equation import equation, numbers
 from stepid.report.hand import Hand, pictured
 from stepid.report.pictures import pictures
 from stepid.report.provenance import Provenance
@@ -50,10 +52,14 @@ def html_page(d: Diagnosis, hand: Hand, provenance: Provenance, stills: Mapping[
         lstrip_blocks=True,
     )
     environment.filters["typeset"] = _typeset
+    environment.filters["symbols"] = _symbols
     drawn = json.dumps(pictures(d, verified.runs if verified else ()), separators=(",", ":"))
-    return environment.get_template("page.html.j2").render(
+    page = environment.get_template("page.html.j2").render(
         d=d,
         answer=answer(d),
+        reasons=(*d.reasons, *standing(d)),
+        equation=equation(d),
+        numbers=numbers(d),
         chapters=tell(d, hand, provenance),
         tiles=_tiles(d),
         stills=stills,
@@ -63,12 +69,18 @@ def html_page(d: Diagnosis, hand: Hand, provenance: Provenance, stills: Mapping[
         pictures=_packed(drawn),
         provenance=provenance,
     )
+    return quantities_of(d).keeping(source.name for source in provenance.sources).html(page)
 
 
 def _typeset(text: str) -> Markup:
     """Escape, keep a number and its unit on one line, and set ω_d with a low d."""
-    kept = re.sub(r"(?<=\d) (?=(?:µm|mm|kg|ms|s|V|N|%)(?:\W|$))", "\u00a0", str(escape(text)))
+    kept = re.sub(r"(?<=\d) (?=(?:µm|mm|µrad|mrad|rad|kg|ms|s|V|A|N|%)(?:\W|$))", "\u00a0", str(escape(text)))
     return Markup(kept.replace("ω_d", "ω<sub>d</sub>"))
+
+
+def _symbols(text: str) -> Markup:
+    """Escape, and set K_f with a low f."""
+    return Markup(re.sub(r"_(\w)\b", r"<sub>\1</sub>", str(escape(text))))
 
 
 def _packed(text: str) -> str:

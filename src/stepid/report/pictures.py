@@ -10,11 +10,13 @@ import numpy as np
 import plotly.graph_objects as go
 
 from stepid.core.base import Array
+from stepid.core.latex import parameter_name
+from stepid.core.quantities import in_own_quantities
 from stepid.diagnosis.result import Diagnosis, Ranked, RunGap
 from stepid.diagnosis.wording import candidate_name, chance, per_cent
-from stepid.plot.causes import leading
+from stepid.plot.causes import jump_ends, leading
 from stepid.plot.scale import length_unit, reach_of
-from stepid.report.axes import BAR, bars, framed, noise_across, noise_upright, own_line, paired, run_line
+from stepid.report.axes import BAR, bars, dots, framed, noise_across, noise_upright, own_line, paired, run_line
 from stepid.report.pull import linear_pull
 from stepid.report.thin import kept_samples
 from stepid.transfer.verification import VerificationRun
@@ -23,6 +25,7 @@ _SHOWN = 8  # candidates
 _MARKED = 9  # markers on a curve
 
 
+@in_own_quantities
 def pictures(d: Diagnosis, verified: Sequence[VerificationRun]) -> dict[str, Any]:
     """Draw all interactive pictures of a report.
 
@@ -39,11 +42,14 @@ def pictures(d: Diagnosis, verified: Sequence[VerificationRun]) -> dict[str, Any
     """
     place = {run.name: i for i, run in enumerate(d.runs)}
     reach = reach_of(run.measured - run.linear for run in d.runs)
+    rest = reach_of([*(run.measured - run.model for run in d.runs), np.array([2 * d.gap.noise])])
     drawn = {
         "records": _overlay(d, [1e3 * run.measured for run in d.runs], "position [mm]", "mm"),
         "residuals": _residuals(d),
         "phases": _phases(d),
-        "velocity": _force(d.where.velocity_levels, d.where.velocity_force, "velocity [m/s]", "m/s", parted=True),
+        "velocity": _jump(
+            d, _force(d.where.velocity_levels, d.where.velocity_force, "velocity [m/s]", "m/s", parted=True)
+        ),
         "position": _force(1e3 * d.where.position_levels, d.where.position_force, "from rest [mm]", "mm", parted=False),
         "gap": _gap(d),
     }
@@ -56,7 +62,7 @@ def pictures(d: Diagnosis, verified: Sequence[VerificationRun]) -> dict[str, Any
         if run.name in place:
             drawn[f"verification-{place[run.name]}"] = verification(run, left)
     for i, gap in enumerate(d.runs):
-        drawn[f"run-{i}"] = _run(d, gap, reach)
+        drawn[f"run-{i}"] = _run(d, gap, reach, rest)
     return {name: figure.to_plotly_json() for name, figure in drawn.items()}
 
 
@@ -116,20 +122,35 @@ def verification(run: VerificationRun, reach: float) -> go.Figure:
     return figure
 
 
-def _run(d: Diagnosis, run: RunGap, reach: float) -> go.Figure:
+def _run(d: Diagnosis, run: RunGap, reach: float, rest: float) -> go.Figure:
     scale, what = length_unit(reach)
-    before, after = scale * (run.measured - run.linear), scale * (run.measured - run.model)
+    finer, small = length_unit(rest)
+    before, after = scale * (run.measured - run.linear), finer * (run.measured - run.model)
     kept = kept_samples(run.measured, before)
     time = _listed(run.time[kept])
-    figure = paired(what, 1.05 * scale * reach)
+    figure = paired(what, 1.05 * scale * reach, (small, 1.05 * finer * rest) if d.effects else None)
     figure.add_scatter(x=time, y=_listed(1e3 * run.measured[kept]), **own_line("measured", "measured", "mm"))
     figure.add_scatter(x=time, y=_listed(1e3 * run.linear[kept]), **own_line("before", "linear", "mm"))
     if d.effects:
         figure.add_scatter(x=time, y=_listed(1e3 * run.model[kept]), **own_line("after", "with effect", "mm"))
     figure.add_scatter(x=time, y=_listed(before[kept]), yaxis="y2", **own_line("before", "linear residual", what))
-    if d.effects:
-        figure.add_scatter(x=time, y=_listed(after[kept]), yaxis="y2", **own_line("after", "effect residual", what))
     _noise_band(figure, 2 * scale * d.gap.noise, "y2")
+    if d.effects:
+        figure.add_scatter(x=time, y=_listed(after[kept]), yaxis="y3", **own_line("after", "effect residual", small))
+        _noise_band(figure, 2 * finer * d.gap.noise, "y3")
+    return figure
+
+
+def _jump(d: Diagnosis, figure: go.Figure) -> go.Figure:
+    """Mark by how much the force jumps at zero velocity."""
+    ends = jump_ends(d.where)
+    if ends is not None:
+        line = {"color": "var(--before)", "width": 2}
+        figure.add_shape(type="line", x0=0, x1=0, y0=ends[0], y1=ends[1], line=line)
+        figure.add_annotation(
+            x=0, y=sum(ends) / 2, text=f"jump {abs(ends[1] - ends[0]):.2g} N", showarrow=False,
+            xanchor="left", xshift=5, font={"color": "var(--before)"}, bgcolor="var(--card)",
+        )  # fmt: skip
     return figure
 
 
@@ -165,13 +186,13 @@ def _gap(d: Diagnosis) -> go.Figure:
         groups.append(("held out", *d.gap.held_out))
     names = [name for name, _, _ in groups]
     figure = framed(go.Figure(), x="", y="RMS gap [µm]")
-    figure.add_bar(x=names, y=[1e6 * before for _, before, _ in groups], **bars("before", "linear model"))
+    figure.add_scatter(x=names, y=[1e6 * before for _, before, _ in groups], **dots("before", "linear model"))
     if d.effects:
-        figure.add_bar(x=names, y=[1e6 * after for _, _, after in groups], **bars("after", "with the effect"))
-    figure.add_bar(x=names, y=[1e6 * d.gap.noise] * len(groups), **bars("noise", "noise"))
+        figure.add_scatter(x=names, y=[1e6 * after for _, _, after in groups], **dots("after", "with the effect"))
+    figure.add_scatter(x=names, y=[1e6 * d.gap.noise] * len(groups), **dots("noise", "noise"))
     values = [1e6 * v for _, before, after in groups for v in (before, after, d.gap.noise) if v > 0] or [1.0]
     figure.update_yaxes(type="log", range=[np.log10(0.3 * min(values)), np.log10(3 * max(values))], dtick=1)
-    figure.update_layout(showlegend=True, barmode="group", bargap=0.4, bargroupgap=0.08)
+    figure.update_layout(showlegend=True, scattermode="group", scattergap=0.4)
     return figure
 
 
@@ -181,12 +202,13 @@ def _candidates(d: Diagnosis) -> go.Figure:
     figure = framed(go.Figure(), x="RMS left [µm]", y="")
     for kind in ("after", "before"):  # what the diagnosis names, and the others
         part = [(name, one) for name, (one, named) in zip(names, shown, strict=True) if named == (kind == "after")]
-        style = bars(kind, "") | {
+        style = dots(kind, "") | {
             "orientation": "h",
             "texttemplate": "%{x:.3s}",
+            "textposition": "middle right",
             "hovertemplate": "%{y}<br>%{x:.4g} µm<br>%{customdata}<extra></extra>",
         }
-        figure.add_bar(
+        figure.add_scatter(
             y=[name for name, _ in part],
             x=[1e6 * one.rms for _, one in part],
             customdata=[_worth(one) for _, one in part],
@@ -195,8 +217,8 @@ def _candidates(d: Diagnosis) -> go.Figure:
     noise_upright(figure, 1e6 * d.gap.noise)
     values = [1e6 * v for v in (d.gap.noise, *(one.rms for one, _ in shown)) if v > 0] or [1.0]
     figure.update_xaxes(type="log", range=[np.log10(0.5 * min(values)), np.log10(2.5 * max(values))], dtick=1)
-    figure.update_yaxes(categoryorder="array", categoryarray=names[::-1], showgrid=False, automargin=True)
-    figure.update_layout(barmode="overlay", height=124 + BAR * len(shown))
+    figure.update_yaxes(categoryorder="array", categoryarray=names[::-1], automargin=True)
+    figure.update_layout(height=124 + BAR * len(shown) + 15 * "".join(names).count("<br>"))
     return figure
 
 
@@ -207,13 +229,13 @@ def _worth(one: Ranked) -> str:
 
 def _broken(name: str) -> str:
     """A long name on lines of its own."""
-    return escape(name).replace(" and ", " and<br>")
+    return escape(name).replace(" and ", " and<br>").replace(", ", ",<br>")
 
 
 def _pull(d: Diagnosis) -> go.Figure:
     figure = framed(go.Figure(), x="linear fit off by [%]", y="")
     rows = linear_pull(d)
-    names, reach = [escape(name) for name, _, _ in rows], [reach for _, _, reach in rows]
+    names, reach = [escape(parameter_name(name)) for name, _, _ in rows], [reach for _, _, reach in rows]
     figure.add_scatter(
         x=_listed(np.array([off for _, off, _ in rows])),
         y=names,

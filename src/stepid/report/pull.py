@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from statistics import fmean, stdev
 
 from stepid.core.estimate import Estimate, format_value
+from stepid.core.quantities import in_own_quantities
 from stepid.core.tables import text_table
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.wording import effect_names
 from stepid.identification.parameters import IdentifiedParameters
 
 
+@in_own_quantities
 def hand_method_table(diagnosis: Diagnosis, identified: IdentifiedParameters) -> str:
     """Write what the stacked system found beside the joint fits, linear and with the missing effect.
 

@@ -8,7 +8,7 @@ from typing import Any
 from stepid import plot
 from stepid.diagnosis.result import Diagnosis
 from stepid.plot.layout import new_figure
-from stepid.plot.style import MARKERS, PAGE, SERIES, styled
+from stepid.plot.style import MARKERS, PAGE, SERIES, in_own_words, styled
 from stepid.transfer.verification import Verification
 
 Stills = Mapping[str, Callable[[], Any]]  # to axes; matplotlib's own types stay in stepid.plot
@@ -42,6 +42,7 @@ def stills(d: Diagnosis, verified: Verification | None) -> Stills:
     return drawn
 
 
+@in_own_words
 def _records(d: Diagnosis) -> Any:
     figure = new_figure(width=PAGE, height=3.0)
     with styled():

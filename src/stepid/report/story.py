@@ -1,7 +1,11 @@
-"""The story of a diagnosis in chapters, in the order in which it happened."""
+"""The story of a diagnosis in chapters: the answer first, then what it rests on."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from stepid.core.latex import parameter_name
+from stepid.core.quantities import quantities_of
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.text import (
     GAP_HEADER,
@@ -19,6 +23,7 @@ from stepid.diagnosis.wording import digits, effect_names, length
 from stepid.errors import IdentificationError
 from stepid.report import captions
 from stepid.report.chapter import Chapter, Table
+from stepid.report.equation import equation
 from stepid.report.hand import Hand, HandMethod, pictured
 from stepid.report.provenance import Provenance
 from stepid.report.pull import hand_method_rows
@@ -47,18 +52,20 @@ def tell(d: Diagnosis, hand: Hand, provenance: Provenance) -> tuple[Chapter, ...
     -------
     tuple of Chapter
     """
-    return (
-        _runs(d, hand),
-        _by_hand(hand),
-        _verification(d, hand),
-        _where(d),
+    told = (
         _missing(d),
         _gap(d),
         _parameters(d, hand),
+        _where(d),
         _next(d),
         _notes(d),
-        _provenance(provenance),
+        *(_folded(one) for one in (_runs(d, hand), _by_hand(hand), _verification(d, hand), _provenance(provenance))),
     )
+    return quantities_of(d).keeping(source.name for source in provenance.sources).result(told, words=True)
+
+
+def _folded(chapter: Chapter) -> Chapter:
+    return chapter.model_copy(update={"folded": True})
 
 
 def _runs(d: Diagnosis, hand: Hand) -> Chapter:
@@ -187,28 +194,36 @@ def _parameters(d: Diagnosis, hand: Hand) -> Chapter:
             caption="The joint fit",
             header=parameter_header(d),
             words=(len(parameter_header(d)) - 1,),
-            rows=tuple(parameter_rows(d)),
+            rows=_in_words(parameter_rows(d)),
         )
     ]
     if isinstance(hand, HandMethod):
         header, rows = hand_method_rows(d, hand.found)
         tables.append(
-            Table(caption="The hand method beside it", header=header, rows=tuple(rows), words=(header.index("unit"),))
+            Table(
+                caption="The hand method beside it", header=header, rows=_in_words(rows), words=(header.index("unit"),)
+            )
         )
     missing = f" Without {effect_names(d.effects)} the linear plant bends its own numbers to make up for it."
     return Chapter(
         name="parameters",
         title="Parameters",
         lead="Value ± standard uncertainty, of one fit to all runs together." + missing * bool(d.effects),
+        points=equation(d),
         pictures=(captions.pull(d),) if d.effects else (),
         tables=tuple(tables),
     )
 
 
+def _in_words(rows: Sequence[tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
+    return tuple((parameter_name(name), *cells) for name, *cells in rows)
+
+
 def _next(d: Diagnosis) -> Chapter:
     steps = next_steps(d)
     lead = "" if steps else "There is nothing to advise."
-    return Chapter(name="next", title="What to measure next", lead=lead, points=steps)
+    title = "What to measure next" if d.next_experiment and not d.advice else "What to do next"
+    return Chapter(name="next", title=title, lead=lead, points=steps)
 
 
 def _notes(d: Diagnosis) -> Chapter:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from stepid.core.quantities import in_own_quantities
 from stepid.diagnosis.result import Diagnosis
 from stepid.errors import StepidError
 from stepid.identification.parameters import IdentifiedParameters
@@ -9,6 +10,7 @@ from stepid.report.pull import hand_method_table
 from stepid.report.section import Section
 
 
+@in_own_quantities
 def diagnosis_report(diagnosis: Diagnosis, identified: IdentifiedParameters | StepidError) -> tuple[Section, ...]:
     """Write a diagnosis, and the hand method beside it.
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 from itertools import pairwise
 
 from stepid.core.experiment import Campaign
+from stepid.core.quantities import in_own_quantities
 from stepid.identification.parameters import IdentifiedParameters
 from stepid.identification.trends import Trends
 from stepid.report.section import Section
 from stepid.transfer.verification import Verification
 
 
+@in_own_quantities
 def identify_report(
     campaign: Campaign, parameters: IdentifiedParameters, verified: Verification, trends: Trends
 ) -> tuple[Section, ...]:

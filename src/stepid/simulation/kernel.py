@@ -1,6 +1,6 @@
 """The kernel: one plant follows one record, step by step, event by event.
 
-Read it from the bottom: `simulate` takes lanes (one plant, one record) in turn, `_follow_record` goes from sample to
+Read it from the bottom: `simulate` takes replicas (one plant, one record) in turn, `_follow_record` goes from sample to
 sample, `_advance` from event to event, `_step` is one Runge-Kutta step, `_evaluate` the equation of motion. All of it
 is plain Python on floats and small arrays, compiled by numba where numba is there.
 
@@ -721,18 +721,18 @@ def simulate(
     reading: Array,
     states: Array,
 ) -> None:
-    """Simulate lanes, one plant on one record each.
+    """Simulate replicas, one plant on one record each.
 
     Parameters
     ----------
     w : record of `WORK`
         The structure of the plant: its effects' laws and places, and what they do.
     values : array, shape (L, Q)
-        Values of each lane's plant.
+        Values of each replica's plant.
     start : array, shape (L, states)
         Displacement [m], velocity [m/s] and own states at the first sample, see `stepid.model.RunState`.
     run : array of int, shape (L,)
-        Record of each lane.
+        Record of each replica.
     bounds : array of int, shape (R + 1,)
         Where each record's samples begin and end.
     time : array, shape (S,)
@@ -754,15 +754,15 @@ def simulate(
         Steps a sample, on the way so far, and as many for each radian of the plant's swing, beyond which it is given up
         like a runaway: something in it is faster than the samples can show.
     offset : array of int, shape (L,)
-        Where each lane's samples begin in `reading` and `states`.
+        Where each replica's samples begin in `reading` and `states`.
     reading : array, shape (N,)
         m, written.
     states : array, shape (d, N)
         The first d states, written.
     """
     q, allowed = w.q, w.allowed
-    for lane in range(values.shape[0]):
-        _copy(values[lane], q, values.shape[1])
+    for replica in range(values.shape[0]):
+        _copy(values[replica], q, values.shape[1])
         w.m[MASS], w.m[STIFFNESS], w.m[DAMPING] = q[Q_MASS], q[Q_STIFFNESS], q[Q_DAMPING]
         for j in range(w.states):
             allowed[j] = -tolerance / scale
@@ -771,12 +771,12 @@ def simulate(
             if w.places[e, RELAXES]:
                 for j in range(w.places[e, N_EXTRA]):
                     allowed[w.places[e, OWN] + j] = 0.0
-        r = run[lane]
-        first, at, n = bounds[r], offset[lane], bounds[r + 1] - bounds[r]
+        r = run[replica]
+        first, at, n = bounds[r], offset[replica], bounds[r + 1] - bounds[r]
         _clear(w.u, 5)
         w.u[1], w.far, w.leaps, w.stale, w.patience = before[r], _FAR * scale, leaps, 2, patience
         w.credit, w.rate = _CREDIT, 0.0
-        _begin(w, time[first], start[lane], moving[r], scale)
+        _begin(w, time[first], start[replica], moving[r], scale)
         _follow_record(
             w, time[first : first + n], coefficients[first : first + n], _delay(w), reading[at : at + n],
             states[:, at : at + n],

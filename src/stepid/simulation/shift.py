@@ -16,7 +16,7 @@ def shift(
     late: Array, run: Index, offset: Index, bounds: Index, time: Array, position: Array, velocity: Array,
     slope: bool, reading: Array,
 ) -> None:  # fmt: skip
-    """Shift the readings of lanes, one run each, later in time.
+    """Shift the readings of replicas, one run each, later in time.
 
     Before the first sample the position there holds; beyond the last one it goes on at its last velocity. What effects
     add to the reading follows the sensor's clock and stays.
@@ -24,11 +24,11 @@ def shift(
     Parameters
     ----------
     late : array, shape (L,)
-        s, by how much each lane's motion comes late.
+        s, by how much each replica's motion comes late.
     run : array of int, shape (L,)
-        Record of each lane.
+        Record of each replica.
     offset : array of int, shape (L,)
-        Where each lane's samples begin in `position`, `velocity` and `reading`.
+        Where each replica's samples begin in `position`, `velocity` and `reading`.
     bounds : array of int, shape (R + 1,)
         Where each record's samples begin and end.
     time : array, shape (S,)
@@ -40,8 +40,9 @@ def shift(
     reading : array, shape (N,)
         m, changed.
     """
-    for lane in range(late.size):
-        first, n, at, by = bounds[run[lane]], bounds[run[lane] + 1] - bounds[run[lane]], offset[lane], late[lane]
+    for replica in range(late.size):
+        first, at, by = bounds[run[replica]], offset[replica], late[replica]
+        n = bounds[run[replica] + 1] - first
         if by == 0.0 and not slope:
             continue
         j = 0

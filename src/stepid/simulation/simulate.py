@@ -9,6 +9,7 @@ import numpy as np
 from stepid.core.arguments import as_campaign
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
+from stepid.core.quantities import in_own_quantities
 from stepid.core.takes import takes
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, InputError
@@ -77,6 +78,7 @@ def solve_model(
     return records, solved
 
 
+@in_own_quantities
 @takes(model=a_model)
 def simulate(model: PlantModel, campaign: Campaign, *, catalogue: tuple[Effect, ...] = CATALOGUE) -> dict[str, Array]:
     """Simulate a plant model on a campaign's measured inputs, between the samples as each run's `input_between` says.

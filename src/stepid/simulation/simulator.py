@@ -118,7 +118,7 @@ class Simulator:
     # ---- the kernel -----------------------------------------------------------------------------------------------
 
     def _run(self, values: Array, start: Array, run: Index, offset: Index, reading: Array, states: Array) -> None:
-        """Simulate lanes: plants `values` (L, ·), beginning as `start` (L, ·) says, on runs `run` (L,)."""
+        """Simulate replicas: plants `values` (L, ·), beginning as `start` (L, ·) says, on runs `run` (L,)."""
         from stepid.simulation import kernel
         from stepid.simulation.work import structure
 
@@ -132,11 +132,12 @@ class Simulator:
             answer = np.abs(gain * np.abs(np.append(r.volts, r.before)).max()) / stiffness
             scale = float((answer + swing).max()) or _TRAVEL
 
-        def some(lanes: slice) -> None:
+        def some(replicas: slice) -> None:
             work = structure(self.effects)
             kernel.simulate(
-                work, values[lanes], start[lanes], run[lanes], r.bounds, r.time, r.coefficients, r.before, r.moving,
-                self.tolerance * scale, scale, leaps, self.patience, offset[lanes], reading, states,
+                work, values[replicas], start[replicas], run[replicas],
+                r.bounds, r.time, r.coefficients, r.before, r.moving,
+                self.tolerance * scale, scale, leaps, self.patience, offset[replicas], reading, states,
             )  # fmt: skip
 
         if self.workers == 1 or len(run) <= 1:
@@ -177,7 +178,7 @@ class Simulator:
         shift(late, run, offset, r.bounds, r.time, states[0], states[1], slope, reading)
 
     def _starts(self, local: Array) -> Array:
-        """Displacement, velocity and own states at the start of every lane, shape (C·R, states)."""
+        """Displacement, velocity and own states at the start of every replica, shape (C·R, states)."""
         rows = np.concatenate([local[:, :2], local[:, self.layout.own_states]], axis=1)
         return np.ascontiguousarray(rows.swapaxes(1, 2).reshape(-1, rows.shape[1]))
 
@@ -228,7 +229,7 @@ class Simulator:
         from stepid.simulation.triangles import slopes
 
         r, of = self.records, self.layout
-        row, copies, run = self._lanes(wanted, active)
+        row, copies, run = self._replicas(wanted, active)
         steps = self.steps(shared)[row]
         moved = [np.repeat(a[None], row.size, axis=0) for a in (shared, local)]
         here = np.arange(row.size)
@@ -255,7 +256,7 @@ class Simulator:
             self._shift(late, run, r.first[run], out[of.n_global + of.deviation("start_time")], states, slope=True)
         return out[: of.n_global], out[of.n_global :]
 
-    def _lanes(self, wanted: Mask, active: Mask) -> tuple[Index, Index, Index]:
+    def _replicas(self, wanted: Mask, active: Mask) -> tuple[Index, Index, Index]:
         """Parameters to move, and which run has to be simulated for which of them: the last call's are kept."""
         key = wanted.tobytes() + active.tobytes()
         if self._planned is None or self._planned[0] != key:

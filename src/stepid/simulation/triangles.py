@@ -48,7 +48,7 @@ def _fold(triangle: Array, rows: Array, pivots: int, size: int, count: int) -> N
 
 @compiled
 def slopes(moved: Array, reading: Array, steps: Array, run: Array, offset: Array, bounds: Array) -> None:
-    """Turn the readings of lanes, each of a plant with one parameter moved, into derivatives.
+    """Turn the readings of replicas, each of a plant with one parameter moved, into derivatives.
 
     Parameters
     ----------
@@ -57,16 +57,16 @@ def slopes(moved: Array, reading: Array, steps: Array, run: Array, offset: Array
     reading : array, shape (S,)
         m, of the plant itself.
     steps : array, shape (L,)
-        By how much each lane's parameter is moved.
+        By how much each replica's parameter is moved.
     run, offset : arrays of int, shape (L,)
-        Record of each lane, and where its samples begin in `moved`.
+        Record of each replica, and where its samples begin in `moved`.
     bounds : array of int, shape (R + 1,)
         Where each record's samples begin and end.
     """
-    for lane in range(run.size):
-        first, at = bounds[run[lane]], offset[lane]
-        for i in range(bounds[run[lane] + 1] - first):
-            moved[at + i] = (moved[at + i] - reading[first + i]) / steps[lane]
+    for replica in range(run.size):
+        first, at = bounds[run[replica]], offset[replica]
+        for i in range(bounds[run[replica] + 1] - first):
+            moved[at + i] = (moved[at + i] - reading[first + i]) / steps[replica]
 
 
 @compiled_sums

@@ -9,6 +9,7 @@ import numpy as np
 from stepid.core.arguments import a_run
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.quantities import in_own_quantities
 from stepid.core.samples import InputBetween, course
 from stepid.core.takes import a, takes
 from stepid.effects import CATALOGUE, Effect
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 _a_source = a((IdentifiedParameters, PlantModel), "what stepid.identify returns, or a PlantModel, as fit.model")
 
 
+@in_own_quantities
 @takes(source=_a_source, run=a_run)
 def transfer_function(
     source: IdentifiedParameters | PlantModel, run: str | Experiment, *, catalogue: tuple[Effect, ...] = CATALOGUE
@@ -69,6 +71,7 @@ def transfer_function(
     return control.tf(numerator, denominator, name=system_name(name), inputs="voltage", outputs="position")
 
 
+@in_own_quantities
 @takes(source=_a_source, run=a_run)
 def state_space(
     source: IdentifiedParameters | PlantModel, run: str | Experiment, *, catalogue: tuple[Effect, ...] = CATALOGUE

@@ -9,6 +9,7 @@ import numpy as np
 from stepid.core.arguments import a_run
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.quantities import in_own_quantities
 from stepid.core.takes import takes
 from stepid.effects import CATALOGUE, Effect
 from stepid.simulation.model import PlantModel, a_model
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     import control
 
 
+@in_own_quantities
 @takes(model=a_model, run=a_run)
 def nonlinear_system(
     model: PlantModel, run: Experiment, *, catalogue: tuple[Effect, ...] = CATALOGUE
@@ -79,6 +81,7 @@ def nonlinear_system(
     return made
 
 
+@in_own_quantities
 @takes(model=a_model, run=a_run)
 def initial_state(model: PlantModel, run: Experiment, *, catalogue: tuple[Effect, ...] = CATALOGUE) -> Array:
     """State in which one run begins, for `nonlinear_system` and `state_space` of the same model and run.

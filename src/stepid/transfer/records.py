@@ -11,6 +11,7 @@ import numpy.typing as npt
 from stepid.core.arguments import as_experiment
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.quantities import in_own_quantities
 from stepid.core.samples import InputBetween, Starts
 from stepid.core.takes import able, described, takes
 from stepid.errors import InputError
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     import control
 
 
+@in_own_quantities
 def to_time_response(run: Experiment, *, position: npt.ArrayLike | None = None) -> control.TimeResponseData:
     """Make python-control's response data of a record, to plot or to compare with other responses.
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from stepid.core.arguments import as_experiment
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.quantities import in_own_quantities
 from stepid.core.releases import release_index
 from stepid.core.samples import CLOSE, course, off_even_clock
 from stepid.core.takes import described
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 _RELATIVE, _ABSOLUTE = 1e-10, 1e-13  # tolerances of the states; m and m/s, or the effects' own units
 
 
+@in_own_quantities
 def simulate_system(
     system: control.InputOutputSystem, run: Experiment, *, initial_state: npt.ArrayLike | None = None
 ) -> control.TimeResponseData:

@@ -10,6 +10,7 @@ from pydantic import model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive, Vector
 from stepid.core.frames import make_frame
+from stepid.core.quantities import InputUnit, Motion
 from stepid.core.tables import html_table, text_table
 from stepid.core.takes import described
 from stepid.errors import InputError
@@ -68,9 +69,13 @@ class Verification(Model):
     Parameters
     ----------
     runs : tuple of VerificationRun
+    motion, input_unit : str
+        Of the campaign, see `stepid.Campaign`.
     """
 
     runs: tuple[VerificationRun, ...]
+    motion: Motion = "translation"
+    input_unit: InputUnit = "V"
 
     def __getitem__(self, name: str) -> VerificationRun:
         """Return the run called `name`; InputError names the runs there are."""

@@ -10,6 +10,7 @@ from stepid.core.arguments import as_campaign
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.noise import rms
+from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.takes import a, takes
 from stepid.errors import IdentificationError
@@ -24,6 +25,7 @@ from stepid.transfer.verification import Verification, VerificationRun
 _REST = 20  # samples before a later step that show where the plant rests
 
 
+@in_own_quantities
 @takes(parameters=a(IdentifiedParameters, "what stepid.identify returns"))
 @recorded()
 def verify(parameters: IdentifiedParameters, campaign: Campaign) -> Verification:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum
 
+LEADING = 2  # effects at most in what is named where a rest remains
+
 Deviations = frozenset[str]
 """Conditions that differ from run to run: names of `stepid.fitting.deviations.SCATTER`."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 
@@ -59,3 +60,10 @@ def hoped(proposal: Proposal, effort: Effort) -> float:
     """Cost that may really be left where one linearized step promises to leave some share, m²."""
     share = max(proposal.left, 0.0) / proposal.like.cost if proposal.like.cost > 0 else 1.0
     return float(proposal.like.cost * min(share, 1.0) ** effort.hope)
+
+
+def value(fit: FitContext, node: Node) -> float:
+    """Cost of a node and of its parameters, m², as if the best left only noise."""
+    problem = node.best.problem
+    count = int(problem.free.sum() + problem.active.sum())
+    return node.cost + count * math.log(fit.records.size) * fit.unit

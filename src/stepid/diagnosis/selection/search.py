@@ -10,14 +10,14 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, is_white, price
-from stepid.diagnosis.selection.candidate import Candidate, Key
+from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.specialize import Specialize
-from stepid.diagnosis.selection.order import hoped, nameable, worthy
+from stepid.diagnosis.selection.order import hoped, nameable, value, worthy
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.diagnosis.vetoes import imitators
@@ -54,7 +54,7 @@ class Search:
         self.fit, self.criteria, self.effort, self.tell = fit, criteria, effort, tell
         self.context = SearchContext(fit, catalogue, effort)
         root = CandidateFit(fit, ())
-        root.best, root.polished = fit.outline, fit.linear
+        root.best, root.polished = fit.coarse_linear, fit.linear
         self.root = Node(root)
         self.nodes: dict[Key, Node] = {self.root.key: self.root}
         self.proposals: list[Proposal] = []
@@ -100,8 +100,15 @@ class Search:
             self._polish_best()
 
     def _leading(self) -> list[Candidate]:
-        """The best, and others that leave only noise because runs may differ: they may need less for it."""
+        """The best, and others that leave only noise because runs may differ: they may need less for it.
+
+        Where a rest remains, the best of what may lead.
+        """
         best = self.best
+        if not at_floor(self.fit, self.criteria, best):
+            few = [c for c in self.candidates.values() if len(c.effects) <= LEADING]
+            able = [c for c in few if not imitators(self.fit, self.criteria, c)]
+            return [min(able, key=lambda c: self._qbic(c.optimum))]
         others = [c for c in self.candidates.values() if c.deviations and c is not best and self._complete(c)]
         return [best, *sorted(others, key=lambda c: self._qbic(c.optimum))[: self.effort.beam - 1]]
 
@@ -168,8 +175,7 @@ class Search:
                 order.append(node)
         beam = order[: self.effort.beam]
         beam += [n for n in self._nameable(order)[:1] if not any(n is other for other in beam)]
-        made = [self._expand(node, moves) for node in beam]
-        return any(made)
+        return sum(self._expand(node, moves) for node in beam) > 0
 
     def _nameable(self, order: Sequence[Node]) -> list[Node]:
         """Of some nodes those that may be named where a rest remains; none where the first leaves only noise."""
@@ -271,30 +277,24 @@ class Search:
 
     def _polish_best(self) -> Candidate:
         """Fit the best nodes to all samples."""
-        order = sorted(self.nodes.values(), key=self._value)
-        best = self._value(order[0])
+        order = sorted(self.nodes.values(), key=lambda n: value(self.fit, n))
+        best = value(self.fit, order[0])
         near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
         first = order[: self.effort.polish] + self._nameable(order)[: self.effort.polish]
         for node in order:
-            # one that is not near is fitted once: it may go on for long, and cannot win
-            if self._value(node) < near or (any(node is f for f in first) and node.fitted.polished is None):
+            # one that is not near, or cannot be named, is fitted once: it may go on for long, and cannot win
+            if node.key in self.candidates and not nameable(self.fit, self.criteria, [node]):
+                continue
+            if value(self.fit, node) < near or (any(node is f for f in first) and node.fitted.polished is None):
                 self._polish(node)
-        found = self.best
-        if not self._complete(found):
-            node = self.nodes[found.key]
-            if any(e.dry for e in node.effects) and node.fitted.resettle():
+        if not self._complete(self.best):
+            node = self.nodes[self.best.key]
+            if any(e.dry for e in node.effects) and node.fitted.other_sticking():
                 self._polish(node)
         return self.best
-
-    def _value(self, node: Node) -> float:
-        """Cost of a node and of its parameters, m², as if the best left only noise."""
-        problem = node.best.problem
-        count = int(problem.free.sum() + problem.active.sum())
-        return node.cost + count * math.log(self.fit.records.size) * self.fit.unit
 
     def _polish(self, node: Node) -> None:
         optimum = polished(self.fit, node.fitted, self.effort)
         if optimum is not None:
-            self.candidates[node.key] = Candidate(
-                node.effects, node.deviations, optimum, block_means(self.fit, optimum)
-            )
+            white = block_means(self.fit, optimum)
+            self.candidates[node.key] = Candidate(node.effects, node.deviations, optimum, white)

@@ -10,9 +10,10 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import WEIGHT
+from stepid.core.quantities import MOTIONS
 from stepid.errors import InputError
 from stepid.io.ecp import FEWEST
-from stepid.io.guess.draft import ROLES, USUAL, Draft, Found
+from stepid.io.guess.draft import ROLES, TURNS, USUAL, Draft, Found, quantities_of_drafts
 from stepid.io.guess.words import COUNTS, SCALES, unit_for
 
 SAID = "as you said"
@@ -36,6 +37,7 @@ class Answers:
     step: float | None = None
     spring: tuple[str, ...] | None = None
     damper: tuple[str, ...] | None = None
+    motion: str | None = None
 
 
 class Question(NamedTuple):
@@ -51,6 +53,10 @@ def with_answers(drafts: Sequence[Draft], answers: Answers) -> tuple[Draft, ...]
     """Put what was said into drafts; InputError where it cannot be meant."""
     masses = _each(answers.added_mass, len(drafts), "added_mass")
     springs, dampers = (_each(getattr(answers, key), len(drafts), key) for key in ("spring", "damper"))
+    if answers.motion not in (None, *MOTIONS):
+        raise InputError(f"motion is {answers.motion!r}", f"Give {' or '.join(MOTIONS)}.")
+    if answers.motion is not None:
+        drafts = [draft.having(motion=Found(answers.motion, SAID)) for draft in drafts]
     out = [
         _signed(_with_times(_with_units(_with_labels(draft, mass, spring, damper, answers), answers), answers))
         for draft, mass, spring, damper in zip(drafts, masses, springs, dampers, strict=True)
@@ -58,7 +64,19 @@ def with_answers(drafts: Sequence[Draft], answers: Answers) -> tuple[Draft, ...]
     directions = {draft.falling for draft in out if _tells_direction(draft)}
     # one encoder, one sign: a single run that seems to go the other way is no proof of it
     falling = directions == {True} or _said_to_fall(answers)
-    return tuple(draft.having(falling=falling) for draft in out)
+    return tuple(_turned(draft.having(falling=falling)) for draft in out)
+
+
+def _turned(draft: Draft) -> Draft:
+    """Say what of a draft does not go with an angle; an added mass in kg is none that turns."""
+    unit, mass = draft.units.get("position"), draft.mass
+    if unit is not None and unit.value in TURNS and not draft.turns and draft.motion is None:
+        words = 'the position is an angle, the input a force: with motion = "rotation" give the torque in N·m'
+        return draft.having(doubts=(*draft.doubts, words))
+    if draft.turns and mass is not None and mass.value and mass.why != SAID:
+        words = f"{mass.value:g} kg were added by {mass.why}: give their moment of inertia, in kg·m²"
+        return draft.having(doubts=(*draft.doubts, words), mass=None, weights=None)
+    return draft
 
 
 def open_questions(drafts: Sequence[Draft]) -> tuple[Question, ...]:
@@ -109,7 +127,7 @@ def open_questions(drafts: Sequence[Draft]) -> tuple[Question, ...]:
             "weight",
             "How many kg is one weight?",
             about(*(d for d in drafts if d.mass is None and d.weights is not None)),
-            f"{WEIGHT:g}",
+            "" if any(d.turns for d in drafts) else f"{WEIGHT:g}",
         ),
     ]
     unknown = [d for d in drafts if d.mass is None and d.weights is None]
@@ -117,7 +135,8 @@ def open_questions(drafts: Sequence[Draft]) -> tuple[Question, ...]:
         names = ", ".join(d.name for d in drafts)
         text = f"Which masses were added, in kg ({names})?" if len(drafts) > 1 else "Which mass was added, in kg?"
         found.append(Question("added_mass", text, about(*unknown), "0" if len(drafts) == 1 else ""))
-    return tuple(question for question in found if question.runs)
+    say = quantities_of_drafts(drafts).text
+    return tuple(question._replace(text=say(question.text)) for question in found if question.runs)
 
 
 def check_unit(role: str, said: str) -> str | float:
@@ -156,7 +175,7 @@ def _with_labels(draft: Draft, mass: object, spring: object, damper: object, ans
     elif draft.mass is None and weights is not None:
         if answers.weight is not None:
             draft = draft.having(mass=Found(weights * answers.weight, f"{weights} × {answers.weight:g} kg"))
-        elif draft.format == "ecp":  # the plant's own weights
+        elif draft.format == "ecp" and not draft.turns:  # the plant's own weights
             draft = draft.having(mass=Found(weights * WEIGHT, f"{weights} × {WEIGHT:g} kg, {USUAL}"))
     if isinstance(spring, str):
         draft = draft.having(spring=Found(spring, SAID))

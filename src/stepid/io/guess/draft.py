@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Generic, TypeVar
@@ -10,10 +10,13 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.quantities import CART, INPUT_UNITS, Quantities
 from stepid.io.ecp import FEWEST
 from stepid.io.guess.words import COUNTS, SCALES
 
 T = TypeVar("T")
+TURNS = ("deg", "rad", "mrad")
+"""Units of an angle."""
 ROLES = ("time", "position", "input")
 
 
@@ -62,6 +65,7 @@ class Draft:
     falling: bool = False  # the readings fall where the input rises
     doubts: tuple[str, ...] = ()
     choices: tuple[str, ...] = ()  # columns of which one is the position
+    motion: Found[str] | None = None  # where somebody said it
 
     def scale(self, role: str) -> float | None:
         """SI units per unit of a column, None where it is not known."""
@@ -78,6 +82,14 @@ class Draft:
         return None if role not in self.readings or scale is None else self.readings[role] * scale
 
     @property
+    def turns(self) -> bool:
+        """True where the position is an angle, and nothing else is against a rotation."""
+        if self.motion is not None:
+            return self.motion.value == "rotation"
+        unit, driven = self.units.get("position"), self.units.get("input")
+        return unit is not None and unit.value in TURNS and (driven is None or driven.value not in ("N", "mN"))
+
+    @property
     def named(self) -> str:
         """The file, and where it holds several, its run."""
         return self.file.name if self.name == self.file.stem else f"{self.file.name}, {self.name}"
@@ -85,6 +97,15 @@ class Draft:
     def having(self, **fields: object) -> Draft:
         """Return the draft with other fields."""
         return replace(self, **fields)  # type: ignore[arg-type]
+
+
+def quantities_of_drafts(drafts: Sequence[Draft]) -> Quantities:
+    """Return the quantities of a campaign in the making: what every run is, else those of a cart driven in V."""
+    motion = "rotation" if drafts and all(draft.turns for draft in drafts) else "translation"
+    units = {draft.units["input"].value.removeprefix("m") for draft in drafts if "input" in draft.units}
+    unit = units.pop() if len(units) == 1 else CART.input_unit
+    own = Quantities(motion, unit if unit in INPUT_UNITS else CART.input_unit)
+    return own.keeping(text for draft in drafts for text in (draft.name, draft.file.name, *draft.titles.values()))
 
 
 def falls(readings: Mapping[str, Array]) -> bool:

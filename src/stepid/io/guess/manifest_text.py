@@ -7,12 +7,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from stepid.io.guess.answers import MARK
-from stepid.io.guess.draft import ROLES, Draft
+from stepid.io.guess.draft import ROLES, TURNS, Draft, quantities_of_drafts
 from stepid.io.guess.words import COUNTS
 from stepid.io.manifest import toml_value
 
 _SI = {"time": "s", "position": "m", "input": "V"}
-_TURNS = ("deg", "rad", "mrad")
 
 
 def manifest_text(drafts: Sequence[Draft], name: str, folder: Path) -> str:
@@ -38,11 +37,18 @@ def manifest_text(drafts: Sequence[Draft], name: str, folder: Path) -> str:
         if key not in ("name", "file", "added_mass") and all(run.get(key) == runs[0][key] for run in runs)
     ]
     top: dict[str, tuple[object, str]] = {"name": (name, "of the campaign")}
-    top |= {key: runs[0][key] for key in shared}
+    own = quantities_of_drafts(drafts)
+    if own.motion == "rotation":
+        said = drafts[0].motion
+        top["motion"] = (own.motion, f"{'by the unit of the angle' if said is None else said.why}: kg·m², rad, N·m")
+    if own.input_unit != "V":
+        top["input_unit"] = (own.input_unit, "by the unit of the input")
+    top |= {key: (value, own.text(comment)) for key, (value, comment) in runs[0].items() if key in shared}
     blocks = [_block(top)]
     for draft, run in zip(drafts, runs, strict=True):
         notes = "".join(f"# {doubt}\n" for doubt in draft.doubts)
-        blocks.append(f"[[experiment]]\n{notes}" + _block({k: v for k, v in run.items() if k not in shared}))
+        rest = {key: (value, own.text(comment)) for key, (value, comment) in run.items() if key not in shared}
+        blocks.append(f"[[experiment]]\n{notes}" + _block(rest))
     open_lines = sum(text.count(f'"{MARK}"') for text in blocks)
     head = "# Written by stepid init. What a line says is from the files unless its comment says otherwise.\n"
     if open_lines:
@@ -135,16 +141,11 @@ def _scale_words(draft: Draft, role: str) -> str:
     elif unit is None:
         words = f"{_SI[role]} per unit"
     else:
-        si = (
-            "rad"
-            if unit.value in _TURNS
-            else _SI[role]
-            if unit.value not in ("N", "mN", "A", "mA", "N·m")
-            else unit.value[-1]
-        )
+        turned = "rad" if unit.value in TURNS else _SI[role]
+        si = unit.value.removeprefix("m") if role == "input" else turned
         words = f"{unit.value if unit.value == si else f'{si} per {unit.value}'}, {_by(unit.why)}"
-        if unit.value in _TURNS:
-            words += "; masses then are moments of inertia in kg·m²"
+        if unit.value in TURNS and not draft.turns:
+            words += "; masses then are moments of inertia"
         if unit.assumed:
             words += ": check it"
     if role == "position" and draft.falling:

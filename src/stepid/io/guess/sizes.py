@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from stepid.core.base import Array
-
-if TYPE_CHECKING:
-    from stepid.io.guess.draft import Draft
+from stepid.io.guess.draft import TURNS, Draft
 
 _FASTEST, _SLOWEST = 1e-4, 0.1  # s between samples
 _SHORTEST, _LONGEST = 0.3, 300.0  # s of a record
@@ -56,7 +52,7 @@ def odd_units(draft: Draft) -> tuple[str, ...]:
         if by_size is not None and by_size != unit.value:
             out.append(f"the time is in {unit.value} by {unit.why}, by its size in {by_size}; check it")
     meters, unit = draft.si("position"), draft.units.get("position")
-    if meters is not None and meters.size and unit is not None and unit.value not in ("deg", "rad", "mrad"):
+    if meters is not None and meters.size and unit is not None and unit.value not in TURNS:
         travel = float(np.ptp(meters))
         if travel > _FAR or 0 < travel < _NEAR:
             out.append(f"the position spans {travel:.3g} m in {unit.value} by {unit.why}; check its unit")

@@ -44,7 +44,7 @@ class Add:
     def _further(self, node: Node, new: tuple[Effect, ...], context: SearchContext) -> list[Proposal]:
         fit = context.fit
         # what rings in this node's residual may be hidden in the linear one
-        left_over = full_residual(node.best, fit.linear, fit.outline)
+        left_over = full_residual(node.best, fit.linear, fit.coarse_linear)
         heard = fit.scales._replace(resonances=resonances(fit.records, left_over))
         ringing = tuple(e for e in new if e.starts(heard) != e.starts(fit.scales))
         quiet = tuple(e for e in new if e not in ringing)

@@ -1,0 +1,134 @@
+"""A law of any shape: what a force of position alone, or of velocity alone, takes of what a fit leaves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.diagnosis.evidence import effective_samples
+from stepid.effects.base import Effect, Motion
+from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.multistart import FitContext
+from stepid.fitting.score_test import responses_along
+from stepid.fitting.weak_form import force_along
+from stepid.simulation.simulator import COARSE, Simulator
+
+_SEEN = 200  # samples of the motion that tell what a force depends on
+_PIECES = 6  # straight pieces of the law on each side of zero
+
+
+class FreeLaw(NamedTuple):
+    """What a law of any shape takes: of which state, the share of the rest, and that much power, m²."""
+
+    state: str
+    share: float
+    power: float
+
+
+def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
+    """Find what a force of position or of velocity, piecewise linear and free in shape, takes of a fit's rest.
+
+    The fitted plant is pushed by each piece along its own trajectory; the responses, and those to the fit's own
+    parameters, are fitted to the residual. A share is corrected for the number of coefficients (adjusted coefficient of
+    determination), by the effective samples of the residual.
+
+    Parameters
+    ----------
+    context : FitContext
+    optimum : Optimum
+        Of the candidate, on all samples.
+
+    Returns
+    -------
+    FreeLaw
+        Of the state whose law takes more; nothing is taken where the plant runs away.
+    """
+    decimated, problem = context.decimated, optimum.problem
+    coarse = replace(problem, simulator=Simulator(decimated, problem.simulator.effects, COARSE))
+    solved = coarse.solve(optimum.shared, optimum.local)
+    nothing = FreeLaw("position", 0.0, 0.0)
+    if solved is None:
+        return nothing
+    jacobian, residual = coarse.jacobian(solved), coarse.residual(solved)
+    if not np.isfinite(jacobian).all():
+        return nothing
+    own = _basis(jacobian)
+    rest = residual - own @ (own.T @ residual)
+    left = float(rest @ rest) - context.noise_cost
+    if left <= 0:
+        return nothing
+    count = float(effective_samples(decimated, residual).sum())
+    base = replace(optimum, problem=coarse)
+    found = []
+    for state, values in zip(("position", "velocity"), optimum.solved.states[:2], strict=True):
+        pushed = decimated.weighted(responses_along(base, context, _pieces(values)).T).T
+        pushed = pushed[:, np.isfinite(pushed).all(axis=0)]
+        pushed = pushed - own @ (own.T @ pushed)
+        free = _basis(pushed)
+        taken = float(np.sum((free.T @ rest) ** 2))
+        chance = free.shape[1] * (float(rest @ rest) - taken) / max(count - free.shape[1], 1.0)
+        power = max(taken - chance, 0.0)
+        found.append(FreeLaw(state, min(power / left, 1.0), power))
+    return max(found, key=lambda law: law.power)
+
+
+def states_of(context: FitContext, effect: Effect, values: tuple[float, ...]) -> frozenset[str]:
+    """The states that an effect's force is a law of, 'position' and 'velocity'; none where time or memory is in it.
+
+    Parameters
+    ----------
+    context : FitContext
+    effect : Effect
+    values : tuple of float
+        Of its parameters.
+    """
+    if effect.n_extra or effect.n_memory or effect.run_parameters:
+        return frozenset()
+    some = np.linspace(0, context.motion.x.size - 1, _SEEN).astype(np.intp)
+    motion = Motion(*(field[some] for field in context.motion))
+    zero, one = np.zeros(_SEEN), np.ones(_SEEN)
+
+    def alike(**changed: Array) -> bool:
+        return np.array_equal(force, force_along(effect, values, motion._replace(**changed)))
+
+    force = force_along(effect, values, motion)
+    if not alike(time=zero, volts=zero):
+        return frozenset()
+    free = {"position": alike(x=zero), "velocity": alike(v=zero, sign=one)}
+    return frozenset(state for state, without in free.items() if not without)
+
+
+def states_of_all(context: FitContext, optimum: Optimum) -> tuple[frozenset[str], ...]:
+    """`states_of` each effect of a fit."""
+    layout = optimum.problem.layout
+    values = (tuple(float(v) for v in optimum.shared[place]) for place in layout.values)
+    return tuple(states_of(context, e, v) for e, v in zip(layout.effects, values, strict=True))
+
+
+def _pieces(values: Array) -> list[Array]:
+    """Forces of a state: at each knot on either side of zero one that is 1 N there and falls to 0 at its neighbors.
+
+    Those at zero end there: a law may jump.
+    """
+    out = []
+    for side in (values, -values):
+        reach = float(side.max())
+        if reach <= 0:
+            continue
+        knots = np.linspace(0.0, reach, _PIECES + 1)
+        for k in range(_PIECES + 1):
+            height = np.eye(_PIECES + 1)[k]
+            out.append(np.where(side > 0, np.interp(side, knots, height), 0.0))
+    return out
+
+
+def _basis(columns: Array) -> Array:
+    """Orthonormal basis of columns, each scaled to one."""
+    size = np.linalg.norm(columns, axis=0)
+    columns = columns[:, size > 0] / size[size > 0]
+    left, values, _ = np.linalg.svd(columns, full_matrices=False)
+    out: Array = left[:, values > 1e-6 * values[:1].max(initial=0.0)] if values.size else left
+    return out

@@ -1,0 +1,123 @@
+"""What may lead where a rest remains: one effect or two, with no more in them than the data bear."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from stepid.diagnosis.evidence import Weighed
+from stepid.diagnosis.selection.candidate import LEADING, Candidate, includes
+from stepid.diagnosis.vetoes import undetermined
+
+if TYPE_CHECKING:
+    from stepid.diagnosis.gather import EvidenceRecord
+
+
+class Leads:
+    """Candidates that may lead.
+
+    Parameters
+    ----------
+    evidence : EvidenceRecord
+    """
+
+    def __init__(self, evidence: EvidenceRecord) -> None:
+        self._told = evidence
+
+    @cached_property
+    def able(self) -> tuple[Weighed, ...]:
+        """Candidates of two effects at most, none of them an imitator, best first."""
+        few = [w for w in self._told.weighed if len(w.candidate.effects) <= LEADING]
+        able = [w for w in few if not self._told.imitators(w.candidate)]
+        lowest = min(w.loss for w in able)
+        return tuple(w._replace(loss=w.loss - lowest) for w in able)
+
+    @cached_property
+    def best(self) -> Candidate:
+        """The best of those that may lead where a rest remains, with no more in it than takes a notable part."""
+        best = self._without_trifle(self._simpler_law(self._told.simplest(self.able)))
+        best = self._predicting(best) if len(best.effects) < 2 else self._determined(best)
+        return self._shared_law(best)
+
+    def _shared_law(self, best: Candidate) -> Candidate:
+        """The simpler law inside that weighty candidates share, where the best's own weight is not enough."""
+        if self._told.weight(best) >= self._told.criteria.sure:
+            return best
+        inside = [w.candidate for w in self.able if len(w.candidate.effects) == len(best.effects)]
+        inside = [
+            c for c in inside if includes(best.effects, c.effects) and self._told.weight(c) >= self._told.criteria.sure
+        ]
+        return inside[0] if inside else best
+
+    def _predicting(self, one: Candidate) -> Candidate:
+        """The same effect with conditions alike in all runs, where free ones do not predict and it leads without."""
+        share, steady = self._told.share(one) if one.effects and one.deviations else (1.0, 1.0)
+        if share >= self._told.criteria.lead and steady >= self._told.criteria.steady:
+            return one
+        alike = [
+            w.candidate
+            for w in self.able
+            if w.candidate.names == one.names
+            and w.candidate.deviations < one.deviations
+            and self._taken(self._told.linear, w.candidate) >= self._told.criteria.lead
+        ]
+        return alike[0] if alike else one
+
+    def _determined(self, pair: Candidate) -> Candidate:
+        """One effect of two where the other is open: an effect that the data do not determine explains a rest only."""
+        open_ = {name.split(".")[0] for name in undetermined(self._told.context, self._told.criteria, pair)}
+        named = [name for name in pair.names if name not in open_]
+        alone = [w.candidate for w in self.able if w.candidate.names == tuple(named)]
+        return alone[0] if open_ and alone else pair
+
+    def _loss(self, found: Candidate) -> float:
+        return next(w.loss for w in self.able if w.candidate is found)
+
+    def _simpler_law(self, best: Candidate) -> Candidate:
+        """The simplest law inside a candidate that the data do not tell from it."""
+        near = [
+            w.candidate
+            for w in self.able
+            if abs(w.loss - self._loss(best)) < self._told.criteria.tie
+            and w.candidate.deviations == best.deviations
+            and len(w.candidate.effects) == len(best.effects)
+            and includes(best.effects, w.candidate.effects)
+        ]
+        return min(near, key=lambda c: (sum(len(e.parameters) for e in c.effects), self._loss(c)))
+
+    def _without_trifle(self, pair: Candidate) -> Candidate:
+        """One effect of two, where it leads and the other takes no such part of what it leaves."""
+        if len(pair.effects) < 2:
+            return pair
+        alone = [
+            w.candidate
+            for w in self.able
+            if len(w.candidate.effects) == 1
+            and includes(pair.effects, w.candidate.effects)
+            and self._taken(self._told.linear, w.candidate) >= self._told.criteria.lead
+            and self._taken(w.candidate, pair) < self._told.criteria.lead
+        ]
+        return alone[0] if alone else pair
+
+    def _taken(self, before: Candidate, after: Candidate) -> float:
+        """Share of the power above the floor that one candidate leaves, which another takes."""
+        noise = self._told.context.floor**2
+        left = before.optimum.rms**2 - noise
+        return 1.0 - max(after.optimum.rms**2 - noise, 0.0) / left if left > 0 else 0.0
+
+    @cached_property
+    def beside(self) -> tuple[Candidate, ...]:
+        """Candidates that the data do not tell from the lead: its twins, and more general laws with more evidence."""
+        lead, own = self.best, self._loss(self.best)
+        out: dict[frozenset[str], Candidate] = {}
+        for w in self.able:
+            other, names = w.candidate, frozenset(w.candidate.names)
+            if (
+                len(names) != len(lead.effects)
+                or names == frozenset(lead.names)
+                or abs(w.loss - own) >= self._told.criteria.tie
+            ):
+                continue
+            if w.loss < own or not includes(other.effects, lead.effects):
+                out.setdefault(names, other)
+        return tuple(out.values())

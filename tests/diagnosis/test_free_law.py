@@ -1,0 +1,82 @@
+"""A law of any shape: it takes what a hidden law of its state leaves, and nothing of noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hidden.campaigns import Request, make_campaigns
+from stepid.diagnosis.free_law import free_law, states_of
+from stepid.effects import resolve
+from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.multistart import FitContext
+
+
+def hidden(effects: tuple[str, ...], outside: str | None = None, seed: int = 3) -> FitContext:
+    made = make_campaigns([Request(seed, effects, outside, 8.0 if effects else None, "four")])
+    return prepare(made[0][0])
+
+
+@pytest.mark.parametrize(
+    ("effect", "state"),
+    [("cubic_stiffness", "position"), ("quadratic_damping", "velocity"), ("coulomb_friction", "velocity")],
+)
+def test_it_takes_what_a_law_of_its_state_makes(effect: str, state: str) -> None:
+    context = hidden((effect,))
+    law = free_law(context, context.linear)
+    assert law.state == state
+    assert law.share > 0.6  # one linearized step
+    assert law.power == pytest.approx(law.share * (context.coarse_linear.cost - context.noise_cost), rel=0.1)
+
+
+def test_nothing_is_left_to_it_beside_the_true_law() -> None:
+    context = hidden(("cubic_stiffness",))
+    fitted = fit_effects(context, resolve(["cubic_stiffness"]))
+    assert fitted is not None
+    law = free_law(context, fitted)
+    assert law.power < 1e-3 * (context.coarse_linear.cost - context.noise_cost)
+
+
+def test_a_force_of_time_is_no_law_of_a_state() -> None:
+    context = hidden(("periodic_disturbance",))
+    assert free_law(context, context.linear).share < 0.5
+
+
+def test_it_sees_that_a_spring_has_another_shape() -> None:
+    context = hidden((), "log_spring")
+    fitted = fit_effects(context, resolve(["cubic_stiffness"]))
+    assert fitted is not None
+    law = free_law(context, fitted)
+    assert (law.state, law.share > 0.5) == ("position", True)
+
+
+@pytest.mark.parametrize(
+    ("effect", "states"),
+    [
+        ("end_stop", {"position"}),
+        ("free_play", {"position"}),
+        ("cogging", {"position"}),
+        ("stribeck_friction", {"velocity"}),
+        ("load_proportional_friction", {"velocity"}),
+        ("position_dependent_damping", {"position", "velocity"}),
+        ("presliding_hysteresis", set()),  # of the way there
+        ("periodic_disturbance", set()),
+        ("actuator_dead_zone", set()),
+    ],
+)
+def test_the_states_that_an_effect_is_a_law_of(effect: str, states: set[str]) -> None:
+    context = hidden(("cubic_stiffness",))
+    (one,) = resolve([effect])
+    for values in one.starts(context.scales):
+        assert states_of(context, one, tuple(values)) == states
+
+
+def test_a_plant_that_runs_away_leaves_nothing() -> None:
+    context = hidden(("cubic_stiffness",))
+    fitted = fit_effects(context, resolve(["cubic_stiffness"]))
+    assert fitted is not None
+    away = fitted.shared.copy()
+    away[-1] = -1e12 * np.abs(away[-1])
+    assert free_law(context, replace(fitted, shared=away)).power == 0.0
