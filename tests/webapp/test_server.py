@@ -55,7 +55,7 @@ def served() -> Iterator[Any]:
 def test_only_this_computer_is_served(served: Any) -> None:
     listening = [one.getsockname()[0] for one in served._http._sockets.values()]
     assert listening == ["127.0.0.1"]
-    with socket.socket() as other, pytest.raises(OSError, match="refused|unreachable"):
+    with socket.socket() as other, pytest.raises(OSError, match=r"refused|unreachable"):
         other.connect(("127.0.0.2", served.port))  # another address of this very computer
 
 
