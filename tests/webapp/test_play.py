@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stepid
+from stepid.core.quantities import CART
 from stepid.webapp import pictures, play
 from stepid.webapp.play import NONE, Bench
 
@@ -39,7 +40,7 @@ def test_every_effect_has_knobs_whose_ends_can_be_reached(bench: Bench, effect: 
         simulated, said = play.response(bench, "case 5", play.turned(bench, "case 5", effect, turned))
         assert said
         assert simulated is None or np.isfinite(simulated).all()
-        drawn = pictures.played(bench.campaign["case 5"], simulated, reach=play.reach(bench, "case 5"))
+        drawn = pictures.played(bench.campaign["case 5"], simulated, reach=play.reach(bench, "case 5"), say=CART)
         assert len(drawn["data"]) == (1 if simulated is None else 3)
 
 

@@ -28,6 +28,7 @@ SETTINGS: Mapping[str, str] = {
     "input_unit": "Unit of the input: V, mV, N, A, or volts per unit",
     "step": "Step of the input in V, where no column is one (0: the cart was let go)",
     "weight": 'Kilograms of one weight, where names say "2mass"',
+    "motion": "rotation where the plant turns: kg·m², rad and N·m",
     "time": "Column of the time, by name or number from 0",
     "position": 'Column of the position ("all" if each of several is a run)',
     "input": "Column of the input",

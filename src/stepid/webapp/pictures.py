@@ -6,6 +6,7 @@ from typing import Any
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.quantities import Quantities, quantities_of
 from stepid.plot.scale import length_unit, reach_of
 from stepid.report.axes import own_line, paired
 from stepid.report.pictures import verification
@@ -15,8 +16,8 @@ from stepid.transfer.verification import Verification
 Drawn = dict[str, Any]
 
 
-def record(run: Experiment) -> Drawn:
-    """Draw a record: position above, input below."""
+def record(run: Experiment, say: Quantities) -> Drawn:
+    """Draw a record: position above, input below; `say` has the words of its axes."""
     time, position, volts = run.time, 1e3 * run.position, run.input
     kept = kept_samples(position, volts)
     figure = paired("V", 1.0)
@@ -31,16 +32,17 @@ def record(run: Experiment) -> Drawn:
     driven = own_line("before", "input", "V")
     driven["line"] = {"color": "var(--before)", "width": 1.5, "shape": shape}
     figure.add_scatter(x=_listed(time[kept]), y=_listed(volts[kept]), yaxis="y2", **driven)
-    return _json(figure)
+    return _json(figure, say)
 
 
 def verified(found: Verification) -> dict[str, Drawn]:
     """Draw the verification responses, by run, on one scale for what is left."""
     reach = reach_of(run.measured - run.simulated for run in found.runs)
-    return {run.name: _json(verification(run, reach)) for run in found.runs}
+    say = quantities_of(found)
+    return {run.name: _json(verification(run, reach), say) for run in found.runs}
 
 
-def played(run: Experiment, simulated: Array | None, *, reach: float) -> Drawn:
+def played(run: Experiment, simulated: Array | None, *, reach: float, say: Quantities) -> Drawn:
     """Draw a record and a simulated response, what is left below on a scale that ends at ±`reach` [m]."""
     scale, what = length_unit(reach)
     left = None if simulated is None else scale * (run.position - simulated)
@@ -54,12 +56,12 @@ def played(run: Experiment, simulated: Array | None, *, reach: float) -> Drawn:
     low, high = 1e3 * float(run.position.min()), 1e3 * float(run.position.max())
     room = 0.35 * (high - low) or 1.0  # the scale stays while knobs are turned
     figure.update_layout(yaxis={"range": [low - room, high + room]})
-    return _json(figure)
+    return _json(figure, say)
 
 
-def _json(figure: Any) -> Drawn:
+def _json(figure: Any, say: Quantities) -> Drawn:
     drawn: Drawn = figure.to_plotly_json()
-    return {"data": list(drawn["data"]), "layout": drawn["layout"]}
+    return say.result({"data": list(drawn["data"]), "layout": drawn["layout"]})
 
 
 def _listed(values: Array) -> list[float]:

@@ -11,6 +11,7 @@ import numpy as np
 import stepid
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
+from stepid.core.quantities import quantities_of
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.wording import effect_names
 from stepid.effects import CATALOGUE, Effect, resolve
@@ -97,7 +98,7 @@ def knobs(at: Bench, run: str, effect: str) -> tuple[Knob, ...]:
     if effect != NONE:
         for parameter, value in zip(_effect(effect).parameters, at.starts[effect], strict=True):
             out.append(_own(effect, parameter, value, at.drift))
-    return tuple(out)
+    return tuple(replace(knob, label=quantities_of(at.campaign).text(knob.label)) for knob in out)
 
 
 def turned(at: Bench, run: str, effect: str, values: Mapping[str, float]) -> PlantModel:
@@ -125,7 +126,9 @@ def response(at: Bench, run: str, model: PlantModel) -> tuple[Array | None, str]
         simulated = stepid.simulate(model, at.campaign[[run]])[run]
     except StepidError as error:
         return None, str(error)
-    return simulated, f"{1e6 * float(np.sqrt(np.mean((one.position - simulated) ** 2))):.4g} µm RMS are left."
+    return simulated, quantities_of(at.campaign).text(
+        f"{1e6 * float(np.sqrt(np.mean((one.position - simulated) ** 2))):.4g} µm RMS are left."
+    )
 
 
 def reach(at: Bench, run: str) -> float:
@@ -143,7 +146,7 @@ def _middle(starts: object) -> tuple[float, ...]:
 
 
 def _linear(key: str, label: str, value: float, times: float) -> Knob:
-    far = times * value
+    far = times * value or 1.0
     low, high = min(0.0, far), max(0.0, far)
     if key != "damping":  # a plant without mass or spring is none
         low, high = sorted((value / 4, far))

@@ -6,8 +6,10 @@ from collections.abc import Callable, Mapping
 
 import stepid
 from stepid.core.experiment import Campaign
+from stepid.core.quantities import Quantities, quantities_of
 from stepid.diagnosis.result import Diagnosis
 from stepid.errors import InputError, StepidError
+from stepid.io.guess.draft import quantities_of_drafts
 from stepid.webapp import intake as reading
 from stepid.webapp import runs as table
 from stepid.webapp.inbox import Inbox
@@ -98,6 +100,13 @@ class Session:
             raise InputError("the campaign has no name", "Give it one.")
         self.name = name.strip()
         self._forget()
+
+    @property
+    def say(self) -> Quantities:
+        """How its plant moves and what drives it, for words and units of the page."""
+        if self.intake.recorded is not None:
+            return quantities_of(self.intake.recorded)
+        return quantities_of_drafts(self.intake.drafts)
 
     @property
     def campaign(self) -> Campaign:

@@ -7,6 +7,7 @@ from html import escape
 
 import panel as pn
 
+from stepid.core.quantities import quantities_of
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.text import answer
@@ -74,7 +75,7 @@ class DiagnosisView:
         """Show how far it is."""
         stage = status.stage
         rows = {
-            "trying": effect_names((stage,)),
+            "trying": self._session.say.text(effect_names((stage,))),
             "best answer so far": effect_names(stage.best) or "linear model",
             "left to try": f"{stage.left}"
             + f", may take {100 * stage.promise:.0f} % of the rest" * bool(stage.promise),
@@ -95,7 +96,7 @@ class DiagnosisView:
         places = {run.name: i for i, run in enumerate(d.runs)}
         told = {one.name: one for one in tell(d, hand, of_diagnosis(d)) if _says(one.lead, one.points)}
         self._found[:] = [
-            html(f'<p class="answer" data-verdict="{d.verdict}">{escape(answer(d))}</p>'),
+            html(f'<p class="answer" data-verdict="{d.verdict}">{escape(quantities_of(d).text(answer(d)))}</p>'),
             *(chapter(told[name], drawn, places) for name in _SHOWN if name in told),
             *(
                 folded(told[name].title, chapter(told[name], drawn, places, titled=False))

@@ -106,6 +106,8 @@ class DropView:
         if not intake.drafts:
             return
         told = sources(intake.drafts)
+        say = self._session.say.text
+        told = {say(title): list(map(say, cells)) for title, cells in told.items()}
         told = {"run": [draft.name for draft in intake.drafts], **told}
         table = Table(
             caption="What ends in ? no file says: it is taken by its size, or as usual",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
+from stepid.core.quantities import quantities_of
 from stepid.report.captions import verification
 from stepid.report.chapter import Table
 from stepid.report.hand import HandMethod
@@ -46,15 +47,15 @@ class HandView:
 
     def show(self, hand: HandMethod) -> None:
         """Show what was found."""
-        checked = verification_table(hand.verified)
-        found = found_tables(hand.found)
-        self.tables = (characteristics_table(hand.system), *found, checked)
-        self._text.object = tables_html((*found, characteristics_table(hand.system)))
-        caption = verification(hand.verified)
+        tables = (*found_tables(hand.found), characteristics_table(hand.system), verification_table(hand.verified))
+        say = quantities_of(hand.found)
+        self.tables = say.result(tables, words=True)
+        self._text.object = tables_html(self.tables[:-1])
+        caption = say.result(verification(hand.verified), words=True)
         self._heading.object = f"<h3>{escape(caption.title)}</h3>{key([(a, b) for a, b in caption.key])}"
         drawn = pictures.verified(hand.verified)
         self._pictures[:] = [
             column(html(f"<h3>{escape(run)} <small>{escape(beside)}</small></h3>"), picture(drawn[run], words))
             for run, beside, words in zip(caption.runs, caption.beside, caption.said, strict=True)
         ]
-        self._verified.object = tables_html((checked,))
+        self._verified.object = tables_html(self.tables[-1:])

@@ -7,6 +7,8 @@ from typing import Any
 
 import panel as pn
 
+from stepid.core.quantities import quantities_of
+from stepid.diagnosis.text import GAP_HEADER, gap_rows, parameter_header, parameter_rows
 from stepid.errors import IdentificationError, StepidError
 from stepid.report.chapter import Table
 from stepid.report.hand import Hand, HandMethod, by_hand
@@ -129,11 +131,9 @@ class Page:
             self._ticking.stop()
 
     def _tables(self) -> tuple[Table, ...]:
-        from stepid.diagnosis.text import GAP_HEADER, gap_rows, parameter_header, parameter_rows
-
         d = self.session.found
         if d is None:
             return self._by_hand.tables
         fitted = Table(caption="The joint fit", header=parameter_header(d), rows=tuple(parameter_rows(d)))
         gap = Table(caption="The gap by run", header=GAP_HEADER, rows=tuple(gap_rows(d)))
-        return (*self._by_hand.tables, fitted, gap)
+        return (*self._by_hand.tables, *quantities_of(d).result((fitted, gap), words=True))

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from html import escape
 from typing import Any
 
 import panel as pn
 
 from stepid.core.experiment import Campaign
+from stepid.core.quantities import Quantities, quantities_of
 from stepid.diagnosis.result import Diagnosis
 from stepid.effects import resolve
 from stepid.webapp import pictures, play
@@ -105,9 +107,9 @@ class PlayView:
         """Knobs for this run and effect."""
         if self._bench is None or self._filling:
             return
-        effect = self._effect.value
+        effect, say = self._effect.value, quantities_of(self._bench.campaign)
         self._fit.disabled = effect == NONE
-        self._seen.object = "" if effect == NONE else f'<p class="soft">{_described(effect)}</p>'
+        self._seen.object = "" if effect == NONE else f'<p class="soft">{escape(_described(effect, say))}</p>'
         self._sliders = {k.key: self._slider(k) for k in play.knobs(self._bench, self._run.value, effect)}
         self._knobs[:] = list(self._sliders.values())
         self._draw()
@@ -133,10 +135,13 @@ class PlayView:
             return
         model = play.turned(at, run, effect, {key: float(slider.value) for key, slider in self._sliders.items()})
         simulated, words = play.response(at, run, model)
-        self._picture.figure = pictures.played(at.campaign[run], simulated, reach=play.reach(at, run))
+        self._picture.figure = pictures.played(
+            at.campaign[run], simulated, reach=play.reach(at, run), say=quantities_of(at.campaign)
+        )
         self._left.object = said(words, bad=simulated is None)
 
 
-def _described(effect: str) -> str:
+def _described(effect: str, say: Quantities) -> str:
     one = resolve((effect,))[0]
-    return f"Its force: {one.law}. What a lab sees: {one.seen}." if one.law else one.seen
+    law = say.text("Its force: ") + f"{say.law(one.law)}. " if one.law else ""
+    return f"{law}What a lab sees: {say.text(one.seen)}."

@@ -82,16 +82,22 @@ class RecordsView:
         runs = tuple(recorded or ())
         self._heads = [html(f"<h3>{escape(run.name)} <small>{run.time.size} samples</small></h3>") for run in runs]
         self._pictures[:] = [
-            column(head, picture(pictures.record(run), f"Position and input of {run.name} against time."))
+            column(head, picture(pictures.record(run, session.say), f"Position and input of {run.name} against time."))
             for head, run in zip(self._heads, runs, strict=True)
         ]
 
     def _fill(self) -> None:
         rows = self._session.rows
         cells = {key: [_text(getattr(row, key)) for row in rows] for key in COLUMNS}
+        self._table.titles = {key: self._session.say.text(title) for key, title in _TITLES.items()}
         self._table.value = make_frame(cells)
         missing = massless(rows)
-        text = f"Which masses were added? Put them into the table, in kg: {', '.join(missing)}." if missing else ""
+        text = (
+            self._session.say.text("Which masses were added? Put them into the table, in kg: ")
+            + f"{', '.join(missing)}."
+            if missing
+            else ""
+        )
         self._message.object = said(text, bad=True)
 
     def _edit(self, event: Any) -> None:
