@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 import stepid
-from stepid.core.quantities import CART
+from stepid.core.quantities import CART, quantities_of
 from stepid.webapp import pictures, play
 from stepid.webapp.play import NONE, Bench
 
@@ -60,3 +62,21 @@ def test_what_runs_away_is_said(bench: Bench) -> None:
     simulated, said = play.response(bench, "case 4", play.turned(bench, "case 4", "cubic_stiffness", turned))
     assert simulated is None
     assert "runs away" in said
+
+
+def test_a_plant_that_turns_is_spoken_of_in_its_own_units(bench: Bench) -> None:
+    turning = bench.campaign.model_copy(update={"motion": "rotation", "input_unit": "N·m"})
+    at = play.bench(turning)
+    assert {knob.key: knob.value for knob in play.knobs(at, "case 4", NONE)} == values(bench, "case 4", NONE)
+    labels = [knob.label for knob in play.knobs(at, "case 4", "coulomb_friction")]
+    simulated, said = play.response(at, "case 4", at.linear)
+    say = quantities_of(turning)
+    drawn = [
+        pictures.record(turning["case 4"], say),
+        pictures.played(turning["case 4"], simulated, reach=play.reach(at, "case 4"), say=say),
+        *pictures.verified(stepid.verify(stepid.identify(turning), turning)).values(),
+    ]
+    texts = re.findall(r"[^'\"]*\[[^]]*\][^'\"]*", str([one["layout"] for one in drawn])) + labels + [said]
+    assert any("kg·m²" in text for text in texts)
+    assert any("rad" in text for text in texts)
+    assert not [text for text in texts if re.search(r"\bmm\b|µm|\bkg\b(?!·m²)|/m\b|\[V\]", text)]

@@ -6,8 +6,6 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
-from threading import Thread
 from typing import Any
 from urllib.error import HTTPError
 from urllib.request import Request, urlopen
@@ -17,33 +15,7 @@ import pytest
 import stepid
 from stepid.cli import run
 from stepid.errors import InputError, MissingPackageError
-
-
-@contextmanager
-def serving(campaign: stepid.Campaign | None = None) -> Iterator[Any]:
-    """A server in a thread of its own."""
-    import asyncio
-
-    from stepid.webapp.views.serve import server
-
-    ready: list[Any] = []
-
-    def work() -> None:
-        asyncio.set_event_loop(asyncio.new_event_loop())
-        made = server(campaign, 0)
-        made.start()
-        made.io_loop.add_callback(ready.append, made)
-        made.io_loop.start()
-
-    thread = Thread(target=work, daemon=True)
-    thread.start()
-    while not ready:
-        thread.join(0.05)
-        assert ready or thread.is_alive()
-    yield ready[0]
-    ready[0].io_loop.add_callback(ready[0].stop)
-    ready[0].io_loop.add_callback(ready[0].io_loop.stop)
-    thread.join(10)
+from webapp_server import serving
 
 
 @pytest.fixture(scope="module")

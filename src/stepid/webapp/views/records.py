@@ -19,7 +19,7 @@ from stepid.webapp.views.picture import picture
 _TITLES = {"name": "run", "added_mass": "added mass [kg]", "spring": "spring", "damper": "damper"}
 _LEAD = (
     "Runs with the same spring or damper label share one stiffness or damping. Added masses are the known weights on "
-    "top of the cart. Click a cell, or press Enter on it, to change it."
+    "top of the cart. Click a cell, or go to it by Tab, to change it."
 )
 _TABLE = """
 .tabulator.pnx-tabulator { background: var(--card); color: var(--ink); border: 1px solid var(--grid);
@@ -87,32 +87,34 @@ class RecordsView:
         ]
 
     def _fill(self) -> None:
-        rows = self._session.rows
-        cells = {key: [_text(getattr(row, key)) for row in rows] for key in COLUMNS}
-        self._table.titles = {key: self._session.say.text(title) for key, title in _TITLES.items()}
-        self._table.value = make_frame(cells)
-        missing = massless(rows)
-        text = (
-            self._session.say.text("Which masses were added? Put them into the table, in kg: ")
-            + f"{', '.join(missing)}."
-            if missing
-            else ""
-        )
-        self._message.object = said(text, bad=True)
+        say, rows = self._session.say, self._session.rows
+        self._table.titles = {key: say.text(title) for key, title in _TITLES.items()}
+        self._table.value = make_frame({key: [_text(getattr(row, key)) for row in rows] for key in COLUMNS})
+        self._ask()
+
+    def _ask(self) -> None:
+        """Ask for the masses that are missing."""
+        missing = massless(self._session.rows)
+        words = self._session.say.text("Which masses were added? Put them into the table, in kg")
+        self._message.object = said(f"{words}: {', '.join(missing)}." if missing else "", bad=True)
 
     def _edit(self, event: Any) -> None:
         place, key = int(event.row), str(event.column)
-        if _text(getattr(self._session.rows[place], key)) == str(event.value).strip():
-            return
+        before = self._session.rows[place]
         try:
-            self._session.edit(place, key, event.value)
+            if _text(getattr(before, key)) != str(event.value).strip():
+                self._session.edit(place, key, event.value)
         except StepidError as error:
-            self._fill()
             self._message.object = said(str(error), bad=True)
+        else:
+            self._ask()
+        now = self._session.rows[place]
+        if (text := _text(getattr(now, key))) != event.value:
+            self._table.patch({key: [(place, text)]})  # the cell alone: whoever goes by keys stays where they are
+        if now == before:
             return
-        self._fill()
         if key == "name":
-            self._heads[place].object = f"<h3>{escape(self._session.rows[place].name)}</h3>"
+            self._heads[place].object = f"<h3>{escape(now.name)}</h3>"
         self._changed()
 
     def _rename(self, event: Any) -> None:
