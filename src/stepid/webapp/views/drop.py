@@ -23,7 +23,8 @@ _LEAD = (
 )
 
 _DROP = """
-.filepond--panel-root { background-color: var(--paper); border: 1px dashed var(--line); }
+.filepond--panel-root.filepond--panel-root {
+  background-color: var(--paper) !important; border: 1px dashed var(--line); }
 .filepond--drop-label { color: var(--ink); }
 .filepond--drop-label label:focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
 .filepond--item-panel, [data-filepond-item-state] .filepond--item-panel { background-color: #3d4a56; }
