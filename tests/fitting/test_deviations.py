@@ -123,3 +123,29 @@ def test_deviations_are_handed_on() -> None:
     problem = with_deviations(build(context.records, resolve(["presliding_hysteresis"])), ("start_time",))
     local, there = start_local(problem, found), problem.layout
     np.testing.assert_array_equal(local[there.deviations], found.local[found.problem.layout.deviations])
+
+
+def test_what_scatters_differs_by_a_quarter_at_most() -> None:
+    """A gain of half is a fault or a law: as scatter it stays at its bound, as one run's fault it is found."""
+    linear = prepare(scattered(2, gain=(0.0, 0.0, 0.0, 0.0, 0.0, -0.5))).linear
+    found = refit(linear, "gain")
+    row = found.problem.layout.deviation("gain")
+    assert np.abs(found.local[row]).max() == pytest.approx(0.25)
+    assert found.converged
+    free = minimize(with_fault(found.problem, 5, "gain"), found.shared, found.local)
+    assert free is not None
+    assert free.local[row, 5] == pytest.approx(-0.5, abs=0.1)
+
+
+def test_a_start_comes_three_samples_late_at_most() -> None:
+    linear = prepare(scattered(1, late=(0.0, 0.0, 0.0, 0.0, 0.0, 8.0))).linear
+    found = refit(linear, "start_time")
+    row = found.problem.layout.deviation("start_time")
+    assert np.abs(found.local[row]).max() <= 3.0 * SAMPLE_TIME * (1 + 1e-12)
+
+
+def test_friction_under_a_load_scatters_as_well() -> None:
+    (law,) = resolve(["load_proportional_friction"])
+    context = prepare(campaign(3))
+    problem = with_deviations(build(context.records, (law,)), ["friction"])
+    assert problem.active[problem.layout.deviation("friction")].sum() == len(context.records.runs) - 1

@@ -7,9 +7,10 @@ import pytest
 
 from hidden.campaigns import make_campaign
 from stepid.effects import resolve
+from stepid.fitting.coordinates import Coordinates
 from stepid.fitting.cross_validation import held_out_residuals
 from stepid.fitting.fit import prepare
-from stepid.fitting.levenberg_marquardt import _Coordinates, minimize
+from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build, start_local
 from stepid.simulation.triangles import weigh
@@ -57,7 +58,7 @@ def test_a_power_moves_along_its_force_at_the_speeds_that_occur(context: FitCont
     shared, _ = start(context, 1.3)
     solved = problem.solve(shared, start_local(problem, context.coarse_linear))
     assert solved is not None
-    inner = _Coordinates(problem, shared, solved)
+    inner = Coordinates(problem, shared, solved)
     step = np.zeros(int(problem.free.sum()))
     step[-1] = 0.5  # of the exponent alone
     moved = inner.moved(shared, step)

@@ -53,7 +53,7 @@ def test_a_damped_step_is_that_of_the_whole_jacobian(names: tuple[str, ...], kin
     decrease = cost - np.sum((residual - scaled @ step) ** 2)
 
     linearized = _Linearized(problem, _Columns(problem), solved.derivatives, residual)
-    shared, local, gain = linearized.step(damping, np.zeros(n, dtype=bool))
+    shared, local, gain = linearized.step(damping, np.zeros(n, dtype=bool), np.zeros_like(problem.active))
     assert gain == pytest.approx(decrease, rel=1e-8)
     np.testing.assert_allclose(linearized.pull, (jacobian.T @ residual)[:n], rtol=1e-8)
     np.testing.assert_allclose(shared * size[:n], step[:n], rtol=1e-9, atol=1e-12 * np.abs(step).max())

@@ -37,6 +37,11 @@ class Parameter(NamedTuple):
     upper: float = np.inf
     length: float | None = None
 
+    @property
+    def force(self) -> bool:
+        """Whether it is a force, or a share of the weight's."""
+        return self.unit == "N" or (self.unit == "" and self.length == 1)
+
 
 class Moment(NamedTuple):
     """One plant at one moment, as the law of an effect sees it.

@@ -15,7 +15,7 @@ from stepid.core.estimate import Estimate
 from stepid.effects.base import Effect, Parameter
 from stepid.fitting.added_masses import WeightErrors, moved, weight_errors, with_added_masses
 from stepid.fitting.correlation import autocorrelations, disagreement, inflation
-from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.levenberg_marquardt import Optimum, Problem
 from stepid.simulation.magnitudes import lengths
 from stepid.simulation.records import Index
 
@@ -72,7 +72,8 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     """Covariances of the free parameters, by their causes, and how far the most likely ones are.
 
     The added masses are nuisance parameters with a prior: where runs say more of them than is known beforehand, what is
-    left of their uncertainty is less than propagation would give, and so is the misfit. The noise is taken as white of
+    left of their uncertainty is less than propagation would give, and so is the misfit. What differs from run to run
+    has one, too: its bound. The noise is taken as white of
     size `floor` or the residual's RMS, whichever is larger, inflated by the residual's own correlation: J⁺ Ω J⁺ᵀ with Ω
     from the residual's autocovariance over one swing at most (a sandwich). Where more than noise is left, what the runs
     say one by one is counted, too.
@@ -87,9 +88,10 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     residual = problem.residual(optimum.solved)
     matrix, pull, left = _triangle(optimum, prior, scale, residual)
     level = math.sqrt(max(floor**2, left / max(residual.size - n - k, 1)))
-    longer = np.append(np.ones(n), np.hypot(1.0, level / scale[n:]))  # the prior's rows are of length one at most
+    precision = np.append(_precision(problem), np.ones(k))
+    longer = np.hypot(1.0, level * precision / scale)  # the prior's rows are of length one at most
     scale = scale * longer
-    rows_of_prior = np.eye(n + k)[n:] * level / scale
+    rows_of_prior = np.diag(level * precision / scale)[precision > 0]
     _, s, vt = np.linalg.svd(np.concatenate([matrix / longer, rows_of_prior]), full_matrices=False)
     usable = s > 1e-6 * s[0]  # the sensitivities are no better than that
     inverse = (vt.T * np.where(usable, 1 / np.where(usable, s, 1.0), 0.0)) / scale[:, None]
@@ -106,13 +108,23 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     ratio = np.maximum(np.diag(noise)[:n] / np.where(white > 0, white, np.inf), 1.0)
     open_ = np.abs(vt.T * ~usable).max(axis=1) > 1e-3 if not usable.all() else np.zeros(s.size, dtype=bool)
     held = _at_bound(optimum, k)
-    target = np.concatenate([pull, -level * prior.found])
+    target = np.concatenate([pull, np.zeros(len(rows_of_prior) - k), -level * prior.found])
     slope = np.concatenate([matrix / longer, rows_of_prior])[:, ~held]
     step = np.zeros(n + k)
     step[~held] = np.linalg.lstsq(slope, target, rcond=1e-6)[0]
     gain = float(np.sum((slope @ step[~held]) ** 2)) / level**2
     step /= scale
     return Uncertain(noise[:n, :n], weights[:n, :n], open_[:n], step[:n], prior.found + step[n:], gain, level, ratio)
+
+
+def _precision(problem: Problem) -> Array:
+    """One over the standard deviation by which the free parameters are known beforehand, 0 where nothing is known.
+
+    What differs from run to run within a bound is as good as known to half of it.
+    """
+    shared = np.zeros(int(problem.free.sum()))
+    most = np.full(problem.active.shape, np.inf) if problem.most is None else problem.most
+    return np.append(shared, 2.0 / most[problem.active])
 
 
 def _at_bound(optimum: Optimum, more: int) -> npt.NDArray[np.bool_]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -64,12 +65,18 @@ def held_out_residuals(optimum: Optimum, *, tolerance: float, first: float = 1.0
         if first < 1:
             own = own.reweighted(np.where(np.arange(own.size) < seen_from, own.weight, _UNSEEN))
         alone = build(own, optimum.problem.simulator.effects)
-        alone = replace(alone, free=np.zeros_like(alone.free), active=optimum.problem.active[:, [i]])
+        alone = replace(alone, free=np.zeros_like(alone.free), **_own(optimum, [i]))
         local = np.where(alone.active, optimum.local[:, [i]], 0.0)
         seen = minimize(alone, shared, local, tolerance=tolerance, iterations=15)
         if seen is not None:
             out[i] = seen.residual[seen_from:]
     return out
+
+
+def _own(optimum: Optimum, runs: list[int]) -> dict[str, Any]:
+    """Which parameters of some runs are free, and within which bounds."""
+    active, most = optimum.problem.active, optimum.problem.most
+    return {"active": active[:, runs], "most": None if most is None else most[:, runs]}
 
 
 def _without(optimum: Optimum, run: int, tolerance: float) -> Array | None:
@@ -88,7 +95,7 @@ def _without(optimum: Optimum, run: int, tolerance: float) -> Array | None:
         records = optimum.problem.records
         others = [j for j in range(len(records.runs)) if j != run]
         problem = build(records.subset(others), optimum.problem.simulator.effects)
-        problem = replace(problem, active=optimum.problem.active[:, others], free=problem.free & optimum.problem.free)
+        problem = replace(problem, free=problem.free & optimum.problem.free, **_own(optimum, others))
         fitted = minimize(problem, optimum.shared, optimum.local[:, others], tolerance=tolerance, iterations=15)
         known[run, tolerance] = None if fitted is None else fitted.shared
     return known[run, tolerance]

@@ -7,7 +7,6 @@ of runs, whose own parameters it eliminates run by run; a dense Jacobian's is no
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
@@ -16,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array
+from stepid.fitting.coordinates import Coordinates
 from stepid.simulation.layout import ParameterLayout
 from stepid.simulation.records import Index, Records
 from stepid.simulation.simulator import STEEPEST, Simulator, Solved
@@ -23,19 +23,19 @@ from stepid.simulation.simulator import STEEPEST, Simulator, Solved
 _CRAWL = 5  # steps that together gain less than the tolerance: the rest is not worth its time
 _MOST_DAMPING = 1e12
 _GROWTH = 4.0  # of the damping after a step that failed; twice as much after each further one
-_FOLDS = 5.0  # natural logarithm by which a step may change a coefficient
 _HOPE = 4.0  # times what a step promises, that each of those to come may bring: in valleys the promise grows
 
 
 @dataclass(frozen=True)
 class Problem:
-    """What is fitted: which global and per-run parameters are free, and the bounds of the global ones."""
+    """What is fitted: which global and per-run parameters are free, and their bounds: `most` is that of a run's own."""
 
     simulator: Simulator
     free: npt.NDArray[np.bool_]
     lower: Array
     upper: Array
     active: npt.NDArray[np.bool_]  # (Q, R)
+    most: Array | None = None  # (Q, R)
 
     @property
     def records(self) -> Records:
@@ -151,56 +151,26 @@ class _Linearized:
     def _usable(size: Array) -> Array:
         return np.where(size > 1e-14 * size.max(initial=1e-300), size, np.inf)
 
-    def step(self, damping: float, blocked: npt.NDArray[np.bool_]) -> tuple[Array, Array, float]:
-        """Damped step of the global and of the per-run parameters, and the decrease of the cost that it promises."""
+    def step(
+        self, damping: float, blocked: npt.NDArray[np.bool_], held: npt.NDArray[np.bool_]
+    ) -> tuple[Array, Array, float]:
+        """Damped step of the global and of the per-run parameters, and the decrease of the cost that it promises.
+
+        Global parameters that are blocked and per-run ones that are held, shape (Q, R), stay.
+        """
         from stepid.simulation.triangles import damped_step
 
         c = self._columns
-        size = np.where(blocked, np.inf, self._size)
-        shared, own = np.zeros(c.n_shared), np.zeros_like(self._own_size)
-        gain = damped_step(self._triangles, c.sizes, damping, size, self._own_size, shared, own)
+        size, own_size = np.where(blocked, np.inf, self._size), self._own_size.copy()
+        for run, sizes in zip(c.owners, own_size, strict=False):
+            still = held[c.active[:, run], run]
+            sizes[: still.size][still] = np.inf
+        shared, own = np.zeros(c.n_shared), np.zeros_like(own_size)
+        gain = damped_step(self._triangles, c.sizes, damping, size, own_size, shared, own)
         local = np.zeros(c.active.shape)
         for run, steps, count in zip(c.owners, own, c.sizes, strict=False):
             local[c.active[:, run], run] = steps[:count]
         return shared, local, gain
-
-
-class _Coordinates:
-    """Where steps are straight: of a power of the speed, the logarithm of its force at the motion's own speed.
-
-    The force at a speed that occurs hardly depends on the exponent, the coefficient does by orders of magnitude: in
-    these two a fit creeps along a curved valley.
-    """
-
-    def __init__(self, problem: Problem, shared: Array, solved: Solved) -> None:
-        places = zip(problem.simulator.effects, problem.layout.values, strict=True)
-        powers = [(at.start + e.power[0], at.start + e.power[1]) for e, at in places if e.power is not None]
-        self._powers = [(c, p) for c, p in powers if problem.free[c] and problem.free[p] and shared[c] > 0]
-        self._problem = problem
-        speed = float(np.sqrt(np.mean(solved.states[1] ** 2))) if self._powers else 1.0
-        self._log = math.log(max(speed, 1e-300))
-
-    def slopes(self, shared: Array, solved: Solved) -> tuple[Array, Array]:
-        """Derivatives of the reading by these."""
-        by_shared, by_local = solved.derivatives
-        if self._powers:
-            by_shared = by_shared.copy()
-        for c, p in self._powers:
-            by_shared[c] *= shared[c]
-            by_shared[p] -= self._log * by_shared[c]
-        return by_shared, by_local
-
-    def moved(self, shared: Array, delta: Array) -> Array:
-        """Global parameters a step away, within their bounds."""
-        problem, out = self._problem, shared.copy()
-        out[problem.free] += delta
-        out = np.clip(out, problem.lower, problem.upper)
-        step = np.zeros(shared.size)
-        step[problem.free] = delta
-        for c, p in self._powers:
-            change = step[c] - self._log * (out[p] - shared[p])
-            out[c] = shared[c] * math.exp(min(max(change, -_FOLDS), _FOLDS))
-        return out
 
 
 def minimize(
@@ -231,7 +201,7 @@ def minimize(
     Optimum or None
         None where the start itself cannot be simulated.
     """
-    shared = np.clip(shared, problem.lower, problem.upper)
+    shared, local = np.clip(shared, problem.lower, problem.upper), _within(problem, local)
     solved = problem.solve(shared, local)
     if solved is None:
         return None
@@ -244,18 +214,21 @@ def minimize(
         if accepted >= iterations:
             break
         if linearized is None:
-            inner = _Coordinates(problem, shared, solved)
+            inner = Coordinates(problem, shared, solved)
             linearized = _Linearized(problem, columns, inner.slopes(shared, solved), residual)
             if not linearized.finite:  # a runaway's edge: nothing to follow
                 break
             blocked = _blocked(problem, shared, linearized.pull)
-        delta, own, predicted = linearized.step(damping, blocked)
+        delta, own, predicted = linearized.step(damping, blocked, np.zeros_like(problem.active))
+        held = _held(problem, local, own)
+        if held.any():
+            delta, own, predicted = linearized.step(damping, blocked, held)
         if predicted <= max(tolerance, 1e-10 * cost):
             converged = True
             break
         if growth == _GROWTH and cost - _HOPE * predicted * (iterations - accepted) > aim:
             break
-        trial, trial_local = inner.moved(shared, delta), local + own
+        trial, trial_local = inner.moved(shared, delta), _within(problem, local + own)
         new = problem.solve(trial, trial_local)
         fresh, fresh_cost = problem.weigh(new) if new is not None else (residual, np.inf)
         if new is not None and fresh_cost < cost:
@@ -274,6 +247,19 @@ def minimize(
         if converged:
             break
     return Optimum(problem, shared, local, solved, cost, converged, accepted)
+
+
+def _within(problem: Problem, local: Array) -> Array:
+    """Per-run parameters within their bounds."""
+    return local if problem.most is None else np.clip(local, -problem.most, problem.most)
+
+
+def _held(problem: Problem, local: Array, step: Array) -> npt.NDArray[np.bool_]:
+    """Per-run parameters that sit at a bound that their step pushes against, shape (Q, R)."""
+    if problem.most is None:
+        return np.zeros_like(problem.active)
+    out: npt.NDArray[np.bool_] = (np.abs(local) >= problem.most) & (local * step > 0)
+    return out
 
 
 def _blocked(problem: Problem, shared: Array, pull: Array) -> npt.NDArray[np.bool_]:

@@ -144,7 +144,7 @@ class ParameterLayout:
         at = 4
         for effect in self.effects:
             if effect.dry:
-                changes += [("friction", at + i) for i, q in enumerate(effect.parameters) if q.unit == "N"]
+                changes += [("friction", at + i) for i, q in enumerate(effect.parameters) if q.force]
             at += len(effect.parameters) + len(effect.run_parameters)
         for name, column in changes:
             plants[..., column] *= 1.0 + local[:, self.deviation(name)]

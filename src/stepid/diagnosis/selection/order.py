@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.selection.candidate import Candidate, Key
+from stepid.diagnosis.selection.candidate import Candidate, Key, includes
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.proposal import Node, Proposal
 from stepid.diagnosis.vetoes import imitators
@@ -67,3 +67,14 @@ def value(fit: FitContext, node: Node) -> float:
     problem = node.best.problem
     count = int(problem.free.sum() + problem.active.sum())
     return node.cost + count * math.log(fit.records.size) * fit.unit
+
+
+def singles(nodes: Collection[Node], best: Candidate) -> list[Node]:
+    """Single effects beside which conditions that differ may do what the best answer does, least cost first.
+
+    That is nothing but such conditions, or several effects of which each is one.
+    """
+    if bool(best.effects) == bool(best.deviations) or len(best.effects) == 1:
+        return []
+    alike = [n for n in nodes if len(n.effects) == 1 and not n.deviations]
+    return sorted((n for n in alike if not best.effects or includes(best.effects, n.effects)), key=lambda n: n.cost)

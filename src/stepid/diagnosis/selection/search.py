@@ -17,7 +17,7 @@ from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.specialize import Specialize
-from stepid.diagnosis.selection.order import hoped, nameable, value, worthy
+from stepid.diagnosis.selection.order import hoped, nameable, singles, value, worthy
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.diagnosis.vetoes import imitators
@@ -89,7 +89,7 @@ class Search:
         for _ in range(self.effort.rounds):
             bases = [self.nodes[c.key] for c in self._leading()]
             made = [self._expand(node, CONFIRMING) for node in bases]
-            steady = self._steady()
+            steady = singles(self.nodes.values(), self.best)[: self.effort.beam]
             made += [self._expand(node, (Deviate(),)) for node in steady]
             if not any(made):
                 break
@@ -111,14 +111,6 @@ class Search:
             return [min(able, key=lambda c: self._qbic(c.optimum))]
         others = [c for c in self.candidates.values() if c.deviations and c is not best and self._complete(c)]
         return [best, *sorted(others, key=lambda c: self._qbic(c.optimum))[: self.effort.beam - 1]]
-
-    def _steady(self) -> list[Node]:
-        """The best single effects, where the best answer is conditions that differ: these take much of what they do."""
-        best = self.best
-        if not best.deviations or best.effects:
-            return []
-        alike = [n for n in self.nodes.values() if len(n.effects) == 1 and not n.deviations]
-        return sorted(alike, key=lambda n: n.cost)[: self.effort.beam]
 
     @property
     def best(self) -> Candidate:

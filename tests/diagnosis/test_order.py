@@ -1,0 +1,37 @@
+"""Which sets are looked at again beside the best answer."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from made_up_evidence import candidate
+from stepid.diagnosis.selection.order import singles
+
+
+def made_up(*names: str, deviations: tuple[str, ...] = (), cost: float = 1.0) -> Any:
+    found = candidate(names, deviations=deviations)
+    return SimpleNamespace(effects=found.effects, deviations=found.deviations, cost=cost)
+
+
+FRICTION, PLAY, COGGING = made_up("coulomb_friction", cost=3.0), made_up("free_play", cost=2.0), made_up("cogging")
+NODES = [made_up(), FRICTION, PLAY, COGGING, made_up("cogging", deviations=("gain",)), made_up("cogging", "free_play")]
+
+
+@pytest.mark.parametrize(
+    ("names", "deviations", "asked"),
+    [
+        ((), ("gain",), [COGGING, PLAY, FRICTION]),  # each takes much of what such conditions do
+        (("coulomb_friction", "free_play"), (), [PLAY, FRICTION]),  # one of them may be such a condition
+        (("stribeck_friction", "free_play"), (), [PLAY, FRICTION]),  # a simpler law is inside
+        (("coulomb_friction",), (), []),
+        (("coulomb_friction", "free_play"), ("gain",), []),
+        ((), (), []),
+    ],
+)
+def test_single_effects_that_conditions_may_complete(
+    names: tuple[str, ...], deviations: tuple[str, ...], asked: list[Any]
+) -> None:
+    assert singles(NODES, candidate(names, deviations=deviations)) == asked
