@@ -95,7 +95,7 @@ def endless(campaign: stepid.Campaign, *, effort: Any = None, progress: Callable
 def test_masses_are_typed_and_nothing_is_asked_of_the_network(at: Any) -> None:
     page = at()
     drop(page, files.three(named=False))
-    page.page.get_by_text("Which masses were added?").wait_for()
+    page.page.get_by_role("alert").filter(has_text="run 1, run 2, run 3").wait_for()
     for row, mass in enumerate(("0", "0,5", "1")):
         write(page, row, "added_mass", mass)
     page.page.get_by_text("What runs share").wait_for()
@@ -137,6 +137,7 @@ def test_a_closed_page_ends_its_work_and_leaves_no_file(
     monkeypatch.setattr(stepid, "diagnose", endless)
     page = at()
     drop(page, files.three())
+    cell(page, 2, "name").wait_for()
     page.page.get_by_text("What runs share").wait_for()
     page.page.get_by_role("button", name="Diagnose").click()
     page.page.locator("dl.progress dd").first.wait_for()
@@ -168,7 +169,7 @@ def test_pictures_are_read_and_knobs_turned_by_keys(at: Any) -> None:
     page = at(example=True)
     left = page.page.locator(".said").filter(has_text="RMS are left")
     left.wait_for()
-    to(page, "Position and input of case 1 ")
+    to(page, "Position and input of case 1 against")
     for _ in range(5):
         page.page.keyboard.press("ArrowRight")
     reading = page.page.locator(".reading").filter(has_text="→").first

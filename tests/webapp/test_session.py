@@ -82,7 +82,11 @@ def test_what_was_typed_and_said_stays_when_more_is_said_or_dropped(session: Ses
     assert session.name == "mine"
     session.drop({**two, "run2.csv": files.recording(1.0, units=False)})
     assert session.intake.questions == ()
-    assert len(session.rows) == 3
+    assert [row.added_mass for row in session.rows] == [None, 0.5, None]
+    assert session.name == "mine"
+    session.drop({name: files.recording(2.0, units=False) for name in two})  # other files of the same names
+    assert [row.added_mass for row in session.rows] == [None, None]
+    assert [question.key for question in session.intake.questions] == ["position_unit"]
 
 
 def test_the_table_takes_what_a_manifest_takes(session: Session, tmp_path: Path) -> None:

@@ -27,8 +27,24 @@ class Inbox:
         self._remove = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
         self.names: tuple[str, ...] = ()
 
-    def put(self, files: Mapping[str, bytes]) -> None:
-        """Keep exactly these files: name as dropped to content; InputError where they are too many or too large."""
+    def put(self, files: Mapping[str, bytes]) -> frozenset[str]:
+        """Keep exactly these files, and say which were there already, the same to the byte.
+
+        Parameters
+        ----------
+        files : mapping
+            Name as dropped to content.
+
+        Returns
+        -------
+        frozenset of str
+            Names in the folder.
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If they are too many or too large.
+        """
         if len(files) > _MANY:
             raise InputError(f"{len(files)} files are more than a campaign has", "Drop those of one campaign.")
         if (size := sum(map(len, files.values()))) > LARGEST_UPLOAD:
@@ -36,14 +52,14 @@ class Inbox:
                 f"the files hold {size / 1e6:,.0f} MB; up to {LARGEST_UPLOAD / 1e6:,.0f} MB are read here",
                 "Read them in Python, or with stepid diagnose.",
             )
+        kept = {safe_name(name): content for name, content in files.items()}
+        same = {name for name in self.names if (self.folder / name).read_bytes() == kept.get(name)}
         for name in self.names:
-            (self.folder / name).unlink(missing_ok=True)
-        kept = {}
-        for name, content in files.items():
-            kept[safe_name(name)] = content
+            (self.folder / name).unlink()
         for name, content in kept.items():
             (self.folder / name).write_bytes(content)
         self.names = tuple(kept)
+        return frozenset(same)
 
     def hidden(self, text: str) -> str:
         """Return a text without the folder of this machine."""

@@ -49,13 +49,13 @@ class Session:
 
     def drop(self, files: Mapping[str, bytes]) -> None:
         """Take files in place of those before; StepidError, in words fit for the page, where they cannot be read."""
-        self.inbox.put(files)
+        same = self.inbox.put(files)
         try:
-            intake = self._read(self.intake.said)
+            intake = self._read(self.intake.said if same else {})
         except StepidError as error:
             self._begin(Intake(""))
             raise type(error)(self.inbox.hidden(error.cause), self.inbox.hidden(error.remedy)) from None
-        self._begin(intake)
+        self._go_on(intake, same)
 
     def _read(self, said: Mapping[str, str]) -> Intake:
         """Read the files with what was said of those before, where it still fits."""
@@ -77,17 +77,18 @@ class Session:
             intake = reading.answered(self.inbox, self.intake, key, text)
         except StepidError as error:
             raise type(error)(self.inbox.hidden(error.cause), self.inbox.hidden(error.remedy)) from None
-        rows, name = self._typed(intake.rows), self.name
-        self._begin(intake)
-        self.rows, self.name = rows, name
+        self._go_on(intake, frozenset(self.inbox.names))
 
-    def _typed(self, read: tuple[Row, ...]) -> tuple[Row, ...]:
-        """Rows as they were read anew, but for those in which somebody has typed."""
-        if len(read) != len(self.rows):
-            return read
-        return tuple(
-            now if now != was else new for new, now, was in zip(read, self.rows, self.intake.rows, strict=True)
-        )
+    def _go_on(self, intake: Intake, same: frozenset[str]) -> None:
+        """Begin with what was read, but keep what was typed about runs of files that are the same."""
+        was = zip(self.intake.drafts, self.intake.rows, self.rows, strict=bool(self.intake.drafts))
+        typed = {(d.file.name, read.name): now for d, read, now in was if now != read and d.file.name in same}
+        name = self.name if self.intake.drafts and same else intake.name
+        self._begin(intake)
+        self.name = name
+        if intake.drafts:
+            read = zip(intake.drafts, intake.rows, strict=True)
+            self.rows = tuple(typed.get((draft.file.name, row.name), row) for draft, row in read)
 
     def edit(self, place: int, key: str, value: object) -> None:
         """Change a cell of the table; InputError where a manifest would be refused with it."""

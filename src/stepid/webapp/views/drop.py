@@ -16,7 +16,7 @@ from stepid.webapp.intake import SETTINGS
 from stepid.webapp.session import Session
 from stepid.webapp.views.parts import INPUT, button, card, column, folded, html, note, points, row, said, tables_html
 
-_PAUSE = 0.4  # s without another file, before what was dropped is read
+_PAUSE = 0.8  # s without another file, before what was dropped is read
 _LEAD = (
     "Recordings as your lab left them: text, CSV, workbooks or exports of the ECP program, or a campaign.toml with the "
     "files that it names. They stay on this computer."

@@ -4,6 +4,7 @@ export function render({ model, el }) {
   plot.className = "plot";
   plot.tabIndex = 0;
   plot.setAttribute("role", "group");
+  plot.setAttribute("aria-label", `${model.label} Arrow keys read the values.`);
   const place = document.createElement("div");
   place.className = "drawn";
   const reading = document.createElement("p");
@@ -28,7 +29,6 @@ export function render({ model, el }) {
       figure.layout.margin.l = Math.min(figure.layout.margin.l, 52);
     }
     place.style.height = `${figure.layout.height}px`;
-    plot.setAttribute("aria-label", `${model.label} Arrow keys read the values.`);
     window.Plotly.react(place, figure.data, figure.layout, { displayModeBar: false, responsive: false });
     plot.dataset.drawn = String(Number(plot.dataset.drawn ?? 0) + 1);
   };
