@@ -99,7 +99,7 @@ def test_masses_are_typed_and_nothing_is_asked_of_the_network(at: Any) -> None:
     for row, mass in enumerate(("0", "0,5", "1")):
         write(page, row, "added_mass", mass)
     page.page.get_by_text("What runs share").wait_for()
-    assert cell(page, 1, "added_mass").text_content() == "0.5"
+    assert cell(page, 1, "added_mass").text_content() == "0,5"  # as it was typed
     write(page, 0, "added_mass", "-1")
     page.page.get_by_role("alert").filter(has_text="0 or more").wait_for()
     assert page.becomes("1", lambda _: cell(page, 0, "added_mass").text_content() == "0")

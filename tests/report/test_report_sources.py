@@ -70,9 +70,10 @@ def luminance(color: str) -> float:
 
 
 def test_every_line_stands_out_from_its_ground_light_and_dark() -> None:
-    style = (Path(story.__file__).parent / "page.css").read_text(encoding="utf-8")
+    style = (Path(story.__file__).parent / "palette.css").read_text(encoding="utf-8")
     blocks = [
-        dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", block)) for block in re.findall(r":root \{(.*?)\}", style, re.S)
+        dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", block))
+        for block in re.findall(r":root, :host \{(.*?)\}", style, re.S)
     ]
     themes = [block for block in blocks if "run-0" in block]
     assert len(themes) == 2

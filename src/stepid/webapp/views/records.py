@@ -107,12 +107,11 @@ class RecordsView:
                 self._session.edit(place, key, event.value)
         except StepidError as error:
             self._message.object = said(str(error), bad=True)
-        else:
-            self._ask()
-        now = self._session.rows[place]
-        if (text := _text(getattr(now, key))) != event.value:
-            self._table.patch({key: [(place, text)]})  # the cell alone: whoever goes by keys stays where they are
-        if now == before:
+            self._table.patch({key: [(place, _text(getattr(before, key)))]})
+            return
+        self._ask()
+        # what was taken stays as it was typed: a change from here would close the cell that is being written in now
+        if (now := self._session.rows[place]) == before:
             return
         if key == "name":
             self._heads[place].object = f"<h3>{escape(now.name)}</h3>"
