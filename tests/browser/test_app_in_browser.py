@@ -17,7 +17,7 @@ from browser.visiting import Visit
 from webapp_files import three
 
 pytestmark = pytest.mark.slow
-WAIT = 60_000  # ms, for what computes
+WAIT = 180_000  # ms, for what computes: the first diagnosis of an installation compiles
 
 
 @pytest.fixture(scope="module")
