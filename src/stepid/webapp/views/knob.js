@@ -5,6 +5,7 @@ export function render({ model }) {
   const shown = document.createElement("output");
   const input = document.createElement("input");
   input.type = "range";
+  input.setAttribute("aria-label", model.label);
   words.append(model.label, " ", shown);
   label.append(words, input);
   const show = () => {

@@ -38,7 +38,7 @@ label { white-space: normal; font-size: 0.92rem; color: var(--ink); line-height:
 .bk-input::placeholder { color: var(--soft); opacity: 1; }
 select.bk-input { appearance: auto; background-image: none; padding-right: 0.3em; }
 """
-_PRIMARY = ".bk-btn.bk-btn { background: var(--accent); color: var(--card); border-color: var(--accent); }"
+_PRIMARY = ".bk-btn.bk-btn.bk-btn { background: var(--accent); color: var(--card); border-color: var(--accent); }"
 _FOLD = """
 :host { background: var(--card); color: var(--ink); border: 1px solid var(--line); border-radius: 6px;
   box-shadow: none; }
@@ -92,7 +92,9 @@ def column(*inside: Any) -> pn.Column:
 
 def row(*inside: Any) -> pn.FlexBox:
     """Parts beside each other, as far as there is room."""
-    return pn.FlexBox(*inside, gap="0.6rem 0.8rem", align_items="end", **_WIDE)
+    return pn.FlexBox(
+        *inside, gap="0.6rem 0.8rem", align_items="end", sizing_mode="stretch_width", margin=(0, 0, 10, 0)
+    )
 
 
 def grid(*inside: Any) -> pn.Column:
