@@ -71,8 +71,13 @@ def cell(at: Visit, row: int, field: str) -> Any:
 
 def write(at: Visit, row: int, field: str, text: str) -> None:
     place = cell(at, row, field)
-    place.focus()  # opens the editor
     box = place.locator("input")
+    for _ in range(10):  # a table that was just filled is drawn once more
+        place.focus()  # opens the editor
+        at.page.wait_for_timeout(300)
+        if box.count():
+            break
+        place.blur()
     box.fill(text)
     box.press("Enter")
 
