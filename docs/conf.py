@@ -37,7 +37,7 @@ myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 copybutton_prompt_text = "$ "
 copybutton_only_copy_prompt_lines = True  # of a console, the commands; blocks without a prompt whole
-exclude_patterns = ["_build", "jupyter_execute"]
+exclude_patterns = ["_build", "jupyter_execute", ".jupyter_cache"]
 nb_execution_mode = "cache"  # notebooks are kept without outputs; -D nb_execution_mode=off builds without running them
 nb_execution_in_temp = True
 nb_execution_timeout = 300
