@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 HEAVY = ["control", "matplotlib", "numpy", "scipy", "pydantic", "pandas", "plotly", "jinja2", "typer", "rich", "panel"]
 ONE_ROOM = {
-    "control": "transfer",
+    "control": "identification",
     "pandas": "core",
     "matplotlib": "plot",
     "typer": "cli",
