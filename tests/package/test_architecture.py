@@ -44,6 +44,12 @@ def test_the_page_about_the_house_shows_these_layers() -> None:
     assert f"```text\n{shown}\n```" in (ROOT / "docs" / "architecture.md").read_text("utf-8")
 
 
+def test_the_top_of_the_package_is_seen_at_a_glance() -> None:
+    entries = [p.name for p in (ROOT / "src" / "stepid").iterdir() if p.name != "__pycache__"]
+    assert {"__init__.py", "core"} <= set(entries)
+    assert len(entries) <= 18
+
+
 def test_importing_stepid_loads_nothing_heavy() -> None:
     loaded = python("import sys, stepid; print(*sorted(sys.modules))").split()
     assert "stepid" in loaded
