@@ -55,7 +55,8 @@ def outweighs(cost: float, plain: Optimum, found: Found, criteria: Criteria) -> 
     records, best = found.context.records, found.likeliest
     counts = effective_samples(records, best.optimum.problem.residual(best.optimum.solved))
     samples = float(counts.sum())
-    more = price(best.optimum, counts) - price(plain, counts) - math.log(samples)
+    variance = best.optimum.cost / float((records.weight**2).sum())
+    more = price(best.optimum, counts, variance) - price(plain, counts, variance) - math.log(samples)
     lost = samples * math.log(cost / best.optimum.cost)
     one = len(best.effects) == 1 and not best.deviations
     return lost < more - (criteria.tie if one else 0.0)
