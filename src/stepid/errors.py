@@ -32,7 +32,22 @@ class InputError(StepidError, ValueError):
 
 @contextmanager
 def naming(place: str) -> Iterator[None]:
-    """Put a file, run or column in front of the cause of an `InputError` that is raised inside."""
+    """Put a file, run or column in front of the cause of an `InputError` that is raised inside.
+
+    Parameters
+    ----------
+    place : str
+        What is named.
+
+    Yields
+    ------
+    None
+
+    Raises
+    ------
+    InputError
+        The one that was raised inside, so named.
+    """
     try:
         yield
     except InputError as error:
