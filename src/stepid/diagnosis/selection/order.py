@@ -34,19 +34,20 @@ def worthy(
         if not node.deviations and not any(e.contains for e in node.effects):
             plain.setdefault(node.size, node)
     leading = {node.key for node in plain.values()}
-    most: dict[Key, float] = {}
+    most: dict[tuple[Key, int], float] = {}
     for p in order:
-        most[p.base] = max(most.get(p.base, 0.0), p.gain)
-    taken: Counter[Key] = Counter()
+        most[p.base, p.size] = max(most.get((p.base, p.size), 0.0), p.gain)
+    taken: Counter[tuple[Key, int]] = Counter()
     first, then = [], []
     for p in order:
         if p.move in rivals:
             first.append(p)
             continue
-        taken[p.base] += 1
-        if taken[p.base] <= effort.share:
+        source = p.base, p.size
+        taken[source] += 1
+        if taken[source] <= effort.share:
             first.append(p)
-        elif p.base in leading and (taken[p.base] <= effort.first or p.gain > effort.worth * most[p.base]):
+        elif p.base in leading and (taken[source] <= effort.first or p.gain > effort.worth * most[source]):
             then.append(p)
     return first + then
 

@@ -12,7 +12,7 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, is_white, price
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
-from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING
+from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, TOGETHER
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
@@ -23,7 +23,7 @@ from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchCont
 from stepid.diagnosis.vetoes import imitators
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum
-from stepid.fitting.multistart import CandidateFit, FitContext
+from stepid.fitting.multistart import CandidateFit, FitContext, Start
 
 _RIVALS = {move.name for move in CONFIRMING}
 Tell = Callable[["Search", Proposal], None]
@@ -79,6 +79,7 @@ class Search:
             best = self._polish_best()
             if self._complete(best):
                 break
+            self._expand(self.root, TOGETHER)
             if not self._expand_best(EXPLORING) and not batch:
                 break
         self._confirm()
@@ -246,12 +247,21 @@ class Search:
         self._tried.add((proposal.base, proposal.key))
         self.tell(self, proposal)
         fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
-        fitted.begin(list(proposal.starts), like=proposal.like, keep=self.effort.keep + 1, laps=self.effort.begin)
+        fitted.begin(self._starts(proposal), like=proposal.like, keep=self.effort.keep + 1, laps=self.effort.begin)
         known = self.nodes.get(proposal.key)
         if known is not None or proposal.move == Drop.name:  # what stands in for more is fitted as well
             fitted.run(laps=self.effort.promote)
         if fitted.best is not None and (known is None or fitted.cost < known.cost):
             self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
+
+    def _starts(self, proposal: Proposal) -> list[Start]:
+        """Starts of a proposal, and those of others of the same set: their bases lie in other valleys."""
+        out = list(proposal.starts)
+        for other in self.proposals:
+            if other.key == proposal.key and other is not proposal and other.move not in _RIVALS:
+                order = [other.effects.index(e) for e in proposal.effects]
+                out += [start._replace(values=tuple(start.values[i] for i in order)) for start in other.starts]
+        return out
 
     def _promote(self) -> None:
         """Let the promising nodes run on: the fewer, the further."""

@@ -1,8 +1,10 @@
-"""The moves of the search, one a file; a move of your own is a file and an entry in `EXPLORING` or `CONFIRMING`."""
+"""The moves of the search, one a file; a move of your own is a file and an entry in `EXPLORING`,
+`TOGETHER` or `CONFIRMING`."""
 
 from __future__ import annotations
 
 from stepid.diagnosis.selection.moves.add import Add
+from stepid.diagnosis.selection.moves.add_two import AddTwo
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
@@ -14,8 +16,11 @@ from stepid.diagnosis.selection.proposal import Move
 EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Deviate(), Split(), Drop())
 """Moves to sets that explain more."""
 
+TOGETHER: tuple[Move, ...] = (AddTwo(),)
+"""Moves from the linear plant where no single effect that was fitted first is enough."""
+
 CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Exchange(), Drop(), Split())
 """Moves to sets that may explain as much: rivals of an answer."""
 
-MOVES: tuple[Move, ...] = tuple({m.name: m for m in (*EXPLORING, *CONFIRMING)}.values())
-"""All of them, each once: follows from the two above."""
+MOVES: tuple[Move, ...] = tuple({m.name: m for m in (*EXPLORING, *TOGETHER, *CONFIRMING)}.values())
+"""All of them, each once: follows from those above."""

@@ -1,0 +1,35 @@
+"""Add two effects to the linear plant at once."""
+
+from __future__ import annotations
+
+from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, related
+from stepid.effects.base import Effect
+from stepid.fitting.joint_score import ScoredPair, score_pairs
+from stepid.fitting.multistart import Start
+from stepid.fitting.score_test import columns
+
+
+class AddTwo:
+    """Add each pair of effects of the catalogue, by their joint score: neither may show without the other."""
+
+    name = "add two"
+
+    def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
+        """Propose the pairs, on the linear plant."""
+        if node.effects or context.effort.effects < 2:
+            return []
+        known = {e.name for e in context.catalogue}
+        simple = tuple(e for e in context.catalogue if not known.intersection(e.contains))
+        table = columns(context.fit, simple)
+        scored = score_pairs(node.best, table, 2 * context.effort.starts, apart=lambda a, b: not related(a, b))
+        found: dict[tuple[Effect, Effect], list[ScoredPair]] = {}
+        for pair in scored:
+            found.setdefault(pair.effects, []).append(pair)
+        return [self._proposal(node, effects, pairs, context) for effects, pairs in found.items()]
+
+    def _proposal(
+        self, node: Node, effects: tuple[Effect, Effect], pairs: list[ScoredPair], context: SearchContext
+    ) -> Proposal:
+        starts = tuple(Start(p.shared, p.values) for p in pairs)
+        costly = 1.0 + context.effort.price * (n_parameters(effects) - 2)
+        return Proposal(effects, node.deviations, starts, node.key, node.best, pairs[0].left, costly, self.name)
