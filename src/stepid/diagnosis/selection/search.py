@@ -186,17 +186,19 @@ class Search:
 
         With `bases`, only rivals that are proposed on these.
         """
-        best: dict[Key, Proposal] = {}
+        nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
+        least, named = self._least().cost, (self._nameable(nodes) or nodes)[0].cost
+        best: dict[Key, tuple[bool, Proposal]] = {}
         for p in self.proposals:
             if bases is not None and (p.base not in bases or p.move not in {*_RIVALS, Deviate.name}):
                 continue
-            if (p.base, p.key) not in self._tried and (p.key not in best or p.rank < best[p.key].rank):
-                best[p.key] = p
-        order = sorted(best.values(), key=lambda p: p.rank)
-        nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
-        least, named = self._least().cost, (self._nameable(nodes) or nodes)[0].cost
+            if (p.base, p.key) not in self._tried:
+                told = self._gains(least, named, p), p
+                if p.key not in best or (not told[0], p.rank) < (not best[p.key][0], best[p.key][1].rank):
+                    best[p.key] = told
+        order = sorted((p for _, p in best.values()), key=lambda p: p.rank)
         new = [p for p in worthy(order, self.nodes, self.effort, _RIVALS) if self._new(p)]
-        out = [p for p in new if self._gains(least, named, p)]
+        out = [p for p in new if best[p.key][0]]
         if bases is not None:
             nearest = [p for p in new if p.move == Exchange.name and p not in out][: self.effort.share]
             out.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
@@ -247,20 +249,21 @@ class Search:
         self._tried.add((proposal.base, proposal.key))
         self.tell(self, proposal)
         fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
-        fitted.begin(self._starts(proposal), like=proposal.like, keep=self.effort.keep + 1, laps=self.effort.begin)
+        for starts in self._starts(proposal):
+            fitted.begin(starts, like=proposal.like, keep=self.effort.keep + 1, laps=self.effort.begin)
         known = self.nodes.get(proposal.key)
         if known is not None or proposal.move == Drop.name:  # what stands in for more is fitted as well
             fitted.run(laps=self.effort.promote)
         if fitted.best is not None and (known is None or fitted.cost < known.cost):
             self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
 
-    def _starts(self, proposal: Proposal) -> list[Start]:
+    def _starts(self, proposal: Proposal) -> list[list[Start]]:
         """Starts of a proposal, and those of others of the same set: their bases lie in other valleys."""
-        out = list(proposal.starts)
+        out = [list(proposal.starts)]
         for other in self.proposals:
             if other.key == proposal.key and other is not proposal and other.move not in _RIVALS:
                 order = [other.effects.index(e) for e in proposal.effects]
-                out += [start._replace(values=tuple(start.values[i] for i in order)) for start in other.starts]
+                out.append([start._replace(values=tuple(start.values[i] for i in order)) for start in other.starts])
         return out
 
     def _promote(self) -> None:

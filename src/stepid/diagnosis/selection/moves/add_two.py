@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, related
+from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, overshadowed, related
 from stepid.effects.base import Effect
 from stepid.fitting.joint_score import ScoredPair, score_pairs
 from stepid.fitting.multistart import Start
@@ -18,12 +18,11 @@ class AddTwo:
         """Propose the pairs, on the linear plant."""
         if node.effects or context.effort.effects < 2:
             return []
-        known = {e.name for e in context.catalogue}
-        simple = tuple(e for e in context.catalogue if not known.intersection(e.contains))
-        table = columns(context.fit, simple)
+        table = columns(context.fit, context.catalogue)
         scored = score_pairs(node.best, table, 2 * context.effort.starts, apart=lambda a, b: not related(a, b))
         found: dict[tuple[Effect, Effect], list[ScoredPair]] = {}
-        for pair in scored:
+        hidden = overshadowed([(pair.effects, pair.left) for pair in scored])
+        for pair in (p for p in scored if frozenset(e.name for e in p.effects) not in hidden):
             found.setdefault(pair.effects, []).append(pair)
         return [self._proposal(node, effects, pairs, context) for effects, pairs in found.items()]
 
