@@ -1,14 +1,14 @@
-"""How much two effects could explain together, by one linearized step on the measured motion: for starts only.
+"""How much several effects could explain together, by one linearized step on the measured motion: for starts only.
 
 One at a time, an effect whose response looks like another's is overlooked until that one is there, and a fit of the
-wrong one first may end far from both. Two at a time cost no further simulation: sums of products of the responses that
-are at hand tell all pairs.
+wrong one first may end far from both. Together they cost no further simulation: sums of products of the responses that
+are at hand tell all pairs, and on the best pairs all further effects.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from itertools import combinations
+import math
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,86 +18,131 @@ from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.score_test import Column, Tangent, scaled_to_one
 
-_OPEN = 1e-6  # eigenvalue, over the largest, of a direction that two responses leave open
+_OPEN = 1e-6  # eigenvalue, over the largest, of a direction that the responses leave open
+_BEAM = 40  # sets of which each is scored with every further effect
 
 
-class ScoredPair(NamedTuple):
-    """A start of two effects on a fit: their values, the fit's parameters then, and the cost left, m²."""
+class ScoredSet(NamedTuple):
+    """A start of several effects on a fit: their values, the fit's parameters then, and the cost left, m².
 
-    effects: tuple[Effect, Effect]
-    values: tuple[tuple[float, ...], tuple[float, ...]]
+    `inner` is the least cost that a set with one effect less promises to leave, m².
+    """
+
+    effects: tuple[Effect, ...]
+    values: tuple[tuple[float, ...], ...]
     shared: Array
     left: float
+    inner: float
 
 
-class _Block(NamedTuple):
-    column: Column
-    scale: Array
-    place: slice
+class _Found(NamedTuple):
+    blocks: tuple[int, ...]
+    left: float
+    coefficients: Array
 
 
-def score_pairs(
-    base: Optimum, table: Sequence[Column], count: int, *, apart: Callable[[Effect, Effect], bool]
-) -> list[ScoredPair]:
-    """Score every pair of starts against the residual of a fit to the decimated records.
+class _Blocks:
+    """Responses of a fit to every start of the effects, less what its own parameters can follow."""
+
+    def __init__(self, tangent: Tangent, table: Sequence[Column]) -> None:
+        self.columns: list[Column] = []
+        self.scales: list[Array] = []
+        parts: list[Array] = []
+        for column in table:
+            scaled = scaled_to_one(tangent.beyond(column.responses))
+            if scaled is not None:
+                parts.append(scaled[0])
+                self.scales.append(scaled[1])
+                self.columns.append(column)
+        every = np.concatenate(parts, axis=1) if parts else np.zeros((tangent.left.size, 0))
+        self._gram, self._along = every.T @ every, every.T @ tangent.left
+        self._total = float(tangent.left @ tangent.left)
+        ends = np.cumsum([0, *(scale.size for scale in self.scales)])
+        self._places = [np.arange(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+
+    def effects(self, blocks: Iterable[int]) -> tuple[Effect, ...]:
+        return tuple(self.columns[b].effect for b in blocks)
+
+    def solved(self, blocks: tuple[int, ...]) -> _Found:
+        """Least squares by some blocks."""
+        place = np.concatenate([self._places[b] for b in blocks])
+        values, vectors = np.linalg.eigh(self._gram[np.ix_(place, place)])
+        kept = values > _OPEN * values[-1]
+        seen = vectors[:, kept].T @ self._along[place]
+        gain = float(np.sum(seen**2 / values[kept]))
+        return _Found(blocks, max(self._total - gain, 0.0), vectors[:, kept] @ (seen / values[kept]))
+
+    def start(self, found: _Found) -> tuple[tuple[tuple[float, ...], ...], Array] | None:
+        """Values of the effects, and their responses together; None where a law cannot have such a strength."""
+        out, response, at = [], np.zeros(self.columns[0].responses.shape[0]), 0
+        for b in found.blocks:
+            own = found.coefficients[at : at + self.scales[b].size] / self.scales[b]
+            values = self.columns[b].values(own)
+            if values is None:
+                return None
+            out.append(values)
+            response = response + self.columns[b].responses @ own
+            at += own.size
+        return tuple(out), response
+
+
+def score_sets(
+    base: Optimum, table: Sequence[Column], size: int, count: int, *, apart: Callable[[Effect, Effect], bool]
+) -> list[ScoredSet]:
+    """Score sets of starts against the residual of a fit to the decimated records: all pairs, larger ones by a beam.
 
     Parameters
     ----------
     base : Optimum
     table : sequence of Column
         From `stepid.fitting.score_test.columns`.
+    size : int
+        Effects of a set, 2 or more.
     count : int
-        Starts of each pair of effects.
+        Starts of each set of effects.
     apart : callable
         Tells whether two effects may stand beside each other.
 
     Returns
     -------
-    list of ScoredPair
-        The best few of each pair of effects; least cost first.
+    list of ScoredSet
+        The best few of each set of effects; least cost first.
     """
     tangent = Tangent(base)
-    blocks: list[_Block] = []
-    parts: list[Array] = []
-    width = 0
-    for column in table if tangent.directed else ():
-        scaled = scaled_to_one(tangent.beyond(column.responses))
-        if scaled is not None:
-            parts.append(scaled[0])
-            blocks.append(_Block(column, scaled[1], slice(width, width + scaled[1].size)))
-            width = blocks[-1].place.stop
-    if not blocks:
+    if not tangent.directed:
         return []
-    every = np.concatenate(parts, axis=1)
-    gram, along = every.T @ every, every.T @ tangent.left
-    total = float(tangent.left @ tangent.left)
-    found: dict[tuple[Effect, Effect], list[tuple[float, _Block, _Block, Array]]] = {}
-    for one, other in combinations(blocks, 2):
-        both = one.column.effect, other.column.effect
-        if apart(*both):
-            gain, coefficients = _solved(gram, along, one.place, other.place)
-            found.setdefault(both, []).append((total - gain, one, other, coefficients))
-    out = []
-    for both, scored in found.items():
-        starts = 0
-        for left, one, other, coefficients in sorted(scored, key=lambda item: item[0]):
-            first = coefficients[: one.scale.size] / one.scale
-            second = coefficients[one.scale.size :] / other.scale
-            values = one.column.values(first), other.column.values(second)
-            if values[0] is None or values[1] is None:
-                continue
-            shared = tangent.adapted(one.column.responses @ first + other.column.responses @ second)
-            out.append(ScoredPair(both, (values[0], values[1]), shared, max(left, 0.0)))
-            starts += 1
-            if starts == count:
-                break
-    return sorted(out, key=lambda pair: pair.left)
+    blocks = _Blocks(tangent, table)
+    numbers = range(len(blocks.columns))
+    level = [blocks.solved((b,)) for b in numbers]
+    inner: dict[frozenset[str], float] = {}
+    for width in range(1, size):
+        inner = _least(blocks, level)
+        grown = {
+            tuple(sorted((*f.blocks, b)))
+            for f in (level if width == 1 else sorted(level, key=lambda f: f.left)[:_BEAM])
+            for b in numbers
+            if all(apart(e, blocks.columns[b].effect) for e in blocks.effects(f.blocks))
+        }
+        level = [blocks.solved(some) for some in sorted(grown)]
+    out: list[ScoredSet] = []
+    taken: dict[frozenset[str], int] = {}
+    for found in sorted(level, key=lambda f: f.left):
+        effects = blocks.effects(found.blocks)
+        names = frozenset(e.name for e in effects)
+        begun = blocks.start(found) if taken.get(names, 0) < count else None
+        if begun is None:
+            continue
+        taken[names] = taken.get(names, 0) + 1
+        within = min(inner.get(names - {name}, math.inf) for name in names)
+        out.append(ScoredSet(effects, begun[0], tangent.adapted(begun[1]), found.left, within))
+    return out
 
 
-def _solved(gram: Array, along: Array, one: slice, other: slice) -> tuple[float, Array]:
-    """Decrease of the cost by the responses of two blocks, and their coefficients."""
-    place = np.r_[one, other]
-    values, vectors = np.linalg.eigh(gram[np.ix_(place, place)])
-    kept = values > _OPEN * values[-1]
-    seen = vectors[:, kept].T @ along[place]
-    return float(np.sum(seen**2 / values[kept])), vectors[:, kept] @ (seen / values[kept])
+def _least(blocks: _Blocks, level: Sequence[_Found]) -> dict[frozenset[str], float]:
+    """Least cost left by each set of effects, by its starts that a law can have."""
+    out: dict[frozenset[str], float] = {}
+    for found in level:
+        names = frozenset(e.name for e in blocks.effects(found.blocks))
+        if found.left < out.get(names, math.inf) and blocks.start(found) is not None:
+            out[names] = found.left
+    return out

@@ -34,20 +34,19 @@ def worthy(
         if not node.deviations and not any(e.contains for e in node.effects):
             plain.setdefault(node.size, node)
     leading = {node.key for node in plain.values()}
-    most: dict[tuple[Key, int], float] = {}
+    most: dict[Key, float] = {}
     for p in order:
-        most[p.base, p.size] = max(most.get((p.base, p.size), 0.0), p.gain)
-    taken: Counter[tuple[Key, int]] = Counter()
+        most[p.base] = max(most.get(p.base, 0.0), p.gain)
+    taken: Counter[Key] = Counter()
     first, then = [], []
     for p in order:
         if p.move in rivals:
             first.append(p)
             continue
-        source = p.base, p.size
-        taken[source] += 1
-        if taken[source] <= effort.share:
+        taken[p.base] += 1
+        if taken[p.base] <= effort.share:
             first.append(p)
-        elif p.base in leading and (taken[source] <= effort.first or p.gain > effort.worth * most[source]):
+        elif p.base in leading and (taken[p.base] <= effort.first or p.gain > effort.worth * most[p.base]):
             then.append(p)
     return first + then
 

@@ -26,6 +26,8 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import CandidateFit, FitContext, Start
 
 _RIVALS = {move.name for move in CONFIRMING}
+_RIVALS_AND_RUNS = {*_RIVALS, Deviate.name}
+_TOGETHER = {move.name for move in TOGETHER}
 Tell = Callable[["Search", Proposal], None]
 
 
@@ -79,7 +81,8 @@ class Search:
             best = self._polish_best()
             if self._complete(best):
                 break
-            self._expand(self.root, TOGETHER)
+            if not self._together():
+                self._expand(self.root, [m for m in TOGETHER if m.name not in self.root.moves_made][:1])
             if not self._expand_best(EXPLORING) and not batch:
                 break
         self._confirm()
@@ -188,24 +191,29 @@ class Search:
         """
         nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
         least, named = self._least().cost, (self._nameable(nodes) or nodes)[0].cost
-        best: dict[Key, tuple[bool, Proposal]] = {}
+        best: dict[Key, Proposal] = {}
         for p in self.proposals:
-            if bases is not None and (p.base not in bases or p.move not in {*_RIVALS, Deviate.name}):
+            if p.move in _TOGETHER or (bases is not None and (p.base not in bases or p.move not in _RIVALS_AND_RUNS)):
                 continue
-            if (p.base, p.key) not in self._tried:
-                told = self._gains(least, named, p), p
-                if p.key not in best or (not told[0], p.rank) < (not best[p.key][0], best[p.key][1].rank):
-                    best[p.key] = told
-        order = sorted((p for _, p in best.values()), key=lambda p: p.rank)
+            if (p.base, p.key) not in self._tried and (p.key not in best or p.rank < best[p.key].rank):
+                best[p.key] = p
+        order = sorted(best.values(), key=lambda p: p.rank)
         new = [p for p in worthy(order, self.nodes, self.effort, _RIVALS) if self._new(p)]
-        out = [p for p in new if best[p.key][0]]
+        out = [p for p in new if self._gains(least, named, p)]
         if bases is not None:
             nearest = [p for p in new if p.move == Exchange.name and p not in out][: self.effort.share]
             out.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
             return [*out, *nearest][: self.effort.width]
         smallest = min((p.size for p in out), default=0)
-        out = [p for p in out if p.size == smallest]
+        together = self._together()
+        sets = {p.key for p in together}
+        out = together + [p for p in out if p.size == smallest and p.key not in sets]
         return out[: max(min(self.effort.width, self.effort.fits - self.fits), 0)]
+
+    def _together(self) -> list[Proposal]:
+        """Of several effects that were scored together the most promising that have not been fitted."""
+        new = [p for p in self.proposals if p.move in _TOGETHER and p.key not in self.nodes]
+        return sorted(new, key=lambda p: p.left * p.costly)[: self.effort.share]
 
     def _idle(self, proposal: Proposal) -> bool:
         """Tell whether a set is at the noise floor already, and another promises far less than it did."""

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from stepid.diagnosis.selection.moves.add import Add
-from stepid.diagnosis.selection.moves.add_two import AddTwo
+from stepid.diagnosis.selection.moves.add_together import AddTogether
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
@@ -16,8 +16,8 @@ from stepid.diagnosis.selection.proposal import Move
 EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Deviate(), Split(), Drop())
 """Moves to sets that explain more."""
 
-TOGETHER: tuple[Move, ...] = (AddTwo(),)
-"""Moves from the linear plant where no single effect that was fitted first is enough."""
+TOGETHER: tuple[Move, ...] = (AddTogether(2), AddTogether(3))
+"""Moves from the linear plant where no smaller set that was fitted first is enough, one after the other."""
 
 CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Exchange(), Drop(), Split())
 """Moves to sets that may explain as much: rivals of an answer."""
