@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
@@ -182,9 +183,9 @@ class PreslidingHysteresis(Effect):
     def _along(self, distance: float, m: Motion) -> Array:
         """Memory along a path of several runs, each from none, shape (S,)."""
         built = np.zeros(m.x.size)
-        begins = np.flatnonzero(np.diff(m.time, prepend=np.inf) <= 0)
-        for first, end in zip(begins, [*begins[1:], m.x.size], strict=True):
-            memory = (0.0,)
+        begins = np.flatnonzero(np.diff(m.time, prepend=np.inf) <= 0).tolist()
+        for first, end in pairwise([*begins, m.x.size]):
+            memory: tuple[float, ...] = (0.0,)
             for i, shift in enumerate(np.diff(m.x[first:end]).tolist(), first + 1):
                 memory = self.remember((1.0, distance), memory, shift, math.copysign(1.0, shift))
                 built[i] = memory[0]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -58,7 +59,7 @@ class _Blocks:
         self._gram, self._along = every.T @ every, every.T @ tangent.left
         self._total = float(tangent.left @ tangent.left)
         ends = np.cumsum([0, *(scale.size for scale in self.scales)])
-        self._places = [np.arange(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        self._places = [np.arange(a, b) for a, b in pairwise(ends)]
 
     def effects(self, blocks: Iterable[int]) -> tuple[Effect, ...]:
         return tuple(self.columns[b].effect for b in blocks)

@@ -1,5 +1,4 @@
-"""The moves of the search, one a file; a move of your own is a file and an entry in `EXPLORING`,
-`TOGETHER` or `CONFIRMING`."""
+"""The moves of the search, one a file; a move of your own is a file and an entry in one of the lists below."""
 
 from __future__ import annotations
 

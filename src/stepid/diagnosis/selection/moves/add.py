@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, overshadowed, related, standing
+from stepid.diagnosis.selection.proposal import (
+    Node,
+    Proposal,
+    SearchContext,
+    n_parameters,
+    overshadowed,
+    related,
+    standing,
+)
 from stepid.effects.base import Effect
 from stepid.fitting.decimation import full_residual
 from stepid.fitting.multistart import Scored, Start, race_starts
