@@ -17,7 +17,7 @@ from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.specialize import Specialize
-from stepid.diagnosis.selection.order import hoped, nameable, singles, value, worthy
+from stepid.diagnosis.selection.order import by_turns, hoped, nameable, singles, value, worthy
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.diagnosis.vetoes import imitators
@@ -81,8 +81,7 @@ class Search:
             best = self._polish_best()
             if self._complete(best):
                 break
-            if not self._together():
-                self._expand(self.root, [m for m in TOGETHER if m.name not in self.root.moves_made][:1])
+            self._expand(self.root, [m for m in TOGETHER if m.name not in self.root.moves_made][:1])
             if not self._expand_best(EXPLORING) and not batch:
                 break
         self._confirm()
@@ -204,16 +203,18 @@ class Search:
             nearest = [p for p in new if p.move == Exchange.name and p not in out][: self.effort.share]
             out.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
             return [*out, *nearest][: self.effort.width]
-        smallest = min((p.size for p in out), default=0)
         together = self._together()
+        least = min((p.left * p.costly for p in together), default=math.inf)
         sets = {p.key for p in together}
-        out = together + [p for p in out if p.size == smallest and p.key not in sets]
+        out = [p for p in out if p.key not in sets and (p.base != self.root.key or p.rank < least)]
+        out = together + by_turns(out)
         return out[: max(min(self.effort.width, self.effort.fits - self.fits), 0)]
 
     def _together(self) -> list[Proposal]:
-        """Of several effects that were scored together the most promising that have not been fitted."""
+        """Of effects that were scored together the most promising that have not been fitted, a few of each size."""
         new = [p for p in self.proposals if p.move in _TOGETHER and p.key not in self.nodes]
-        return sorted(new, key=lambda p: p.left * p.costly)[: self.effort.share]
+        new.sort(key=lambda p: p.left * p.costly)
+        return [p for move in TOGETHER for p in [p for p in new if p.move == move.name][: self.effort.share]]
 
     def _idle(self, proposal: Proposal) -> bool:
         """Tell whether a set is at the noise floor already, and another promises far less than it did."""
