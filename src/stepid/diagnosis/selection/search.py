@@ -213,7 +213,6 @@ class Search:
     def _together(self) -> list[Proposal]:
         """Of effects that were scored together the most promising that have not been fitted, a few of each size."""
         new = [p for p in self.proposals if p.move in _TOGETHER and p.key not in self.nodes]
-        new.sort(key=lambda p: p.left * p.costly)
         return [p for move in TOGETHER for p in [p for p in new if p.move == move.name][: self.effort.share]]
 
     def _idle(self, proposal: Proposal) -> bool:
@@ -258,22 +257,19 @@ class Search:
         self._tried.add((proposal.base, proposal.key))
         self.tell(self, proposal)
         fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
-        for starts in self._starts(proposal):
-            fitted.begin(starts, like=proposal.like, keep=self.effort.keep + 1, laps=self.effort.begin)
+        for source in self._sources(proposal):
+            keep = 1 if source.move in _TOGETHER else self.effort.keep + 1  # those come near
+            fitted.begin(_starts(source, proposal.effects), like=proposal.like, keep=keep, laps=self.effort.begin)
         known = self.nodes.get(proposal.key)
         if known is not None or proposal.move == Drop.name:  # what stands in for more is fitted as well
             fitted.run(laps=self.effort.promote)
         if fitted.best is not None and (known is None or fitted.cost < known.cost):
             self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
 
-    def _starts(self, proposal: Proposal) -> list[list[Start]]:
-        """Starts of a proposal, and those of others of the same set: their bases lie in other valleys."""
-        out = [list(proposal.starts)]
-        for other in self.proposals:
-            if other.key == proposal.key and other is not proposal and other.move not in _RIVALS:
-                order = [other.effects.index(e) for e in proposal.effects]
-                out.append([start._replace(values=tuple(start.values[i] for i in order)) for start in other.starts])
-        return out
+    def _sources(self, proposal: Proposal) -> list[Proposal]:
+        """A proposal, and the one of the same set that was scored together: it begins in another valley."""
+        together = [p for p in self.proposals if p.key == proposal.key and p.move in _TOGETHER]
+        return [proposal, *(p for p in together if p is not proposal and proposal.move not in _RIVALS)]
 
     def _promote(self) -> None:
         """Let the promising nodes run on: the fewer, the further."""
@@ -313,3 +309,9 @@ class Search:
         if optimum is not None:
             white = block_means(self.fit, optimum)
             self.candidates[node.key] = Candidate(node.effects, node.deviations, optimum, white)
+
+
+def _starts(source: Proposal, effects: Sequence[Effect]) -> list[Start]:
+    """Starts of a proposal, its effects in this order."""
+    order = [source.effects.index(e) for e in effects]
+    return [start._replace(values=tuple(start.values[i] for i in order)) for start in source.starts]

@@ -34,14 +34,15 @@ class AddTogether:
         if node.effects or effort.effects < self.size:
             return []
         table = columns(context.fit, context.catalogue)
-        scored = score_sets(node.best, table, self.size, effort.starts, apart=lambda a, b: not related(a, b))
+        scored = score_sets(node.best, table, self.size, effort.keep, apart=lambda a, b: not related(a, b))
         hidden = overshadowed([(s.effects, s.left) for s in scored])
         found: dict[frozenset[str], list[ScoredSet]] = {}
         for one in scored:
             names = frozenset(e.name for e in one.effects)
             if names in found or (names not in hidden and one.left < (1 - effort.worth) * one.inner):
                 found.setdefault(names, []).append(one)
-        return [self._proposal(node, sets, context) for sets in found.values()]
+        out = [self._proposal(node, sets, context) for sets in found.values()]
+        return sorted(out, key=lambda p: p.left * p.costly)[: effort.width]
 
     def _proposal(self, node: Node, sets: list[ScoredSet], context: SearchContext) -> Proposal:
         effects = sets[0].effects
