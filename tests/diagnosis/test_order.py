@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from made_up_evidence import candidate
-from stepid.diagnosis.selection.order import by_turns, singles
+from stepid.diagnosis.selection.order import singles
 from stepid.diagnosis.selection.proposal import overshadowed
 from stepid.effects import resolve
 
@@ -37,13 +37,6 @@ def test_single_effects_that_conditions_may_complete(
     names: tuple[str, ...], deviations: tuple[str, ...], asked: list[Any]
 ) -> None:
     assert singles(NODES, candidate(names, deviations=deviations)) == asked
-
-
-def test_sizes_take_turns_the_smallest_first() -> None:
-    order: list[Any] = [
-        SimpleNamespace(size=size, name=name) for name, size in zip("abcdef", (2, 2, 1, 3, 1, 2), strict=True)
-    ]
-    assert "".join(p.name for p in by_turns(order)) == "cadebf"
 
 
 @pytest.mark.parametrize(

@@ -51,16 +51,6 @@ def worthy(
     return first + then
 
 
-def by_turns(order: Sequence[Proposal]) -> list[Proposal]:
-    """The best of each size, the smallest first, then the second of each, and so on."""
-    placed: Counter[int] = Counter()
-    keyed = []
-    for p in order:
-        keyed.append(((placed[p.size], p.size), p))
-        placed[p.size] += 1
-    return [p for _, p in sorted(keyed, key=lambda item: item[0])]
-
-
 def nameable(fit: FitContext, criteria: Criteria, nodes: Sequence[Node]) -> list[Node]:
     """Of some nodes those without an effect that a linear parameter can stand in for."""
     return [n for n in nodes if not imitators(fit, criteria, Candidate(n.effects, n.deviations, n.best, 0.0))]

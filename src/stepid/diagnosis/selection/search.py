@@ -17,7 +17,7 @@ from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.specialize import Specialize
-from stepid.diagnosis.selection.order import by_turns, hoped, nameable, singles, value, worthy
+from stepid.diagnosis.selection.order import hoped, nameable, singles, value, worthy
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.diagnosis.vetoes import imitators
@@ -207,8 +207,10 @@ class Search:
         least = min((p.left * p.costly for p in together), default=math.inf)
         sets = {p.key for p in together}
         out = [p for p in out if p.key not in sets and (p.base != self.root.key or p.rank < least)]
-        out = together + by_turns(out)
-        return out[: max(min(self.effort.width, self.effort.fits - self.fits), 0)]
+        smallest = min((p.size for p in out), default=0)
+        larger = [p for p in out if p.size > smallest and not p.deviations][: self.effort.share]
+        out = [*together, *[p for p in out if p.size == smallest][: self.effort.width], *larger]
+        return out[: max(self.effort.fits - self.fits, 0)]
 
     def _together(self) -> list[Proposal]:
         """Of effects that were scored together the most promising that have not been fitted, a few of each size."""

@@ -34,7 +34,7 @@ class AddTogether:
         if node.effects or effort.effects < self.size:
             return []
         table = columns(context.fit, context.catalogue)
-        scored = score_sets(node.best, table, self.size, effort.keep, apart=lambda a, b: not related(a, b))
+        scored = score_sets(node.best, table, self.size, effort.starts, apart=lambda a, b: not related(a, b))
         hidden = overshadowed([(s.effects, s.left) for s in scored])
         found: dict[frozenset[str], list[ScoredSet]] = {}
         for one in scored:
