@@ -204,12 +204,12 @@ class Search:
             out.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
             return [*out, *nearest][: self.effort.width]
         together = self._together()
-        least = min((p.left * p.costly for p in together), default=math.inf)
         sets = {p.key for p in together}
-        out = [p for p in out if p.key not in sets and (p.base != self.root.key or p.rank < least)]
+        out = [p for p in out if p.key not in sets]
         smallest = min((p.size for p in out), default=0)
         larger = [p for p in out if p.size > smallest and not p.deviations][: self.effort.share]
-        out = [*together, *[p for p in out if p.size == smallest][: self.effort.width], *larger]
+        out = [*[p for p in out if p.size == smallest][: self.effort.width], *together, *larger]
+        out.sort(key=lambda p: p.size)  # what needs less is asked first
         return out[: max(self.effort.fits - self.fits, 0)]
 
     def _together(self) -> list[Proposal]:
@@ -223,7 +223,10 @@ class Search:
         if least.cost > self.fit.floored:
             return False
         if proposal.base != self.root.key:  # its rivals are looked for from where it stands
-            return len(proposal.deviations) >= len(least.deviations)
+            fewer = len(proposal.effects) < len(least.effects)
+            return len(proposal.deviations) >= len(least.deviations) and not fewer
+        if len(proposal.effects) > max(len(least.effects), 1):
+            return True
         told = min((p.left for p in self.proposals if p.key == least.key), default=0.0)
         gain, other = self.root.cost - told, self.root.cost - proposal.left
         return other < self.effort.rival * gain and gain - other > 2 * self.criteria.tie * self.fit.unit

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, overshadowed, related
+from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, related
 from stepid.effects.base import Effect
 from stepid.fitting.joint_score import ScoredSet, score_sets
 from stepid.fitting.multistart import Start
@@ -35,11 +35,10 @@ class AddTogether:
             return []
         table = columns(context.fit, context.catalogue)
         scored = score_sets(node.best, table, self.size, effort.starts, apart=lambda a, b: not related(a, b))
-        hidden = overshadowed([(s.effects, s.left) for s in scored])
         found: dict[frozenset[str], list[ScoredSet]] = {}
         for one in scored:
             names = frozenset(e.name for e in one.effects)
-            if names in found or (names not in hidden and one.left < (1 - effort.worth) * one.inner):
+            if names in found or one.left < (1 - effort.worth) * one.inner:
                 found.setdefault(names, []).append(one)
         out = [self._proposal(node, sets, context) for sets in found.values()]
         return sorted(out, key=lambda p: p.left * p.costly)[: effort.width]
