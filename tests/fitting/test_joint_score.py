@@ -12,7 +12,8 @@ from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.fitting.fit import prepare
 from stepid.fitting.joint_score import ScoredSet, score_sets
 from stepid.fitting.multistart import CandidateFit, FitContext, Start
-from stepid.fitting.score_test import Tangent, columns, score
+from stepid.fitting.score_test import columns, score
+from stepid.fitting.tangent import Tangent
 
 SEED = 1
 HIDDEN = {"free_play": {"gap": 5e-4}, "coulomb_friction": {"level": 0.2}}

@@ -17,7 +17,8 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum
-from stepid.fitting.score_test import Column, Tangent, scaled_to_one
+from stepid.fitting.score_test import Column
+from stepid.fitting.tangent import Tangent, scaled_to_one
 
 _OPEN = 1e-6  # eigenvalue, over the largest, of a direction that the responses leave open
 _BEAM = 40  # sets of which each is scored with every further effect

@@ -15,7 +15,7 @@ from stepid.diagnosis.selection.proposal import Move
 EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Deviate(), Split(), Drop())
 """Moves to sets that explain more."""
 
-TOGETHER: tuple[Move, ...] = (AddTogether(2), AddTogether(3))
+TOGETHER: tuple[Move, ...] = (AddTogether(2), AddTogether(2 + 1))
 """Moves from the linear plant where no smaller set that was fitted first is enough, one after the other."""
 
 CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Exchange(), Drop(), Split())
