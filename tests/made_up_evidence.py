@@ -66,7 +66,8 @@ def candidate(
     free = np.ones(4 + sum(len(e.parameters) for e in effects), dtype=bool)
     active = np.zeros((6, RUNS), dtype=bool)
     active[: len(deviations), 1:] = True
-    problem = SimpleNamespace(free=free, active=active, residual=lambda _: residual)
+    layout = SimpleNamespace(deviations=slice(0, 0))  # each condition costs as a parameter does
+    problem = SimpleNamespace(free=free, active=active, layout=layout, residual=lambda _: residual)
     optimum: Any = SimpleNamespace(
         problem=problem, solved=None, residual=residual, cost=float(residual @ residual), rms=times * FLOOR
     )
@@ -86,6 +87,6 @@ def losing(found: Candidate, qbic: float, names: Sequence[str], *, deviations: S
 
     counts = effective_samples(context().records, found.optimum.residual)
     other = candidate(names, deviations=deviations)
-    missing = qbic + price(found.optimum, counts) - price(other.optimum, counts)
+    missing = qbic + price(found.optimum, counts, FLOOR**2) - price(other.optimum, counts, FLOOR**2)
     times = found.optimum.rms / FLOOR * float(np.exp(0.5 * missing / counts.sum()))
     return candidate(names, times=times, deviations=deviations)

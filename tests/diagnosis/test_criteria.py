@@ -105,7 +105,7 @@ def rough(criteria: Criteria) -> str:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(gather, "free_law", lambda *_: law)
         patch.setattr(gather, "states_of_all", lambda *_: (frozenset({"velocity"}),))
-        return EvidenceRecord(told, criteria, ()).refuted(candidate(["quadratic_damping"], times=3.0))
+        return EvidenceRecord(told, criteria, (candidate(),)).refuted(candidate(["quadratic_damping"], times=3.0))
 
 
 def open_parameters(criteria: Criteria) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, context, evidence, losing, white
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, effective_samples, is_white, price, weigh
+from stepid.diagnosis.selection.candidate import Candidate
 
 
 def test_white_noise_has_as_many_effective_samples_as_samples() -> None:
@@ -39,8 +40,12 @@ def test_a_parameter_costs_the_logarithm_of_the_samples_it_is_fitted_to() -> Non
     counts = np.full(RUNS, 50.0)
     plain, one = candidate(), candidate(["coulomb_friction"])
     late = candidate(deviations=["start_time"])
-    assert price(one.optimum, counts) - price(plain.optimum, counts) == pytest.approx(math.log(RUNS * 50.0))
-    assert price(late.optimum, counts) - price(plain.optimum, counts) == pytest.approx((RUNS - 1) * math.log(50.0))
+
+    def cost(found: Candidate) -> float:
+        return price(found.optimum, counts, FLOOR**2)
+
+    assert cost(one) - cost(plain) == pytest.approx(math.log(RUNS * 50.0))
+    assert cost(late) - cost(plain) == pytest.approx((RUNS - 1) * math.log(50.0))
 
 
 def test_weights_sum_to_one_and_fall_by_the_loss() -> None:

@@ -133,6 +133,27 @@ def test_two_laws_of_one_state_leave_no_rest_of_it(
     assert e.refuted(lead) == told
 
 
+@pytest.mark.parametrize(
+    ("share", "states", "told"),
+    [
+        (0.995, frozenset(), "velocity"),  # a law of any shape does without the memory that the lead has
+        (0.9, frozenset(), ""),
+        (0.995, frozenset({"velocity"}), ""),  # the lead is such a law
+    ],
+)
+def test_a_law_of_any_shape_does_as_well_as_the_lead(
+    share: float, states: frozenset[str], told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lead = candidate(["viscoelastic_spring"], times=3.0)
+    e = evidence(lead)  # it takes 0.98 of what the linear plant leaves
+    assert 0.9 < e.leads.taken(e.linear, lead) < 0.995
+    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
+    laws = {id(e.linear.optimum): FreeLaw("velocity", share, 1.0), id(lead.optimum): FreeLaw("velocity", 0.1, 0.0)}
+    monkeypatch.setattr(gather, "free_law", lambda _, optimum: laws[id(optimum)])
+    monkeypatch.setattr(gather, "states_of_all", lambda *_: (states,))
+    assert e.refuted(lead) == told
+
+
 def test_three_laws_of_one_state_are_a_patchwork(monkeypatch: pytest.MonkeyPatch) -> None:
     three, mixed = (candidate(["cogging", "end_stop", other]) for other in ("cubic_stiffness", "quadratic_damping"))
     velocity = {"quadratic_damping": "velocity"}

@@ -210,7 +210,9 @@ def test_a_law_of_another_shape_refutes_a_lead() -> None:
     found = ask("leads", lead=candidate(["cubic_stiffness"], times=3.0), other_shape="position")
     assert found is not None
     assert (found.verdict, found.alternatives) == ("unexplained", ())
-    assert found.reasons[-1] == "A force of position of another shape takes most of what it leaves: no effect is named."
+    assert found.reasons[-1] == (
+        "A force of position whose law is none of the catalogue's does as well or better: no effect is named."
+    )
 
 
 def test_what_the_data_do_not_tell_from_a_lead_is_told() -> None:

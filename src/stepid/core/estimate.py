@@ -56,10 +56,11 @@ class Estimate(Model):
     unit : str
         SI unit, empty for a pure number.
     parts : mapping
-        What the uncertainty is made of, same unit: ``"noise"``, ``"weights"`` (the known added masses), ``"scale"``
-        (counts per meter). Their squares add up to its square. Empty where that is not known.
+        What the uncertainty is made of, same unit: ``"noise"``, ``"weights"`` (the known added masses), ``"runs"``
+        (what differs from run to run), ``"scale"`` (counts per meter). Their squares add up to its square. Empty where
+        that is not known.
     limits : (float, float) or None
-        Ends of the 95 % interval where it is not symmetric, same unit.
+        Ends of the 95 % interval where it is not 1.96 standard uncertainties to either side, same unit.
     """
 
     value: Finite

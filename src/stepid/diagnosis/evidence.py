@@ -14,6 +14,7 @@ from stepid.diagnosis.selection.candidate import Candidate
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import structure, succession
+from stepid.fitting.random_effects import price_of_scatter
 from stepid.simulation.records import Records
 
 
@@ -42,11 +43,24 @@ def effective_samples(records: Records, residual: Array) -> Array:
     return np.maximum(out, 2.0)
 
 
-def price(optimum: Optimum, counts: Array) -> float:
-    """Price of the free parameters: ln of the effective samples that each of them is fitted to."""
+def price(optimum: Optimum, counts: Array, variance: float) -> float:
+    """Price of the free parameters: ln of the effective samples that each of them is fitted to.
+
+    What differs from run to run costs by how much it differs; see `price_of_scatter`.
+
+    Parameters
+    ----------
+    optimum : Optimum
+    counts : array, shape (R,)
+        Effective samples of each run.
+    variance : float
+        m², of what the best fit leaves.
+    """
     problem = optimum.problem
-    own = np.log(np.maximum(counts, 2.0))
-    return float(problem.free.sum()) * math.log(float(counts.sum())) + float(np.sum(problem.active * own))
+    own = problem.active.sum(axis=0) - problem.active[problem.layout.deviations].sum(axis=0)
+    own = own * np.log(np.maximum(counts, 2.0))
+    shared = float(problem.free.sum()) * math.log(float(counts.sum()))
+    return shared + float(np.sum(own)) + price_of_scatter(optimum, counts, variance)
 
 
 class Weighed(NamedTuple):
@@ -67,7 +81,11 @@ def weigh(context: FitContext, candidates: Sequence[Candidate]) -> list[Weighed]
     counts = effective_samples(context.records, best.optimum.problem.residual(best.optimum.solved))
     samples = float(counts.sum())
     least = max(best.optimum.cost, np.finfo(float).tiny)
-    scores = [samples * math.log(max(c.optimum.cost, least) / least) + price(c.optimum, counts) for c in candidates]
+    variance = least / float((context.records.weight**2).sum())
+    prices = [price(c.optimum, counts, variance) for c in candidates]
+    scores = [
+        samples * math.log(max(c.optimum.cost, least) / least) + p for c, p in zip(candidates, prices, strict=True)
+    ]
     lowest = min(scores)
     raw = [math.exp(-0.5 * min(s - lowest, 1400.0)) for s in scores]
     found = [Weighed(c, s - lowest, w / math.fsum(raw)) for c, s, w in zip(candidates, scores, raw, strict=True)]

@@ -55,7 +55,8 @@ def outweighs(cost: float, plain: Optimum, found: Found, criteria: Criteria) -> 
     records, best = found.context.records, found.likeliest
     counts = effective_samples(records, best.optimum.problem.residual(best.optimum.solved))
     samples = float(counts.sum())
-    more = price(best.optimum, counts) - price(plain, counts) - math.log(samples)
+    variance = best.optimum.cost / float((records.weight**2).sum())
+    more = price(best.optimum, counts, variance) - price(plain, counts, variance) - math.log(samples)
     lost = samples * math.log(cost / best.optimum.cost)
     one = len(best.effects) == 1 and not best.deviations
     return lost < more - (criteria.tie if one else 0.0)
@@ -124,10 +125,11 @@ def explored(
 def _stands(before: Found, after: Found, criteria: Criteria) -> bool:
     """Tell whether another look at the readings leaves the answer: no further search can tell more then.
 
-    The same candidate is the likeliest, and it leaves as much as before: only noise, or a rest.
+    The same candidate is the likeliest, and no rest has come to light: where one was left before, the search went on
+    for longer than it would now.
     """
-    floors = [at_floor(found.context, criteria, found.best) for found in (before, after)]
-    return floors[0] == floors[1] and before.likeliest.key == after.likeliest.key
+    rest = [not at_floor(found.context, criteria, found.best) for found in (before, after)]
+    return before.likeliest.key == after.likeliest.key and rest[0] >= rest[1]
 
 
 def _fitted_again(context: FitContext, candidates: tuple[Candidate, ...]) -> tuple[Candidate, ...]:

@@ -176,15 +176,19 @@ class EvidenceRecord:
         return self.leads.beside
 
     def refuted(self, lead: Candidate) -> str:
-        """The state of which a law of another shape takes most of the rest that a lead leaves, '' where none does.
+        """The state of which a law of another shape refutes a lead, '' where none does.
 
-        A law of one effect may be rough; two effects that are laws of one state follow a shape that neither has.
+        It takes most of the rest that a law of the same state leaves, which may be rough; two effects that are laws of
+        one state follow a shape that neither has. Or it takes as much of the whole misfit as a lead of other kind does.
         """
-        law = free_law(self.context, lead.optimum)
-        misfit = self.context.coarse_linear.cost - self.context.noise_cost
         states = states_of_all(self.context, lead.optimum)
+        alone = free_law(self.context, self.linear.optimum)
+        if not any(alone.state in own for own in states) and alone.share >= self.leads.taken(self.linear, lead):
+            return alone.state
+        law = free_law(self.context, lead.optimum)
         if law.share <= 0.5 or not any(law.state in own for own in states):
             return ""
+        misfit = self.context.coarse_linear.cost - self.context.noise_cost
         patched = len(states) > 1 and set(states) == {frozenset({law.state})}
         return law.state if patched or law.power > self.criteria.rough * misfit else ""
 

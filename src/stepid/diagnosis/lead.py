@@ -59,7 +59,7 @@ class Leads:
             for w in self.able
             if w.candidate.names == one.names
             and w.candidate.deviations < one.deviations
-            and self._taken(self._told.linear, w.candidate) >= self._told.criteria.lead
+            and self.taken(self._told.linear, w.candidate) >= self._told.criteria.lead
         ]
         return alike[0] if alike else one
 
@@ -94,12 +94,12 @@ class Leads:
             for w in self.able
             if len(w.candidate.effects) == 1
             and includes(pair.effects, w.candidate.effects)
-            and self._taken(self._told.linear, w.candidate) >= self._told.criteria.lead
-            and self._taken(w.candidate, pair) < self._told.criteria.lead
+            and self.taken(self._told.linear, w.candidate) >= self._told.criteria.lead
+            and self.taken(w.candidate, pair) < self._told.criteria.lead
         ]
         return alone[0] if alone else pair
 
-    def _taken(self, before: Candidate, after: Candidate) -> float:
+    def taken(self, before: Candidate, after: Candidate) -> float:
         """Share of the power above the floor that one candidate leaves, which another takes."""
         noise = self._told.context.floor**2
         left = before.optimum.rms**2 - noise

@@ -150,7 +150,7 @@ def leads(e: EvidenceRecord) -> Answer | None:
     )
     state = e.refuted(lead)
     if state:
-        no = f"A force of {state} of another shape takes most of what it leaves: no effect is named."
+        no = f"A force of {state} whose law is none of the catalogue's does as well or better: no effect is named."
         return Answer("unexplained", lead, (), (*said, no))
     said += (
         f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor: more is missing.",

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.special import chdtri
 
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
@@ -16,6 +17,7 @@ from stepid.effects.base import Effect, Parameter
 from stepid.fitting.added_masses import WeightErrors, moved, weight_errors, with_added_masses
 from stepid.fitting.correlation import autocorrelations, disagreement, inflation
 from stepid.fitting.levenberg_marquardt import Optimum, Problem
+from stepid.fitting.mean_of_runs import NORMAL, between_runs, centered, mean_of_runs
 from stepid.simulation.magnitudes import lengths
 from stepid.simulation.records import Index
 
@@ -99,8 +101,10 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     of_prior = known.T @ known
     share = 1.0 - np.diag(of_prior)
     excess = inflation(_finite_blocks(optimum, prior), autocorrelations(optimum, residual), inverse, share)
-    if level > _MISFIT * floor:
-        excess = np.maximum(excess, disagreement(_finite_blocks(optimum, prior), residual, inverse, share, level))
+    split = disagreement(_finite_blocks(optimum, prior), residual, inverse, share, level)
+    if level <= _MISFIT * floor:  # what chance does not make
+        split = np.where(split > _by_chance(len(problem.records.runs), split.size), split, 1.0)
+    excess = np.maximum(excess, split)
     root = np.sqrt(excess)
     of_noise = root[:, None] * (np.diag(usable.astype(float)) - of_prior) * root
     noise, weights = (level**2 * inverse @ part @ inverse.T for part in (of_noise, of_prior))
@@ -115,6 +119,12 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     gain = float(np.sum((slope @ step[~held]) ** 2)) / level**2
     step /= scale
     return Uncertain(noise[:n, :n], weights[:n, :n], open_[:n], step[:n], prior.found + step[n:], gain, level, ratio)
+
+
+def _by_chance(runs: int, directions: int) -> float:
+    """What the variance by what runs say one by one, over that of the noise, exceeds in one fit of a hundred."""
+    free = max(runs - 1, 1)
+    return float(chdtri(free, 0.01 / directions) / free)
 
 
 def _precision(problem: Problem) -> Array:
@@ -213,17 +223,22 @@ def _parameters(names: tuple[tuple[str, str], ...], effects: tuple[Effect, ...])
 def estimates(optimum: Optimum, effects: tuple[Effect, ...], floor: float) -> tuple[dict[str, Estimate], Array]:
     """Estimates by name, and the correlation matrix of the free shared parameters.
 
-    A parameter that was held fixed (no mass difference, no input) or that the data leave open has no uncertainty.
+    A parameter that was held fixed (no mass difference, no input) or that the data leave open has no uncertainty. What
+    differs from run to run is the mean of the runs; see `centered`.
     """
+    optimum = centered(optimum)
     problem = optimum.problem
     near = uncertain(optimum, floor)
     names = parameter_names(optimum, effects)
-    n = int(problem.free.sum())
     longer = lengths(_parameters(names, effects), optimum.shared)[problem.free]
     scaled = problem.records.scale_uncertainty * longer
-    cov = {"noise": near.noise[:n, :n], "weights": near.weights[:n, :n], "scale": np.outer(scaled, scaled)}
+    mean = mean_of_runs(optimum)
+    runs, quantile = between_runs(optimum)
+    cov = {"noise": mean @ near.noise @ mean.T, "weights": mean @ near.weights @ mean.T, "runs": runs}
+    cov["scale"] = np.outer(scaled, scaled)
     sigma = {cause: np.sqrt(np.maximum(np.diag(part), 0.0)) for cause, part in cov.items()}
     whole = np.sqrt(sum(part**2 for part in sigma.values()))
+    half = np.sqrt(np.maximum((NORMAL * whole) ** 2 + (quantile**2 - NORMAL**2) * sigma["runs"] ** 2, 0.0))
     out: dict[str, Estimate] = {}
     column = 0
     for index, (name, unit) in enumerate(names):
@@ -231,7 +246,10 @@ def estimates(optimum: Optimum, effects: tuple[Effect, ...], floor: float) -> tu
         out[name] = Estimate(value=value, unit=unit)
         if problem.free[index] and not near.open[column]:
             parts = {cause: float(part[column]) for cause, part in sigma.items() if part[column] > 0}
-            out[name] = Estimate(value=value, uncertainty=float(whole[column]), unit=unit, parts=parts)
+            few = parts.get("runs") and (value - float(half[column]), value + float(half[column]))
+            out[name] = Estimate(
+                value=value, uncertainty=float(whole[column]), unit=unit, parts=parts, limits=few or None
+            )
         column += int(problem.free[index])
     safe = np.where(whole > 0, whole, 1.0)
     return out, sum(cov.values()) / safe[:, None] / safe[None, :]

@@ -22,6 +22,7 @@ from stepid.fitting.hum import find_hum, without_hum
 from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.left_over import left_over
 from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.mean_of_runs import centered
 from stepid.fitting.multistart import CandidateFit, FitContext, Start, race_starts
 from stepid.fitting.multistart_cogging import well_starts
 from stepid.fitting.noise_color import colored_floor
@@ -234,7 +235,8 @@ def report(optimum: Optimum, effects: tuple[Effect, ...], floor: float, *, notes
 
 
 def unpack(optimum: Optimum, effects: tuple[Effect, ...]) -> PlantModel:
-    """Read a model off a fit."""
+    """Read a model off a fit: what differs from run to run does so about the mean of the runs."""
+    optimum = centered(optimum)
     of = optimum.problem.layout
     r = of.records
     models = []

@@ -26,7 +26,7 @@ from stepid.simulation.simulator import Simulator
 
 _WORTH = {"added_mass": 0.02, "stiffness": 0.05, "damping": 0.05, "gain": 0.03, "start_time": 1.0}
 # worth mentioning, as a share of the run's moving mass, stiffness, damping and gain, and in samples
-_HINT = 0.05  # share of the misfit that a linearized step must promise for a fit to be tried
+_HINT = 0.15  # share of the misfit that a linearized step must promise: a fault takes 0.7, a step tells a quarter of it
 _TRIED = 6  # fits
 _STANDS_OUT = 0.3  # share of the cost left, by far less than by any other run's fault, where more is missing
 _DECIDES = 10.0  # χ² by which one explanation must be the better one

@@ -40,7 +40,8 @@ def _at_rest(context: FitContext, best: Optimum, effort: Effort) -> Optimum:
         return best
     rests = replace(problem, active=active)
     counts = np.add.reduceat(context.records.weight**2, context.records.first)
-    cheaper = (price(best, counts) - price(replace(best, problem=rests), counts)) * context.floor**2
+    before, after = (price(o, counts, context.floor**2) for o in (best, replace(best, problem=rests)))
+    cheaper = (before - after) * context.floor**2
     held = minimize(
         rests,
         best.shared,

@@ -139,9 +139,10 @@ class Search:
 
     def _qbic(self, optimum: Optimum) -> float:
         """QBIC by the samples that are effective in what the best candidate leaves, but for a constant."""
-        counts = self._counts(min(self.candidates.values(), key=lambda c: c.optimum.cost))
+        best = min(self.candidates.values(), key=lambda c: c.optimum.cost)
+        counts, variance = self._counts(best), best.optimum.cost / float((self.fit.records.weight**2).sum())
         cost = max(optimum.cost, np.finfo(float).tiny)
-        return float(counts.sum()) * math.log(cost) + price(optimum, counts)
+        return float(counts.sum()) * math.log(cost) + price(optimum, counts, variance)
 
     def _complete(self, best: Candidate) -> bool:
         """Tell whether the best may be named and leaves nothing that a further effect could explain."""

@@ -1,0 +1,63 @@
+"""What it costs to let a condition differ from run to run: the runs are drawn from one distribution."""
+
+from __future__ import annotations
+
+import math
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.mean_of_runs import centered
+
+_known: WeakKeyDictionary[Optimum, tuple[Array, Array]] = WeakKeyDictionary()
+
+
+def price_of_scatter(optimum: Optimum, counts: Array, variance: float) -> float:
+    """Price of the deviations that are free in a fit, on the scale of BIC.
+
+    They are random effects: normal, of a standard deviation τ that is fitted, about the plant, whose mean all runs are
+    (a start time: about the command's). Integrated over them (Laplace), a run costs ln(1 + τ²I) + d²/τ², I being the
+    inverse variance of its deviation d, and the width as much as a parameter fitted to so many runs. What has to differ
+    more costs more: the ordinary price, ln n, does not ask by how much (Pinheiro & Bates, Mixed-Effects Models, 2000).
+
+    Parameters
+    ----------
+    optimum : Optimum
+    counts : array, shape (R,)
+        Effective samples of each run.
+    variance : float
+        m², of what the best fit leaves.
+    """
+    rows = optimum.problem.layout.deviations
+    active = optimum.problem.active[rows]
+    if not active.any():
+        return 0.0
+    if optimum not in _known:
+        _known[optimum] = centered(optimum).local[rows], _information(optimum)[rows]
+    deviations, information = _known[optimum]
+    effective = information * counts / max(variance, np.finfo(float).tiny)
+    out = 0.0
+    for own, values, told in zip(active, deviations, effective, strict=True):
+        m = int(own.sum())
+        if m:
+            square = float(np.sum(values**2)) / m
+            out += float(np.sum(np.log1p(square * told[own]))) + m + math.log(m)
+    return out
+
+
+def _information(optimum: Optimum) -> Array:
+    """Mean square over each run of the derivatives by its deviations, m² per unit², shape (Q, R)."""
+    problem, solved = optimum.problem, optimum.solved
+    records = problem.records
+    active = np.zeros_like(problem.active)
+    active[problem.layout.deviations] = problem.active[problem.layout.deviations]
+    _, by_run = problem.simulator.derivatives(
+        optimum.shared, optimum.local, solved.reading, np.zeros_like(problem.free), active, solved.states
+    )
+    with np.errstate(all="ignore"):
+        square = records.weighted(by_run) ** 2
+    seen = np.add.reduceat(np.nan_to_num(square, posinf=0.0), records.first, axis=1)
+    out: Array = np.where(active, seen / np.add.reduceat(records.weight**2, records.first), 0.0)
+    return out
