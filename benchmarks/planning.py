@@ -15,9 +15,9 @@ import numpy as np
 import stepid
 from hidden.plant import runs_like
 from hidden.readings import positions
-from stepid.design.check import refitted
-from stepid.design.information import lay_out_steps, simulated
 from stepid.effects import resolve
+from stepid.lab.design.check import refitted
+from stepid.lab.design.information import lay_out_steps, simulated
 
 WEIGHT = 0.5
 EFFECTS = (None, None, "coulomb_friction", "cubic_stiffness", "actuator_lag", "quadratic_damping")

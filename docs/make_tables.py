@@ -9,7 +9,7 @@ from pathlib import Path
 
 import stepid
 from stepid.effects import CATALOGUE
-from stepid.transfer.express import why_not_linear, why_not_nonlinear
+from stepid.identification.transfer.express import why_not_linear, why_not_nonlinear
 
 DOCS = Path(__file__).parent
 BEGIN, END = "<!-- table: made by docs/make_tables.py -->\n", "<!-- end of table -->\n"

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 import stepid
 from stepid import plot
 from stepid.diagnosis.result import Diagnosis, Gap, Ranked, RunGap, Where
+from stepid.identification.transfer.verification import Verification, VerificationRun
 from stepid.identification.trends import Trend, Trends
 from stepid.plot.layout import new_figure
 from stepid.plot.style import COLUMN, figure_of
-from stepid.transfer.verification import Verification, VerificationRun
 
 TIME = 0.01 * np.arange(240)
 

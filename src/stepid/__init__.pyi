@@ -9,10 +9,6 @@ from .core.experiment import Experiment as Experiment
 from .core.experiment import MassOffset as MassOffset
 from .core.releases import split_releases as split_releases
 from .datasets.replication import rebuild_paper as rebuild_paper
-from .design.candidate import Design as Design
-from .design.check import PlanCheck as PlanCheck
-from .design.plan import plan as plan
-from .design.result import Plan as Plan
 from .diagnosis.criteria import Criteria as Criteria
 from .diagnosis.diagnose import diagnose as diagnose
 from .diagnosis.diagnose import diagnose_many as diagnose_many
@@ -39,6 +35,15 @@ from .identification.solve import solve as solve
 from .identification.solvers import OrdinaryLeastSquares as OrdinaryLeastSquares
 from .identification.solvers import WeightedLeastSquares as WeightedLeastSquares
 from .identification.stacked import assemble as assemble
+from .identification.transfer import from_time_response as from_time_response
+from .identification.transfer import initial_state as initial_state
+from .identification.transfer import nonlinear_system as nonlinear_system
+from .identification.transfer import simulate_system as simulate_system
+from .identification.transfer import state_space as state_space
+from .identification.transfer import to_time_response as to_time_response
+from .identification.transfer import transfer_function as transfer_function
+from .identification.transfer.verification import Verification as Verification
+from .identification.transfer.verify import verify as verify
 from .identification.trends import find_trends as find_trends
 from .io.campaign_files import read_campaign as read_campaign
 from .io.campaign_files import write_campaign as write_campaign
@@ -46,20 +51,15 @@ from .io.ecp import read_ecp as read_ecp
 from .io.step_input import StepInput as StepInput
 from .io.table import read_table as read_table
 from .io.tables import read_tables as read_tables
-from .saved import load as load
+from .lab.design.candidate import Design as Design
+from .lab.design.check import PlanCheck as PlanCheck
+from .lab.design.plan import plan as plan
+from .lab.design.result import Plan as Plan
+from .report.saved import load as load
 from .simulation.model import EffectModel as EffectModel
 from .simulation.model import PlantModel as PlantModel
 from .simulation.model import RunState as RunState
 from .simulation.simulate import simulate as simulate
-from .transfer import from_time_response as from_time_response
-from .transfer import initial_state as initial_state
-from .transfer import nonlinear_system as nonlinear_system
-from .transfer import simulate_system as simulate_system
-from .transfer import state_space as state_space
-from .transfer import to_time_response as to_time_response
-from .transfer import transfer_function as transfer_function
-from .transfer.verification import Verification as Verification
-from .transfer.verify import verify as verify
 from .webapp.notebook import app as app
 
 __version__: str

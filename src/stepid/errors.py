@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class StepidError(Exception):
     """Base of every error that stepid raises on purpose.
@@ -26,6 +29,30 @@ class StepidError(Exception):
 
 class InputError(StepidError, ValueError):
     """The data or arguments handed in cannot be right: a bad file, row, unit or label."""
+
+
+@contextmanager
+def naming(place: str) -> Iterator[None]:
+    """Put a file, run or column in front of the cause of an `InputError` that is raised inside.
+
+    Parameters
+    ----------
+    place : str
+        What is named.
+
+    Yields
+    ------
+    None
+
+    Raises
+    ------
+    InputError
+        The one that was raised inside, so named.
+    """
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{place}: {error.cause}", error.remedy) from None
 
 
 class IdentificationError(StepidError, ValueError):

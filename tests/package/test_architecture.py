@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 HEAVY = ["control", "matplotlib", "numpy", "scipy", "pydantic", "pandas", "plotly", "jinja2", "typer", "rich", "panel"]
 ONE_ROOM = {
-    "control": "transfer",
+    "control": "identification",
     "pandas": "core",
     "matplotlib": "plot",
     "typer": "cli",
@@ -42,6 +42,12 @@ def test_the_page_about_the_house_shows_these_layers() -> None:
     (layers,) = [contract["layers"] for contract in contracts if contract["type"] == "layers"]
     shown = "\n".join(" · ".join(name.strip() for name in layer.split("|")) for layer in layers)
     assert f"```text\n{shown}\n```" in (ROOT / "docs" / "architecture.md").read_text("utf-8")
+
+
+def test_the_top_of_the_package_is_seen_at_a_glance() -> None:
+    entries = [p.name for p in (ROOT / "src" / "stepid").iterdir() if p.name != "__pycache__"]
+    assert {"__init__.py", "core"} <= set(entries)
+    assert len(entries) <= 18
 
 
 def test_importing_stepid_loads_nothing_heavy() -> None:

@@ -13,8 +13,8 @@ from matplotlib import pyplot as plt
 
 import stepid
 from stepid import plot
+from stepid.identification.transfer.verification import Verification, VerificationRun
 from stepid.plot.style import figure_of
-from stepid.transfer.verification import Verification, VerificationRun
 
 
 @pytest.fixture(autouse=True)

@@ -13,12 +13,12 @@ import diagnosis_example as example
 from diagnosis_example import changed
 from page_text import Tags, packed
 from stepid.diagnosis.result import Diagnosis
+from stepid.identification.transfer.verification import Verification
 from stepid.report import provenance
 from stepid.report.hand import HandMethod, pictured
 from stepid.report.json_values import diagnosis_values
 from stepid.report.story import tell
 from stepid.report.write import hand_of, write_all
-from stepid.transfer.verification import Verification
 
 
 @pytest.fixture(autouse=True)

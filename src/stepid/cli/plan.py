@@ -73,10 +73,13 @@ def plan(
         motion=cast(Any, motion),  # checked there
         input_unit=cast(Any, input_unit),
     )
+    _show(found, found.check(check) if check else None, out, as_json=as_json)
+
+
+def _show(found: stepid.Plan, checked: stepid.PlanCheck | None, out: Path | None, *, as_json: bool) -> None:
     values = {"format": 1, "stepid": stepid.__version__, **found.to_dict()}
     text = found.summary()
-    if check:
-        checked = found.check(check)
+    if checked is not None:
         text = f"{text}\n\n{checked.summary()}"
         values["check"] = checked.to_dict()
     typer.echo(json.dumps(values, indent=2, ensure_ascii=False) if as_json else text)

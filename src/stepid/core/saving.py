@@ -18,7 +18,7 @@ from stepid.errors import InputError
 FORMAT = "stepid result"
 _A_LINE = 50
 SCHEMA = 1
-"""Raised where files of the version before need a change to be read; `stepid.saved` then holds that change."""
+"""Raised where files of the version before need a change to be read; `stepid.report.saved` then holds that change."""
 
 
 def save(model: Model, path: str | os.PathLike[str]) -> Path:

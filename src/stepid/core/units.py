@@ -57,16 +57,15 @@ def check_scale(role: str, column: object, scale: float, where: str) -> None:
         )
 
 
-def check_number(label: str, value: object, where: str) -> None:
+def check_numbers(where: str, **values: object) -> None:
     """Refuse what is neither None nor a finite number."""
-    if value is None:
-        return
-    try:
-        good = not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
-    except OverflowError:  # an integer beyond all floats
-        good = False
-    if not good:
-        raise InputError(f"{where}: {label} is {described(value)}", "Give a finite number.")
+    for label, value in values.items():
+        try:
+            good = not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
+        except OverflowError:  # an integer beyond all floats
+            good = False
+        if value is not None and not good:
+            raise InputError(f"{where}: {label} is {described(value)}", "Give a finite number.")
 
 
 def check_scales(columns: Mapping[str, object], scales: Mapping[str, float], where: str) -> None:

@@ -13,7 +13,7 @@ from stepid.identification.parameters import IdentifiedParameters, StackedSystem
 from stepid.identification.solve import solve
 from stepid.identification.solvers import OrdinaryLeastSquares, WeightedLeastSquares
 from stepid.identification.stacked import assemble
-from stepid.transfer import held_response
+from stepid.identification.transfer import held_response
 
 STEP = 0.5  # V, "0.5 volt for all cases"
 PRINTED_STIFFNESS = 216.2  # N/m

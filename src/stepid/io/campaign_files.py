@@ -15,7 +15,7 @@ from stepid.core.experiment import Campaign, Experiment
 from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.takes import described
-from stepid.errors import InputError
+from stepid.errors import InputError, naming
 from stepid.io.ecp_write import render_export
 from stepid.io.manifest import parse_manifest, quantities_in, render_manifest
 from stepid.io.readers import EcpReader, Reader, TableReader
@@ -83,10 +83,8 @@ def campaign_of(text: str, manifest: Path, *, allow_outside: bool = False) -> Ca
     keys, runs = parse_manifest(text, where, READERS)
     with quantities_in({**keys, "experiment": [run for _, run in runs]}, where).spoken():
         experiments = tuple(_read_run(kind, run, manifest, allow_outside=allow_outside) for kind, run in runs)
-    try:
+    with naming(where):
         return Campaign(experiments=experiments, **keys)
-    except InputError as error:
-        raise InputError(f"{where}: {error.cause}", error.remedy) from None
 
 
 @recorded()
@@ -112,10 +110,8 @@ def _read_run(kind: str, run: dict[str, Any], manifest: Path, *, allow_outside: 
             raise InputError(
                 f"{who}: there is no file {name!r} beside the manifest", "Correct its name, or put the file there."
             )
-    try:
+    with naming(who):
         return READERS[kind].read(paths, **keys)
-    except InputError as error:
-        raise InputError(f"{who}: {error.cause}", error.remedy) from None
 
 
 @in_own_quantities

@@ -14,8 +14,8 @@ from stepid.core.recorded import recorded
 from stepid.core.samples import InputBetween, Starts
 from stepid.core.takes import described, taken
 from stepid.core.takes import number as a_number
-from stepid.core.units import check_number
-from stepid.errors import InputError
+from stepid.core.units import check_numbers
+from stepid.errors import InputError, naming
 from stepid.io.ecp_layout import COMMANDED, EFFORT, SAMPLE, TIME, Export, encoder_column, parse_export, repeats
 from stepid.io.sample_clock import real_stamps, rebuild_time
 from stepid.io.step_input import InputValues, StepInput, sample_input
@@ -136,13 +136,8 @@ def export_experiment(
     effort_scale: float | None,
 ) -> Experiment:
     """Make an experiment of a parsed export; see `read_ecp`."""
-    for label, number in (
-        ("counts_per_meter", counts_per_meter),
-        ("input_before", input_before),
-        ("sample_time", sample_time),
-        ("effort_scale", effort_scale),
-    ):
-        check_number(label, number, where)
+    numbers = {"counts_per_meter": counts_per_meter, "input_before": input_before}
+    check_numbers(where, **numbers, sample_time=sample_time, effort_scale=effort_scale)
     taken(where, "counts_per_meter", counts_per_meter, a_number("counts a meter of travel, with their sign"))
     if counts_per_meter == 0 or effort_scale == 0:
         raise InputError(f"{where}: counts_per_meter or effort_scale is zero", "Give the scale, with its sign.")
@@ -165,7 +160,7 @@ def export_experiment(
     volts = _volts(export, input, time, effort_scale, input_before, where)
     with np.errstate(all="ignore"):  # an overflow is reported by the model: not finite
         position = counts / float(counts_per_meter) + 0.0  # + 0.0 turns -0 into 0
-    try:
+    with naming(where):
         return Experiment(
             name=name,
             time=time,
@@ -180,8 +175,6 @@ def export_experiment(
             starts=starts,
             base=base,
         )
-    except InputError as error:
-        raise InputError(f"{where}: {error.cause}", error.remedy) from None
 
 
 def _encoder(export: Export, encoder: object, where: str) -> str:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from stepid.core.base import Array, Finite, Model
 from stepid.core.samples import is_even
 from stepid.core.takes import described, number, taken
-from stepid.errors import InputError
+from stepid.errors import InputError, naming
 
 
 class StepInput(Model):
@@ -83,21 +83,20 @@ InputValues = StepInput | Sequence[float] | npt.NDArray[np.float64]
 
 def sample_input(given: object, time: Array, *, before: float, where: str) -> Array:
     """Turn what the caller gave as input, a `StepInput` or an array, into values at `time` (V)."""
-    try:
+    with naming(where):
         if isinstance(given, StepInput):
             return given.values(time, before=before)
         if isinstance(given, np.ma.MaskedArray):
             raise InputError("input is a masked array", "Leave out what is masked, or give its values.")
-        values = np.asarray(given)
+        try:
+            values = np.asarray(given)
+        except (ValueError, TypeError, OverflowError) as error:
+            raise InputError(
+                f"input is not an array ({error})", "Give StepInput(level=…, start=…) or an array."
+            ) from None
         if values.dtype.kind not in "fiu" or values.shape != time.shape:
             raise InputError(
                 f"input has shape {values.shape} and type {values.dtype}, the record {time.size} samples",
                 "Give StepInput(level=…, start=…) or one number in volts a sample.",
             )
-    except InputError as error:
-        raise InputError(f"{where}: {error.cause}", error.remedy) from None
-    except (ValueError, TypeError, OverflowError) as error:
-        raise InputError(
-            f"{where}: input is not an array ({error})", "Give StepInput(level=…, start=…) or an array."
-        ) from None
     return values.astype(np.float64)

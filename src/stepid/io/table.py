@@ -14,8 +14,8 @@ from stepid.core.experiment import Experiment
 from stepid.core.recorded import recorded
 from stepid.core.samples import InputBetween, Starts
 from stepid.core.takes import described
-from stepid.core.units import check_number, check_release, check_scales, in_si
-from stepid.errors import InputError
+from stepid.core.units import check_numbers, check_release, check_scales, in_si
+from stepid.errors import InputError, naming
 from stepid.io.delimited import Layout, Table, join_tables, parse_table
 from stepid.io.ecp import FEWEST
 from stepid.io.step_input import InputValues, sample_input
@@ -121,21 +121,12 @@ def read_table(
     """
     files = as_files(paths)
     where = str(files[0]) if len(files) == 1 else f"{files[0]} … {files[-1].name}"
-    for label, number in (
-        ("sample_time", sample_time),
-        ("counts_per_meter", counts_per_meter),
-        ("input_before", input_before),
-    ):
-        check_number(label, number, where)
+    check_numbers(where, sample_time=sample_time, counts_per_meter=counts_per_meter, input_before=input_before)
     scales = {"position": position_scale, "time": time_scale, "input": input_scale}
     check_scales({"position": position, "time": time, "input": input}, scales, where)
     layout = Layout(delimiter, decimal, skiprows, (time, position, input), encoding, sheet)
     layout.check(where)
-    if len(files) == 1 and type(stop) is int:  # below the last row that is kept there may be anything
-        layout = replace(layout, stop=stop)
-    table = join_tables([parse_table(file, layout) for file in files])
-    kept = _stretch(start, stop, len(table.places), where)
-    table = Table(table.names, table.values[kept], table.places[kept])
+    table = _kept(files, layout, start, stop, where)
     if position is None:
         raise InputError(f"{where}: nothing says which column is the position ({table.listed})", "Give position=….")
     clock = _time(table, time, time_scale, sample_time, start, where)
@@ -143,7 +134,7 @@ def read_table(
         check_release(table.names, table.values, (time, position), where)
     volts = _input(table, input, input_scale, clock, input_before, where)
     meters = in_si("position", table.column(position, "position", where), position_scale, where)
-    try:
+    with naming(where):
         return Experiment(
             name=files[0].stem if name is None else name,
             time=clock,
@@ -158,8 +149,6 @@ def read_table(
             input_between=input_between,
             starts=starts,
         )
-    except InputError as error:
-        raise InputError(f"{where}: {error.cause}", error.remedy) from None
 
 
 def as_files(paths: object) -> list[Path]:
@@ -169,6 +158,15 @@ def as_files(paths: object) -> list[Path]:
     if not isinstance(paths, Sequence) or isinstance(paths, bytes) or not paths:
         raise InputError(f"paths is {described(paths)}", "Give one path, or a sequence of paths in order.")
     return [as_path(path) for path in paths]
+
+
+def _kept(files: Sequence[Path], layout: Layout, start: int, stop: int | None, where: str) -> Table:
+    """Read the rows to keep of all files, joined."""
+    if len(files) == 1 and type(stop) is int:  # below the last row that is kept there may be anything
+        layout = replace(layout, stop=stop)
+    table = join_tables([parse_table(file, layout) for file in files])
+    kept = _stretch(start, stop, len(table.places), where)
+    return Table(table.names, table.values[kept], table.places[kept])
 
 
 def _stretch(start: int, stop: int | None, rows: int, where: str) -> slice:

@@ -75,14 +75,9 @@ def read_tables(
     where = str(files[0])
     layout = Layout(delimiter, decimal, skiprows, (), encoding, sheet)
     layout.check(where)
-    if not isinstance(position, str):
-        raise InputError(f"{where}: position is {described(position)}", 'Give what the columns have in common: "x".')
-    stems: dict[str, object] = {"position": position, "time": time, "input": input if isinstance(input, str) else None}
+    stems = {"position": position, "time": time, "input": input if isinstance(input, str) else None}
     for role, stem in stems.items():
-        if stem is not None and (not isinstance(stem, str) or not stem.strip()):
-            raise InputError(
-                f"{where}: {role} is {described(stem)}", 'Give what the columns have in common: "x" for x1, x2, ….'
-            )
+        _check_stem(role, stem, where)
     if runs is not None:
         runs = taken("read_tables", "runs", runs, each(text(), 'names of runs, as ("1", "2")', least=1))
     names = header(files[0], layout)
@@ -91,8 +86,7 @@ def read_tables(
             f"{where}: has no header that would tell its runs apart",
             "Read each run by the indices of its columns: read_table(…, position=1), ….",
         )
-    roles = {role: stem if isinstance(stem, str) else None for role, stem in stems.items()}
-    found = columns_of_runs(names, roles, where, runs=runs)
+    found = columns_of_runs(names, stems, where, runs=runs)
     titles = [run_name(columns.run) for columns in found]
     if name is not None and len(found) > 1:
         raise InputError(f"{where}: one name is given for {len(found)} runs", "Leave name out.")
@@ -113,6 +107,14 @@ def read_tables(
             **shared,
         )
         for columns, title in zip(found, titles, strict=True)
+    )
+
+
+def _check_stem(role: str, stem: object, where: str) -> None:
+    if (stem is None and role != "position") or (isinstance(stem, str) and stem.strip()):
+        return
+    raise InputError(
+        f"{where}: {role} is {described(stem)}", 'Give what the columns have in common: "x" for x1, x2, ….'
     )
 
 

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 from stepid.core.takes import number, takes
 from stepid.effects import CATALOGUE, Effect, resolve
-from stepid.errors import InputError
+from stepid.errors import InputError, naming
 from stepid.lab.answers import Answer, an_answer, in_words
 from stepid.lab.checks import Check, Naming, ParameterCheck
 from stepid.lab.submission import Submission, a_submission
@@ -78,10 +78,8 @@ def _units(answer: Answer, submission: Submission, who: str, catalogue: tuple[Ef
     """Units of all parameters that a submission may give, by name."""
     units = dict(answer.units)
     for names in (submission.effects, *submission.alternatives):
-        try:
+        with naming(f"the {who}"):
             effects = resolve(names, catalogue=catalogue)
-        except InputError as error:
-            raise InputError(f"the {who}: {error.cause}", error.remedy) from None
         units |= {f"{e.name}.{q.name}": q.unit for e in effects for q in e.parameters}
     return units
 

@@ -9,10 +9,10 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 
 from stepid.core.takes import a, takes
+from stepid.identification.transfer.verification import Verification, VerificationRun
 from stepid.plot.layout import column_axes, one_legend, page_of_pairs
 from stepid.plot.scale import length_unit, reach_of
 from stepid.plot.style import MARK, MEASURED, MODEL, an_axes, beside, dress, in_own_words, laid_out, styled
-from stepid.transfer.verification import Verification, VerificationRun
 
 AxesPair = tuple[Axes, Axes]
 _a_run = a(VerificationRun, "a run of a Verification: verified[name]")

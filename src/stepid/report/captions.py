@@ -5,9 +5,9 @@ from __future__ import annotations
 from stepid.core.latex import parameter_name
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.wording import candidate_name, digits, length
+from stepid.identification.transfer.verification import Verification
 from stepid.report.chapter import Picture
 from stepid.report.pull import linear_pull
-from stepid.transfer.verification import Verification
 
 _MEASURED = ("measured", "measured")
 _NOISE = ("noise", "noise, ±2σ")

@@ -9,8 +9,8 @@ from stepid.diagnosis.result import Diagnosis
 from stepid.errors import IdentificationError
 from stepid.identification.identify import identify_with_system
 from stepid.identification.parameters import IdentifiedParameters, StackedSystem
-from stepid.transfer.verification import Verification
-from stepid.transfer.verify import verify
+from stepid.identification.transfer.verification import Verification
+from stepid.identification.transfer.verify import verify
 
 
 class HandMethod(Model):

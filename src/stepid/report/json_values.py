@@ -10,7 +10,7 @@ from stepid.core.base import Model
 from stepid.datasets.replication import PaperRebuild
 from stepid.diagnosis.result import Diagnosis
 from stepid.identification.parameters import IdentifiedParameters
-from stepid.transfer.verification import Verification
+from stepid.identification.transfer.verification import Verification
 
 FORMAT = 1
 """Raised where a key changes its meaning or goes; keys that are added leave it as it is."""

@@ -14,12 +14,12 @@ from stepid.core.latex import parameter_name
 from stepid.core.quantities import in_own_quantities
 from stepid.diagnosis.result import Diagnosis, Ranked, RunGap
 from stepid.diagnosis.wording import candidate_name, chance, per_cent
+from stepid.identification.transfer.verification import VerificationRun
 from stepid.plot.causes import jump_ends, leading
 from stepid.plot.scale import length_unit, reach_of
 from stepid.report.axes import BAR, bars, dots, framed, noise_across, noise_upright, own_line, paired, run_line
 from stepid.report.pull import linear_pull
 from stepid.report.thin import kept_samples
-from stepid.transfer.verification import VerificationRun
 
 _SHOWN = 8  # candidates
 _MARKED = 9  # markers on a curve

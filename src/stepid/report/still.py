@@ -7,9 +7,9 @@ from typing import Any
 
 from stepid import plot
 from stepid.diagnosis.result import Diagnosis
+from stepid.identification.transfer.verification import Verification
 from stepid.plot.layout import new_figure
 from stepid.plot.style import MARKERS, PAGE, SERIES, in_own_words, styled
-from stepid.transfer.verification import Verification
 
 Stills = Mapping[str, Callable[[], Any]]  # to axes; matplotlib's own types stay in stepid.plot
 _MARKED = 8  # markers on a curve

@@ -9,8 +9,8 @@ from stepid.core.experiment import Experiment
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.wording import digits
 from stepid.identification.parameters import IdentifiedParameters, StackedSystem, shared_rows
+from stepid.identification.transfer.verification import Verification
 from stepid.report.chapter import Table
-from stepid.transfer.verification import Verification
 
 
 def runs_table(diagnosis: Diagnosis) -> Table:

@@ -7,9 +7,9 @@ from itertools import pairwise
 from stepid.core.experiment import Campaign
 from stepid.core.quantities import in_own_quantities
 from stepid.identification.parameters import IdentifiedParameters
+from stepid.identification.transfer.verification import Verification
 from stepid.identification.trends import Trends
 from stepid.report.section import Section
-from stepid.transfer.verification import Verification
 
 
 @in_own_quantities

@@ -7,8 +7,8 @@ from itertools import pairwise
 
 from stepid.core.tables import text_table
 from stepid.datasets.replication import PRINTED_STIFFNESS, PaperRebuild
+from stepid.identification.transfer import transfer_function
 from stepid.report.section import Section
-from stepid.transfer import transfer_function
 
 CM = 100.0  # per meter: the paper's static gain is in cm/V
 

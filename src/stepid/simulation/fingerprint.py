@@ -11,7 +11,7 @@ import numpy as np
 
 
 def fingerprint(function: Callable[..., Any]) -> bytes:
-    """Hash of a function's byte code, of the values that it names, and of the functions that it calls.
+    """Hash of a function's byte code and module, of the values that it names, and of the functions that it calls.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def fingerprint(function: Callable[..., Any]) -> bytes:
     Returns
     -------
     bytes
-        Equal for functions that do the same by the same code, in every process, wherever they are written.
+        Equal for functions that do the same by the same code in modules of the same names, in every process.
     """
     python: types.FunctionType = getattr(function, "py_func", function)  # type: ignore[arg-type]
     return _function(python, set())
@@ -31,7 +31,8 @@ def _function(function: types.FunctionType, known: set[int]) -> bytes:
     known.add(id(function))
     code = function.__code__
     names = _names(code)
-    parts = [_code(code), repr((function.__defaults__, function.__kwdefaults__)).encode()]
+    where = str(function.__module__).encode()  # kept machine code imports it
+    parts = [where, _code(code), repr((function.__defaults__, function.__kwdefaults__)).encode()]
     named = {name: function.__globals__.get(name) for name in names}
     cells = (cell.cell_contents for cell in function.__closure__ or ())
     named |= dict(zip(code.co_freevars, cells, strict=True))

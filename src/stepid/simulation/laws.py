@@ -1,7 +1,7 @@
 """The law of one effect as the kernel calls it: one function of a fixed signature, compiled once and kept on disk.
 
 The machine code's key is what the law does (`stepid.simulation.fingerprint`), so that a changed law is compiled anew,
-wherever it is written, even where its class is the same as before.
+also where its class is the same as before, and one that moved to another module.
 """
 
 from __future__ import annotations
@@ -210,7 +210,10 @@ def _compile(text: str, methods: dict[str, Any], path: Path, *, keep: bool) -> A
     exec(compile(text, str(path), "exec"), space)
     number, many = numba.types.float64, numba.types.CPointer(numba.types.float64)
     signature = number(numba.types.int64, many, many, many, many, many, many)
-    return numba.cfunc(signature, cache=keep, error_model="numpy")(space["law"])
+    try:
+        return numba.cfunc(signature, cache=keep, error_model="numpy")(space["law"])
+    except ImportError:  # kept machine code asks for the module of its methods, which has no file that Python finds
+        return numba.cfunc(signature, error_model="numpy")(space["law"])
 
 
 def _culprit(effect: Effect, methods: dict[str, Any], error: Exception) -> tuple[str, str]:

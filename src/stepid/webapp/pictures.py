@@ -7,11 +7,11 @@ from typing import Any
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.quantities import Quantities, quantities_of
+from stepid.identification.transfer.verification import Verification
 from stepid.plot.scale import length_unit, reach_of
 from stepid.report.axes import own_line, paired
 from stepid.report.pictures import verification
 from stepid.report.thin import kept_samples
-from stepid.transfer.verification import Verification
 
 Drawn = dict[str, Any]
 

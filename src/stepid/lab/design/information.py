@@ -10,11 +10,11 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
 from stepid.core.mass_offset import WEIGHT
-from stepid.design.candidate import Step, record
 from stepid.effects.base import Effect
 from stepid.errors import ConvergenceError
 from stepid.fitting.levenberg_marquardt import Problem
 from stepid.fitting.problem import build
+from stepid.lab.design.candidate import Step, record
 from stepid.simulation.model import PlantModel
 from stepid.simulation.records import Records, lay_out
 from stepid.simulation.simulate import pack

@@ -16,7 +16,7 @@ from stepid.core.releases import release_index
 from stepid.core.samples import CLOSE, course, off_even_clock
 from stepid.core.takes import described
 from stepid.errors import ConvergenceError, InputError
-from stepid.transfer.linear import sampled
+from stepid.identification.transfer.linear import sampled
 
 if TYPE_CHECKING:
     import control

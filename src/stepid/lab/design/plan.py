@@ -19,14 +19,14 @@ from stepid.core.quantities import (
 )
 from stepid.core.recorded import recorded
 from stepid.core.takes import a, each, one_of, optional, takes
-from stepid.design.arguments import Asked, checked, wants
-from stepid.design.candidate import Design, Step, enumerate_designs
-from stepid.design.guess import Given, Guess, as_plant, lasting, parameter_values, reach, sized, typical
-from stepid.design.information import covariances, information, lay_out_steps, simulated
-from stepid.design.result import Plan
-from stepid.design.separation import Confusion, apart, confusions, expected
 from stepid.effects import CATALOGUE, Effect, Scales, a_catalogue, resolve
 from stepid.errors import InputError
+from stepid.lab.design.arguments import Asked, checked, wants
+from stepid.lab.design.candidate import Design, Step, enumerate_designs
+from stepid.lab.design.guess import Given, Guess, as_plant, lasting, parameter_values, reach, sized, typical
+from stepid.lab.design.information import covariances, information, lay_out_steps, simulated
+from stepid.lab.design.result import Plan
+from stepid.lab.design.separation import Confusion, apart, confusions, expected
 from stepid.simulation.model import EffectModel, PlantModel
 from stepid.simulation.threads import single_threaded
 

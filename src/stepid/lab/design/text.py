@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 from stepid.core.mass_offset import WEIGHT
 from stepid.core.tables import Rows, html_table, text_table
-from stepid.design.candidate import Design
-from stepid.design.separation import NEEDED, VISIBLE
 from stepid.diagnosis.wording import effect_names
+from stepid.lab.design.candidate import Design
+from stepid.lab.design.separation import NEEDED, VISIBLE
 
 if TYPE_CHECKING:
-    from stepid.design.result import Plan
+    from stepid.lab.design.result import Plan
 
 _HOPELESS = 10.0  # times too uncertain: a hundred times as many runs
 _TITLE = "Best design for each number of runs (standard uncertainties)"

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 import stepid
-from stepid import saved
 from stepid.core.base import Model
 from stepid.core.saving import SCHEMA, checksum
 from stepid.errors import InputError
+from stepid.report import saved
 
 GOLDEN = Path(__file__).resolve().parents[1] / "golden"
 VERSIONS = sorted(GOLDEN.glob("saved-*"))  # made by tests/saved_example.py and kept for good

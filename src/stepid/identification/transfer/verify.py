@@ -19,8 +19,8 @@ from stepid.identification.characteristics_model import Characteristics
 from stepid.identification.parameters import IdentifiedParameters
 from stepid.identification.second_order import settling_time
 from stepid.identification.steps import Step, find_steps
-from stepid.transfer import free_responses, held_response
-from stepid.transfer.verification import Verification, VerificationRun
+from stepid.identification.transfer import free_responses, held_response
+from stepid.identification.transfer.verification import Verification, VerificationRun
 
 _REST = 20  # samples before a later step that show where the plant rests
 

@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.design.candidate import Design, Step
-from stepid.design.information import Point, information, inverted, lay_out_steps, simulated
 from stepid.effects.base import Effect, Scales
 from stepid.errors import ConvergenceError
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.problem import build
+from stepid.lab.design.candidate import Design, Step
+from stepid.lab.design.information import Point, information, inverted, lay_out_steps, simulated
 from stepid.simulation.model import EffectModel, PlantModel
 from stepid.simulation.records import Records
 

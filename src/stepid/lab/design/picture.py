@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stepid.core.quantities import quantities_of
-from stepid.design.separation import NEEDED
 from stepid.errors import InputError
+from stepid.lab.design.separation import NEEDED
 
 if TYPE_CHECKING:
-    from stepid.design.result import Plan
+    from stepid.lab.design.result import Plan
     from stepid.plot.trade import Drawn
 
 SEPARATION = "separation"

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 import stepid
 from stepid.errors import IdentificationError, InputError
 from stepid.identification.parameters import IdentifiedParameters
-from stepid.transfer import free_responses, held_response, transfer_function
+from stepid.identification.transfer import free_responses, held_response, transfer_function
 
 
 def plant(m: float, c: float, k: float, gain: float | None = 0.03618) -> IdentifiedParameters:

@@ -11,7 +11,7 @@ import diagnosis_example
 import stepid
 from stepid.effects import CATALOGUE
 from stepid.errors import IdentificationError, InputError
-from stepid.transfer.express import why_not_linear, why_not_nonlinear
+from stepid.identification.transfer.express import why_not_linear, why_not_nonlinear
 
 LINEAR = ("viscoelastic_spring", "flexible_coupling", "actuator_lag")
 FREQUENCIES = np.geomspace(0.1, 1000.0, 60)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import stepid
 from stepid.errors import IdentificationError, InputError
-from stepid.transfer.verify import fit_percent
+from stepid.identification.transfer.verify import fit_percent
 
 Array = npt.NDArray[np.float64]
 T = 0.0088542

@@ -12,9 +12,9 @@ from stepid.core.experiment import Experiment
 from stepid.core.quantities import in_own_quantities
 from stepid.core.takes import takes
 from stepid.effects import CATALOGUE, Effect
+from stepid.identification.transfer.express import refuse, system_name, why_not_nonlinear
+from stepid.identification.transfer.plant import plant_of
 from stepid.simulation.model import PlantModel, a_model
-from stepid.transfer.express import refuse, system_name, why_not_nonlinear
-from stepid.transfer.plant import plant_of
 
 if TYPE_CHECKING:
     import control

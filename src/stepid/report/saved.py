@@ -79,8 +79,8 @@ def kinds() -> Mapping[str, type[Model]]:
     from stepid.datasets.replication import Misprint, PaperRebuild, PaperResponse, PrintedCase
     from stepid.diagnosis.result import Gap, Ranked, RunGap, Where
     from stepid.identification.parameters import ParameterUncertainty
+    from stepid.identification.transfer.verification import VerificationRun
     from stepid.identification.trends import Trend, Trends
-    from stepid.transfer.verification import VerificationRun
 
     found: list[type[Model]] = [LabTruth, PaperData, Misprint, PaperRebuild, PaperResponse, PrintedCase]
     found += [Gap, Ranked, RunGap, Where, ParameterUncertainty, Trend, Trends, VerificationRun, Provenance]

@@ -11,17 +11,25 @@ import numpy as np
 
 from stepid.core.base import Array, Model, NonNegative
 from stepid.core.tables import text_table
-from stepid.design.guess import parameter_values
-from stepid.design.information import Point, information, inverted, lay_out_steps, simulated, weight_parts, with_weights
 from stepid.effects import resolve
 from stepid.errors import InputError
 from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.problem import build
+from stepid.lab.design.guess import parameter_values
+from stepid.lab.design.information import (
+    Point,
+    information,
+    inverted,
+    lay_out_steps,
+    simulated,
+    weight_parts,
+    with_weights,
+)
 from stepid.simulation.records import Records
 from stepid.simulation.threads import single_threaded
 
 if TYPE_CHECKING:
-    from stepid.design.result import Plan
+    from stepid.lab.design.result import Plan
 
 _FEWEST = 10
 _LAPS = 20

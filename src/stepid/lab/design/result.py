@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 from stepid.core.base import Model, NonNegative, Positive
 from stepid.core.frames import make_frame
 from stepid.core.quantities import InputUnit, Motion
-from stepid.design.arguments import white_variance
-from stepid.design.candidate import Design
-from stepid.design.separation import NEEDED, VISIBLE
-from stepid.design.text import as_html, as_text, one_line
+from stepid.lab.design.arguments import white_variance
+from stepid.lab.design.candidate import Design
+from stepid.lab.design.separation import NEEDED, VISIBLE
+from stepid.lab.design.text import as_html, as_text, one_line
 from stepid.simulation.model import EffectModel, PlantModel
 
 if TYPE_CHECKING:
     from stepid.core.frames import DataFrame
-    from stepid.design.check import PlanCheck
+    from stepid.lab.design.check import PlanCheck
     from stepid.plot.trade import Drawn
 
 
@@ -114,7 +114,7 @@ class Plan(Model):
         -------
         PlanCheck
         """
-        from stepid.design.check import check
+        from stepid.lab.design.check import check
 
         return check(self, count=count, seed=seed)
 
@@ -131,7 +131,7 @@ class Plan(Model):
         dict
             Parameter to axes.
         """
-        from stepid.design.picture import draw
+        from stepid.lab.design.picture import draw
 
         return draw(self, axes)
 

@@ -15,9 +15,9 @@ from stepid.core.takes import a, takes
 from stepid.effects import CATALOGUE, Effect
 from stepid.errors import IdentificationError
 from stepid.identification.parameters import IdentifiedParameters
+from stepid.identification.transfer.express import refuse, system_name, why_not_linear
+from stepid.identification.transfer.plant import plant_of
 from stepid.simulation.model import PlantModel
-from stepid.transfer.express import refuse, system_name, why_not_linear
-from stepid.transfer.plant import plant_of
 
 if TYPE_CHECKING:
     import control

@@ -12,7 +12,7 @@ import control_example as example
 import stepid
 from stepid.effects import CATALOGUE, Effect, Moment, Parameter
 from stepid.errors import ConvergenceError, InputError
-from stepid.transfer.express import why_not_nonlinear
+from stepid.identification.transfer.express import why_not_nonlinear
 
 DRY = {"coulomb_friction", "load_proportional_friction", "stribeck_friction", "asymmetric_friction"}
 EXPRESSED = [effect.name for effect in CATALOGUE if why_not_nonlinear(effect) is None]
