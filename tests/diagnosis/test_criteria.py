@@ -49,15 +49,15 @@ def rivals(loss: float, names: tuple[str, ...], *, best: tuple[str, ...] = ("cou
 
 
 def further(criteria: Criteria) -> int:
-    """How many effects the best has where a second one decreases QBIC by 4."""
+    """How many effects the best has where a second one decreases QBIC by 14."""
     two = candidate(["coulomb_friction", "cubic_stiffness"])
-    return len(evidence(two, losing(two, 4.0, ["coulomb_friction"]), criteria=criteria).best.effects)
+    return len(evidence(two, losing(two, 14.0, ["coulomb_friction"]), criteria=criteria).best.effects)
 
 
 def scatter(criteria: Criteria) -> int:
-    """In how many conditions the runs differ under the best where one decreases QBIC by 8."""
+    """In how many conditions the runs differ under the best where one decreases QBIC by 18."""
     late = candidate(deviations=["start_time"])
-    return len(evidence(late, losing(late, 8.0, ()), criteria=criteria).best.deviations)
+    return len(evidence(late, losing(late, 18.0, ()), criteria=criteria).best.deviations)
 
 
 def rival(criteria: Criteria) -> bool:

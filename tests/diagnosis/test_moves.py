@@ -13,8 +13,9 @@ from broken_campaigns import campaign
 from exact_plants import EFFECTS, exact_campaign
 from scattered_campaigns import scattered
 from stepid.diagnosis.selection.effort import Effort
-from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, MOVES
+from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, MOVES, TOGETHER
 from stepid.diagnosis.selection.moves.add import Add
+from stepid.diagnosis.selection.moves.add_together import AddTogether
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
@@ -88,8 +89,8 @@ def sound(move: Move, from_: Node, proposals: list[Proposal]) -> None:
 
 
 def test_each_move_has_a_name_of_its_own() -> None:
-    types = {type(m) for m in (*EXPLORING, *CONFIRMING)}
-    assert len({m.name for m in MOVES}) == len(MOVES) == len(types), "two moves have one name"
+    kinds = {type(m) for m in (*EXPLORING, *CONFIRMING)}
+    assert len({m.name for m in MOVES}) == len(MOVES) == len(kinds) + len(TOGETHER), "two moves have one name"
 
 
 def test_add_offers_every_simple_effect_the_right_one_first() -> None:
@@ -128,6 +129,43 @@ def test_add_ranks_an_effect_of_many_parameters_and_a_general_base_lower() -> No
     general = node(fit, {"stribeck_friction": EFFECTS["stribeck_friction"]})
     dear = {p.effects[1].name: p.costly for p in Add().propose(general, context(fit, costly=4.0))}
     assert dear["quadratic_damping"] == 4.0
+
+
+def test_add_offers_a_general_law_where_it_promises_what_none_inside_it_does() -> None:
+    hidden = {"presliding_hysteresis": {"level": 0.3, "distance": 2e-3}}
+    fit = prepare(exact_campaign(hidden))
+    root = node(fit)
+    found = Add().propose(root, context(fit))
+    sound(Add(), root, found)
+    assert min(found, key=lambda p: p.left).effects[0].name == "presliding_hysteresis"
+    inside = [p for p in found if p.effects[0].name == "coulomb_friction"]
+    general = [p for p in found if p.effects[0].contains]
+    assert all(2 * p.left < inside[0].left for p in general)
+
+
+def test_add_together_offers_pairs_whose_effects_both_take_a_share() -> None:
+    fit = prepared("two")
+    root = node(fit)
+    found = AddTogether(2).propose(root, context(fit))
+    sound(AddTogether(2), root, found)
+    assert all(len(p.effects) == 2 and not related(*p.effects) for p in found)
+    order = sorted(found, key=lambda p: p.left * p.costly)
+    assert {frozenset(e.name for e in p.effects) for p in order[:3]} & {frozenset(TWO)}
+    fewer = AddTogether(2).propose(root, context(fit, worth=0.9))
+    assert len(fewer) < len(found)
+    assert AddTogether(2).propose(node(fit, FRICTION), context(fit)) == []
+    assert AddTogether(3).propose(root, context(fit, effects=2)) == []
+
+
+def test_add_three_together_offers_what_promises_more_than_any_two_of_them() -> None:
+    fit = prepared("two")
+    root = node(fit)
+    least = {p.key[0]: p.left for p in AddTogether(2).propose(root, context(fit))}
+    found = AddTogether(3).propose(root, context(fit))
+    assert all(len(p.effects) == 3 for p in found)
+    for p in found:
+        inside = [left for names, left in least.items() if names < p.key[0]]
+        assert p.left < min(inside, default=np.inf)
 
 
 def test_generalize_offers_what_contains_an_effect_from_where_it_stands() -> None:

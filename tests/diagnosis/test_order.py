@@ -1,4 +1,4 @@
-"""Which sets are looked at again beside the best answer."""
+"""Which sets come first, and which are looked at again beside the best answer."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import pytest
 
 from made_up_evidence import candidate
 from stepid.diagnosis.selection.order import singles
+from stepid.diagnosis.selection.proposal import overshadowed
+from stepid.effects import resolve
 
 
 def made_up(*names: str, deviations: tuple[str, ...] = (), cost: float = 1.0) -> Any:
@@ -35,3 +37,16 @@ def test_single_effects_that_conditions_may_complete(
     names: tuple[str, ...], deviations: tuple[str, ...], asked: list[Any]
 ) -> None:
     assert singles(NODES, candidate(names, deviations=deviations)) == asked
+
+
+@pytest.mark.parametrize(
+    ("general", "simple", "hidden"),
+    [(0.4, 1.0, False), (0.6, 1.0, True), (0.4, None, False)],  # less than half; more; none inside was scored
+)
+def test_a_general_law_stands_in_its_own_right_where_it_leaves_less_than_half(
+    general: float, simple: float | None, hidden: bool
+) -> None:
+    stribeck, coulomb, play = resolve(["stribeck_friction", "coulomb_friction", "free_play"])
+    scored = [((play, stribeck), general), ((play, stribeck), 2.0), ((play,), 0.1)]
+    scored += [((coulomb, play), simple)] if simple is not None else []
+    assert overshadowed(scored) == ({frozenset({"free_play", "stribeck_friction"})} if hidden else set())

@@ -73,7 +73,7 @@ class EvidenceRecord:
 
     def simplest(self, weighed: tuple[Weighed, ...]) -> Candidate:
         """The best of some, where each further effect must earn more than chance does."""
-        effect, condition = self.criteria.further - self.criteria.tie, self.criteria.scatter - self.criteria.tie
+        effect, condition = self.criteria.further, self.criteria.scatter
 
         def loss(w: Weighed) -> float:
             return w.loss + effect * len(w.candidate.effects) + condition * len(w.candidate.deviations)

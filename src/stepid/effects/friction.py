@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
@@ -173,12 +174,22 @@ class PreslidingHysteresis(Effect):
         return [(0.03 * scales.force, part * scales.displacement) for part in (0.003, 0.02, 0.1)]
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
-        sign = _direction(scales, m)
-
         def at(distance: float) -> Regressor:
-            return Regressor((-sign,), lambda a: (a[0], distance) if a[0] > 0 else None)
+            built = self._along(distance, m)
+            return Regressor((-built / distance,), lambda a: (a[0], distance) if a[0] > 0 else None)
 
-        return [at(part * scales.displacement) for part in (0.002, 0.01, 0.05)]
+        return [at(part * scales.displacement) for part in (0.005, 0.02, 0.08)]
+
+    def _along(self, distance: float, m: Motion) -> Array:
+        """Memory along a path of several runs, each from none, shape (S,)."""
+        built = np.zeros(m.x.size)
+        begins = np.flatnonzero(np.diff(m.time, prepend=np.inf) <= 0).tolist()
+        for first, end in pairwise([*begins, m.x.size]):
+            memory: tuple[float, ...] = (0.0,)
+            for i, shift in enumerate(np.diff(m.x[first:end]).tolist(), first + 1):
+                memory = self.remember((1.0, distance), memory, shift, math.copysign(1.0, shift))
+                built[i] = memory[0]
+        return built
 
     @staticmethod
     def force(p: Values, m: Moment) -> float:

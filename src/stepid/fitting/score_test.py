@@ -11,10 +11,11 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Motion, Scales
-from stepid.fitting.absent import OPEN, Absent, linearized
+from stepid.fitting.absent import Absent
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext, Scored, Start
 from stepid.fitting.problem import build, start_local
+from stepid.fitting.tangent import Tangent, scaled_to_one
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import COARSE, Simulator
 
@@ -25,7 +26,9 @@ _ASTRAY = 0.2  # share of the motion that the linear plant leaves, beyond which 
 _SLIGHT = 1e-4  # of the spring's largest force: a force that hardly changes the motion
 
 
-class _Column(NamedTuple):
+class Column(NamedTuple):
+    """Responses of a plant to one start of an effect, and what turns their coefficients into its values."""
+
     effect: Effect
     responses: Array  # (S, k), weighted
     values: Callable[[Array], tuple[float, ...] | None]
@@ -90,7 +93,7 @@ def astray(context: FitContext, base: Optimum) -> bool:
 
 def columns(
     context: FitContext, effects: tuple[Effect, ...], scales: Scales | None = None, base: Optimum | None = None
-) -> list[_Column]:
+) -> list[Column]:
     """Responses of the linear plant to every effect at each of its starts; of a fitted one where it swings otherwise.
 
     Parameters
@@ -114,8 +117,8 @@ def columns(
 
 def _columns(
     context: FitContext, effects: tuple[Effect, ...], scales: Scales, base: Optimum | None = None
-) -> list[_Column]:
-    found: list[_Column] = []
+) -> list[Column]:
+    found: list[Column] = []
     motion: Motion = context.motion
     forces: list[Array] = []
     pending: list[tuple[Effect, int, Callable[[Array], tuple[float, ...] | None]]] = []
@@ -132,13 +135,13 @@ def _columns(
                 response = context.responses[key]
                 if response is not None:
                     weighted = context.decimated.weighted(response.T).T
-                    found.append(_Column(effect, weighted, _scaled(effect, tuple(values))))
+                    found.append(Column(effect, weighted, _scaled(effect, tuple(values))))
     if forces:
         pushed = force_responses(context, forces) if base is None else responses_along(base, context, forces)
         responses = context.decimated.weighted(pushed.T).T
         at = 0
         for effect, width, convert in pending:
-            found.append(_Column(effect, responses[:, at : at + width], convert))
+            found.append(Column(effect, responses[:, at : at + width], convert))
             at += width
     return found
 
@@ -182,7 +185,7 @@ def _difference(context: FitContext, effect: Effect, values: tuple[float, ...]) 
     return np.concatenate(parts, axis=1)
 
 
-def score(context: FitContext, base: Optimum, table: list[_Column], *, instead: Absent | None = None) -> list[Scored]:
+def score(context: FitContext, base: Optimum, table: list[Column], *, instead: Absent | None = None) -> list[Scored]:
     """Score every start against the residual of a fit to the decimated records: the best few of each effect first.
 
     Parameters
@@ -194,40 +197,29 @@ def score(context: FitContext, base: Optimum, table: list[_Column], *, instead: 
     instead : Absent, optional
         What is taken away for it.
     """
-    residual, jacobian, kept = linearized(base, instead)
-    if not np.isfinite(jacobian).all():  # a fit at a runaway's edge gives no direction
+    tangent = Tangent(base, instead)
+    if not tangent.directed:
         return []
-    problem = base.problem
-    size = np.linalg.norm(jacobian, axis=0)
-    size[size == 0] = np.inf
-    q, upper = np.linalg.qr(jacobian / size)
-    residual = residual - q @ (q.T @ residual) if instead is not None else residual
+    residual = tangent.left
     total = float(residual @ residual)
     found = []
     for column in table:
-        seen = column.responses
-        r = seen - q @ (q.T @ seen)
-        scale = np.linalg.norm(r, axis=0)
-        if not np.isfinite(seen).all() or not np.isfinite(scale).all() or scale.max() <= 0:
+        r = scaled_to_one(tangent.beyond(column.responses))
+        if r is None:
             continue
-        scale[scale < 1e-12 * scale.max()] = np.inf
-        triangle = np.asarray(np.linalg.qr(np.column_stack([r / scale, residual]), mode="r"))
+        part, scale = r
+        triangle = np.asarray(np.linalg.qr(np.column_stack([part, residual]), mode="r"))
         scaled = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=1e-9)[0]
         left = triangle[:, -1] - triangle[:, :-1] @ scaled
-        found.append((float(triangle[:, -1] @ triangle[:, -1] - left @ left), column, scaled / scale, seen))
+        found.append((float(triangle[:, -1] @ triangle[:, -1] - left @ left), column, scaled / scale))
     out: list[Scored] = []
     starts = Counter[Effect]()
-    for gain, column, coefficients, seen in sorted(found, key=lambda item: -item[0]):
+    for gain, column, coefficients in sorted(found, key=lambda item: -item[0]):
         values = column.values(coefficients) if starts[column.effect] < _STARTS else None
         if values is None:
             continue
         starts[column.effect] += 1
-        change = np.linalg.lstsq(upper, q.T @ (residual - seen @ coefficients), rcond=OPEN)[0] / size
-        shared = base.shared.copy()
-        if instead is not None and instead.row is None:
-            shared[instead.own] = instead.values
-        shared[kept] += change[: kept.size]
-        shared = np.clip(shared, problem.lower, problem.upper)
+        shared = tangent.adapted(column.responses @ coefficients)
         out.append(Scored(column.effect, values, gain, shared, total - gain))
     return out
 

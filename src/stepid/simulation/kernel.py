@@ -59,6 +59,7 @@ _LOOKS = 4  # a stretch of input, at least, whether a held cart breaks loose
 _RESOLVED = 8.0  # changes of the force on a held cart that make up what holds it, one a look
 _LOCATE = 60  # tries to locate an event
 _FAR = 1e3  # positions this many times larger than the scale are a runaway
+_UNSEEN = 100.0  # radians of a plant's swing between two samples, of which no more are worth a step
 _CREDIT = 1000.0  # steps that a plant may take beside its patience, where something is narrow
 _SWING = 1.0  # (ω h)², up to which an affine plant may leap: it cannot reverse twice on the way
 _SAME = 1e-9  # relative, lengths of steps that differ by the rounding of times only
@@ -546,7 +547,8 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
     """Follow the plant to `until`, its input one polynomial; return the next step's length, if `w.k[0]` is known."""
     shortest, longest = _SHORTEST * (until - t), (until - t) / _LOOKS
     events = 0
-    w.credit += w.patience * (1.0 + (until - t) * np.sqrt(abs(w.q[Q_STIFFNESS]) / w.q[Q_MASS]))
+    swing = (until - t) * np.sqrt(abs(w.q[Q_STIFFNESS]) / w.q[Q_MASS])
+    w.credit += w.patience * (1.0 + min(swing, _UNSEEN))
     while t < until:
         w.credit -= 1.0
         if w.credit < 0.0:

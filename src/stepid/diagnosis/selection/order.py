@@ -9,9 +9,11 @@ from collections.abc import Collection, Mapping, Sequence
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.selection.candidate import Candidate, Key, includes
 from stepid.diagnosis.selection.effort import Effort
-from stepid.diagnosis.selection.proposal import Node, Proposal
+from stepid.diagnosis.selection.moves.specialize import Specialize
+from stepid.diagnosis.selection.proposal import Move, Node, Proposal
 from stepid.diagnosis.vetoes import imitators
-from stepid.fitting.multistart import FitContext
+from stepid.effects.base import Effect
+from stepid.fitting.multistart import FitContext, Start
 
 
 def worthy(
@@ -49,6 +51,72 @@ def worthy(
         elif p.base in leading and (taken[p.base] <= effort.first or p.gain > effort.worth * most[p.base]):
             then.append(p)
     return first + then
+
+
+def first_together(
+    proposals: Sequence[Proposal], nodes: Mapping[Key, Node], share: int, moves: Sequence[Move]
+) -> list[Proposal]:
+    """Of effects that were scored together the most promising that have not been fitted, a few of each size."""
+    out: list[Proposal] = []
+    for move in moves:
+        out += [p for p in proposals if p.move == move.name and p.key not in nodes][:share]
+    return out
+
+
+def sources(
+    proposal: Proposal, proposals: Sequence[Proposal], together: Collection[str], rivals: Collection[str]
+) -> list[Proposal]:
+    """A proposal, and the best of the same set that was scored the other way: it begins in another valley."""
+    if proposal.move in rivals:
+        return [proposal]
+    same = [p for p in proposals if p.key == proposal.key and p.move not in rivals]
+    others = [p for p in same if (p.move in together) != (proposal.move in together)]
+    return [proposal, *sorted(others, key=lambda p: p.left)[:1]]
+
+
+def starts_in_order(source: Proposal, effects: Sequence[Effect]) -> list[Start]:
+    """Starts of a proposal, its effects in this order."""
+    order = [source.effects.index(e) for e in effects]
+    return [start._replace(values=tuple(start.values[i] for i in order)) for start in source.starts]
+
+
+def outdone(
+    proposal: Proposal, least: Node, root: Node, proposals: Sequence[Proposal], effort: Effort, tie: float
+) -> bool:
+    """Tell whether a proposal need not be fitted beside a set at the noise floor: it has more, or promises far less.
+
+    Parameters
+    ----------
+    proposal : Proposal
+    least : Node
+        The set at the floor.
+    root : Node
+        The linear plant.
+    proposals : sequence of Proposal
+        All: what that set promised tells what it takes.
+    effort : Effort
+    tie : float
+        m², difference of cost below which two candidates are not told apart.
+    """
+    if proposal.base != root.key:  # its rivals are looked for from where it stands
+        fewer = len(proposal.effects) < len(least.effects)
+        return len(proposal.deviations) >= len(least.deviations) and not fewer
+    if len(proposal.effects) > max(len(least.effects), 1):
+        return True
+    told = min((p.left for p in proposals if p.key == least.key), default=0.0)
+    gain, other = root.cost - told, root.cost - proposal.left
+    return other < effort.rival * gain and gain - other > 2 * tie
+
+
+def promises_more(
+    proposal: Proposal, known: float, least: float, effort: Effort, fit: FitContext, criteria: Criteria
+) -> bool:
+    """Tell whether a rival promises to leave less than the `known` cost [m²] at which the same set ended."""
+    slack = effort.stuck * fit.unit
+    if proposal.move == Specialize.name:  # it stands inside the other: no worse a start
+        return known > proposal.left + slack
+    rival = proposal.left < least + criteria.tie * slack
+    return 0.5 * known > proposal.left or (rival and known > proposal.left + slack)
 
 
 def nameable(fit: FitContext, criteria: Criteria, nodes: Sequence[Node]) -> list[Node]:

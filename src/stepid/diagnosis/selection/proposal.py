@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -141,3 +143,20 @@ def n_parameters(effects: tuple[Effect, ...]) -> int:
 def related(one: Effect, other: Effect) -> bool:
     """Tell whether two effects are the same, or one contains the other."""
     return one.name == other.name or one.name in other.contains or other.name in one.contains
+
+
+def overshadowed(scored: Sequence[tuple[tuple[Effect, ...], float]]) -> set[frozenset[str]]:
+    """Sets with a general law that leave no less than half of what the same with a simpler one in its place leaves.
+
+    Parameters
+    ----------
+    scored : sequence of tuple
+        Sets of as many effects, each with the cost that it promises to leave, m².
+    """
+    left: dict[frozenset[str], float] = {}
+    simpler: dict[frozenset[str], list[frozenset[str]]] = {}
+    for effects, cost in scored:
+        names = frozenset(e.name for e in effects)
+        left[names] = min(cost, left.get(names, math.inf))
+        simpler[names] = [(names - {e.name}) | {inner} for e in effects for inner in e.contains]
+    return {names for names, others in simpler.items() if any(2 * left[names] >= left.get(o, math.inf) for o in others)}

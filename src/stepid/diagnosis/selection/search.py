@@ -10,14 +10,13 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, is_white, price
+from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
-from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING
+from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, TOGETHER
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
-from stepid.diagnosis.selection.moves.specialize import Specialize
-from stepid.diagnosis.selection.order import hoped, nameable, singles, value, worthy
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.diagnosis.vetoes import imitators
@@ -26,6 +25,8 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import CandidateFit, FitContext
 
 _RIVALS = {move.name for move in CONFIRMING}
+_RIVALS_AND_RUNS = {*_RIVALS, Deviate.name}
+_TOGETHER = {move.name for move in TOGETHER}
 Tell = Callable[["Search", Proposal], None]
 
 
@@ -79,6 +80,7 @@ class Search:
             best = self._polish_best()
             if self._complete(best):
                 break
+            self._expand(self.root, [m for m in TOGETHER if m.name not in self.root.moves_made][:1])
             if not self._expand_best(EXPLORING) and not batch:
                 break
         self._confirm()
@@ -89,7 +91,7 @@ class Search:
         for _ in range(self.effort.rounds):
             bases = [self.nodes[c.key] for c in self._leading()]
             made = [self._expand(node, CONFIRMING) for node in bases]
-            steady = singles(self.nodes.values(), self.best)[: self.effort.beam]
+            steady = by.singles(self.nodes.values(), self.best)[: self.effort.beam]
             made += [self._expand(node, (Deviate(),)) for node in steady]
             if not any(made):
                 break
@@ -172,48 +174,49 @@ class Search:
 
     def _nameable(self, order: Sequence[Node]) -> list[Node]:
         """Of some nodes those that may be named where a rest remains; none where the first leaves only noise."""
-        named = nameable(self.fit, self.criteria, order)
+        named = by.nameable(self.fit, self.criteria, order)
         return [] if order[0].cost <= self.fit.floored and named[:1] == [order[0]] else named
 
     def _least(self) -> Node:
         """The node that leaves least, of those at the noise floor one that may be named."""
         order = sorted(self.nodes.values(), key=lambda n: n.cost)
-        return next(n for n in order if n.cost > self.fit.floored or nameable(self.fit, self.criteria, [n]))
+        return next(n for n in order if n.cost > self.fit.floored or by.nameable(self.fit, self.criteria, [n]))
 
     def _promising(self, bases: Collection[Key] | None = None) -> list[Proposal]:
         """The proposals to fit next: the smallest sets first, of these the most promising.
 
         With `bases`, only rivals that are proposed on these.
         """
+        nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
+        least, named = self._least().cost, (self._nameable(nodes) or nodes)[0].cost
         best: dict[Key, Proposal] = {}
         for p in self.proposals:
-            if bases is not None and (p.base not in bases or p.move not in {*_RIVALS, Deviate.name}):
+            if p.move in _TOGETHER or (bases is not None and (p.base not in bases or p.move not in _RIVALS_AND_RUNS)):
                 continue
             if (p.base, p.key) not in self._tried and (p.key not in best or p.rank < best[p.key].rank):
                 best[p.key] = p
         order = sorted(best.values(), key=lambda p: p.rank)
-        nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
-        least, named = self._least().cost, (self._nameable(nodes) or nodes)[0].cost
-        new = [p for p in worthy(order, self.nodes, self.effort, _RIVALS) if self._new(p)]
+        new = [p for p in by.worthy(order, self.nodes, self.effort, _RIVALS) if self._new(p)]
         out = [p for p in new if self._gains(least, named, p)]
         if bases is not None:
             nearest = [p for p in new if p.move == Exchange.name and p not in out][: self.effort.share]
             out.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
             return [*out, *nearest][: self.effort.width]
+        together = by.first_together(self.proposals, self.nodes, self.effort.share, TOGETHER)
+        sets = {p.key for p in together}
+        out = [p for p in out if p.key not in sets]
         smallest = min((p.size for p in out), default=0)
-        out = [p for p in out if p.size == smallest]
-        return out[: max(min(self.effort.width, self.effort.fits - self.fits), 0)]
+        larger = [p for p in out if p.size > smallest and not p.deviations][: self.effort.share]
+        out = [*[p for p in out if p.size == smallest][: self.effort.width], *together, *larger]
+        out.sort(key=lambda p: p.size)  # what needs less is asked first
+        return out[: max(self.effort.fits - self.fits, 0)]
 
     def _idle(self, proposal: Proposal) -> bool:
         """Tell whether a set is at the noise floor already, and another promises far less than it did."""
         least = self._least()
         if least.cost > self.fit.floored:
             return False
-        if proposal.base != self.root.key:  # its rivals are looked for from where it stands
-            return len(proposal.deviations) >= len(least.deviations)
-        told = min((p.left for p in self.proposals if p.key == least.key), default=0.0)
-        gain, other = self.root.cost - told, self.root.cost - proposal.left
-        return other < self.effort.rival * gain and gain - other > 2 * self.criteria.tie * self.fit.unit
+        return by.outdone(proposal, least, self.root, self.proposals, self.effort, self.criteria.tie * self.fit.unit)
 
     def _new(self, proposal: Proposal) -> bool:
         """Tell whether a set has not been fitted yet, or only to an end that its rival shows to be a poor one."""
@@ -221,11 +224,8 @@ class Search:
             return True
         if proposal.move not in _RIVALS or (proposal.base, proposal.key) in self._tried:
             return False
-        known, slack = self.nodes[proposal.key].cost, self.effort.stuck * self.fit.unit
-        if proposal.move == Specialize.name:  # it stands inside the other: no worse a start
-            return known > proposal.left + slack
-        rival = proposal.left < min(node.cost for node in self.nodes.values()) + self.criteria.tie * slack
-        return 0.5 * known > proposal.left or (rival and known > proposal.left + slack)
+        least = min(node.cost for node in self.nodes.values())
+        return by.promises_more(proposal, self.nodes[proposal.key].cost, least, self.effort, self.fit, self.criteria)
 
     def _gains(self, least: float, named: float, proposal: Proposal) -> bool:
         """Tell whether a proposal may better the best so far or the best that may be named, or be its rival."""
@@ -234,7 +234,7 @@ class Search:
             return True  # it may have been stuck, or never tried
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
-        if proposal.base != self.root.key and hoped(proposal, self.effort) > named:
+        if proposal.base != self.root.key and by.hoped(proposal, self.effort) > named:
             return False
         return proposal.left < proposal.like.cost - slack
 
@@ -246,7 +246,11 @@ class Search:
         self._tried.add((proposal.base, proposal.key))
         self.tell(self, proposal)
         fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
-        fitted.begin(list(proposal.starts), like=proposal.like, keep=self.effort.keep + 1, laps=self.effort.begin)
+        for source in by.sources(proposal, self.proposals, _TOGETHER, _RIVALS):
+            keep = 1 if source.move in _TOGETHER else self.effort.keep + 1  # those come near
+            fitted.begin(
+                by.starts_in_order(source, proposal.effects), like=proposal.like, keep=keep, laps=self.effort.begin
+            )
         known = self.nodes.get(proposal.key)
         if known is not None or proposal.move == Drop.name:  # what stands in for more is fitted as well
             fitted.run(laps=self.effort.promote)
@@ -270,15 +274,15 @@ class Search:
 
     def _polish_best(self) -> Candidate:
         """Fit the best nodes to all samples."""
-        order = sorted(self.nodes.values(), key=lambda n: value(self.fit, n))
-        best = value(self.fit, order[0])
+        order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
+        best = by.value(self.fit, order[0])
         near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
         first = order[: self.effort.polish] + self._nameable(order)[: self.effort.polish]
         for node in order:
             # one that is not near, or cannot be named, is fitted once: it may go on for long, and cannot win
-            if node.key in self.candidates and not nameable(self.fit, self.criteria, [node]):
+            if node.key in self.candidates and not by.nameable(self.fit, self.criteria, [node]):
                 continue
-            if value(self.fit, node) < near or (any(node is f for f in first) and node.fitted.polished is None):
+            if by.value(self.fit, node) < near or (any(node is f for f in first) and node.fitted.polished is None):
                 self._polish(node)
         if not self._complete(self.best):
             node = self.nodes[self.best.key]

@@ -1,8 +1,9 @@
-"""The moves of the search, one a file; a move of your own is a file and an entry in `EXPLORING` or `CONFIRMING`."""
+"""The moves of the search, one a file; a move of your own is a file and an entry in one of the lists below."""
 
 from __future__ import annotations
 
 from stepid.diagnosis.selection.moves.add import Add
+from stepid.diagnosis.selection.moves.add_together import AddTogether
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
@@ -14,8 +15,11 @@ from stepid.diagnosis.selection.proposal import Move
 EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Deviate(), Split(), Drop())
 """Moves to sets that explain more."""
 
+TOGETHER: tuple[Move, ...] = (AddTogether(2), AddTogether(2 + 1))
+"""Moves from the linear plant where no smaller set that was fitted first is enough, one after the other."""
+
 CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Exchange(), Drop(), Split())
 """Moves to sets that may explain as much: rivals of an answer."""
 
-MOVES: tuple[Move, ...] = tuple({m.name: m for m in (*EXPLORING, *CONFIRMING)}.values())
-"""All of them, each once: follows from the two above."""
+MOVES: tuple[Move, ...] = tuple({m.name: m for m in (*EXPLORING, *TOGETHER, *CONFIRMING)}.values())
+"""All of them, each once: follows from those above."""

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, related, standing
+from stepid.diagnosis.selection.proposal import (
+    Node,
+    Proposal,
+    SearchContext,
+    n_parameters,
+    overshadowed,
+    related,
+    standing,
+)
 from stepid.effects.base import Effect
 from stepid.fitting.decimation import full_residual
 from stepid.fitting.multistart import Scored, Start, race_starts
@@ -15,7 +23,7 @@ _MODE = 2  # own states that make an effect a mode, whose response is not in pro
 
 
 class Add:
-    """Add each simple effect of the catalogue, by its score on the node's residual."""
+    """Add each effect of the catalogue, by its score on the node's residual; general ones in their own right only."""
 
     name = "add"
 
@@ -23,9 +31,7 @@ class Add:
         """Propose the node's effects and one more."""
         if len(node.effects) >= context.effort.effects:
             return []
-        known = {e.name for e in context.catalogue}
-        simple = tuple(e for e in context.catalogue if not known.intersection(e.contains))
-        new = tuple(e for e in simple if not any(related(e, own) for own in node.effects))
+        new = tuple(e for e in context.catalogue if not any(related(e, own) for own in node.effects))
         if not node.effects:
             return self._single(node, new, context)
         return self._further(node, new, context)
@@ -33,8 +39,9 @@ class Add:
     def _single(self, node: Node, new: tuple[Effect, ...], context: SearchContext) -> list[Proposal]:
         fit = context.fit
         scored = score(fit, node.best, columns(fit, new))
+        found = {s.effect for s in scored} - _overshadowed(scored)
         out = []
-        for effect in new:
+        for effect in (e for e in new if e in found or not e.contains):
             own = [s for s in scored if s.effect is effect]
             starts = race_starts(fit, effect, own)
             left = node.cost - max((s.gain for s in own), default=0.0)
@@ -50,8 +57,11 @@ class Add:
         quiet = tuple(e for e in new if e not in ringing)
         table = columns(fit, quiet, base=node.best) + columns(fit, ringing, heard, node.best)
         own: dict[str, list[Scored]] = {}
-        for scored in score(fit, node.best, table):
-            own.setdefault(scored.effect.name, []).append(scored)
+        scored = score(fit, node.best, table)
+        hidden = _overshadowed(scored)
+        for one in scored:
+            if one.effect not in hidden:
+                own.setdefault(one.effect.name, []).append(one)
         return [self._proposal(node, found, context) for found in own.values()]
 
     def _proposal(self, node: Node, found: list[Scored], context: SearchContext) -> Proposal:
@@ -72,6 +82,11 @@ class Add:
         costly *= 1.0 + effort.price * (n_parameters((effect,)) - 1)
         effects = (*node.effects, effect)
         return Proposal(effects, node.deviations, tuple(starts), node.key, node.best, left, costly, self.name)
+
+
+def _overshadowed(scored: list[Scored]) -> set[Effect]:
+    hidden = overshadowed([((s.effect,), s.left) for s in scored])
+    return {s.effect for s in scored if frozenset([s.effect.name]) in hidden}
 
 
 def inside(values: tuple[float, ...], effect: Effect) -> tuple[float, ...]:

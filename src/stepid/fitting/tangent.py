@@ -1,0 +1,57 @@
+"""What a fit's own parameters can do about its residual, to first order; the rest an effect must explain."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.fitting.absent import OPEN, Absent, linearized
+from stepid.fitting.levenberg_marquardt import Optimum
+
+
+class Tangent:
+    """What a fit's own parameters can do about its residual, to first order.
+
+    Parameters
+    ----------
+    base : Optimum
+    instead : Absent, optional
+        What is taken away from the fit.
+    """
+
+    def __init__(self, base: Optimum, instead: Absent | None = None) -> None:
+        self._base, self._instead = base, instead
+        self._residual, jacobian, self._kept = linearized(base, instead)
+        self.directed = bool(np.isfinite(jacobian).all())  # a fit at a runaway's edge gives no direction
+        if not self.directed:
+            return
+        self._size = np.linalg.norm(jacobian, axis=0)
+        self._size[self._size == 0] = np.inf
+        self._basis, self._upper = np.linalg.qr(jacobian / self._size)
+        self.left = self.beyond(self._residual) if instead is not None else self._residual
+
+    def beyond(self, seen: Array) -> Array:
+        """The part of some responses, shape (S,) or (S, k), that the fit's own parameters cannot follow."""
+        out: Array = seen - self._basis @ (self._basis.T @ seen)
+        return out
+
+    def adapted(self, seen: Array) -> Array:
+        """Parameters of the fit beside a response of shape (S,), within their bounds."""
+        base, instead, kept = self._base, self._instead, self._kept
+        rest = (self.left if instead is not None else self._residual) - seen
+        change = np.linalg.lstsq(self._upper, self._basis.T @ rest, rcond=OPEN)[0] / self._size
+        shared = base.shared.copy()
+        if instead is not None and instead.row is None:
+            shared[instead.own] = instead.values
+        shared[kept] += change[: kept.size]
+        out: Array = np.clip(shared, base.problem.lower, base.problem.upper)
+        return out
+
+
+def scaled_to_one(columns: Array) -> tuple[Array, Array] | None:
+    """Columns scaled to a norm of one, and their norms, infinite where there is nothing; None where nothing is left."""
+    scale = np.linalg.norm(columns, axis=0)
+    if not np.isfinite(scale).all() or scale.max(initial=0.0) <= 0:
+        return None
+    scale[scale < 1e-12 * scale.max()] = np.inf
+    return columns / scale, scale

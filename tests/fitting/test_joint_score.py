@@ -1,0 +1,99 @@
+"""Scores of several effects together: least squares that a plain solution confirms, starts that lead to the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+from broken_campaigns import campaign
+from stepid.effects import CATALOGUE, Effect, resolve
+from stepid.fitting.fit import prepare
+from stepid.fitting.joint_score import ScoredSet, score_sets
+from stepid.fitting.multistart import CandidateFit, FitContext, Start
+from stepid.fitting.score_test import columns, score
+from stepid.fitting.tangent import Tangent
+
+SEED = 1
+HIDDEN = {"free_play": {"gap": 5e-4}, "coulomb_friction": {"level": 0.2}}
+THREE = HIDDEN | {"cubic_stiffness": {"coefficient": 2e5}}
+
+
+def prepared(effects: Mapping[str, Mapping[str, float]]) -> FitContext:
+    return prepare(campaign(SEED, effects, masses=(0.0, 0.5, 1.5)))
+
+
+def apart(one: Effect, other: Effect) -> bool:
+    return one.name != other.name
+
+
+def scored(fit: FitContext, size: int, catalogue: tuple[Effect, ...] = CATALOGUE, count: int = 3) -> list[ScoredSet]:
+    return score_sets(fit.coarse_linear, columns(fit, catalogue), size, count, apart=apart)
+
+
+def names(found: ScoredSet) -> set[str]:
+    return {e.name for e in found.effects}
+
+
+@pytest.fixture(scope="module")
+def two() -> FitContext:
+    return prepared(HIDDEN)
+
+
+def test_what_a_pair_leaves_is_the_least_squares_solution(two: FitContext) -> None:
+    pair = resolve(["coulomb_friction", "cubic_stiffness"])
+    table = columns(two, pair)
+    found = scored(two, 2, pair)[0]
+    tangent = Tangent(two.coarse_linear)
+    both = np.column_stack([tangent.beyond(column.responses) for column in table])
+    plain = tangent.left - both @ np.linalg.lstsq(both, tangent.left, rcond=None)[0]
+    assert found.left == pytest.approx(float(plain @ plain), rel=1e-6)
+
+
+def test_a_pair_leaves_no_more_than_either_alone(two: FitContext) -> None:
+    of_any_sign = resolve(["cubic_stiffness", "quadratic_stiffness", "position_dependent_damping", "sensor_drift"])
+    alone: dict[str, float] = {}
+    for one in score(two, two.coarse_linear, columns(two, of_any_sign)):
+        alone[one.effect.name] = min(one.left, alone.get(one.effect.name, np.inf))
+    pairs = scored(two, 2, of_any_sign, count=1)
+    assert len(pairs) == 6
+    for pair in pairs:
+        assert pair.inner == pytest.approx(min(alone[name] for name in names(pair)), rel=1e-6)
+        assert pair.left <= pair.inner * (1 + 1e-9)
+
+
+def test_the_least_comes_first_and_no_set_has_more_starts_than_asked(two: FitContext) -> None:
+    found = scored(two, 2, count=2)
+    left = [s.left for s in found]
+    assert left == sorted(left)
+    counts = [frozenset(names(s)) for s in found]
+    assert max(counts.count(own) for own in counts) == 2
+    assert all(len(own) == 2 for own in counts)
+
+
+def test_effects_that_may_not_stand_beside_each_other_do_not(two: FitContext) -> None:
+    table = columns(two, CATALOGUE)
+    assert score_sets(two.coarse_linear, table, 2, 1, apart=lambda a, b: False) == []
+    assert score_sets(two.coarse_linear, [], 2, 1, apart=apart) == []
+
+
+def test_a_law_of_the_wrong_sign_is_no_start(two: FitContext) -> None:
+    for pair in scored(two, 2):
+        for effect, values in zip(pair.effects, pair.values, strict=True):
+            assert not effect.dry or values[0] > 0
+
+
+@pytest.mark.parametrize("hidden", [HIDDEN, THREE], ids=["two effects", "three effects"])
+def test_the_start_of_the_true_set_leads_to_the_noise(hidden: Mapping[str, Mapping[str, float]]) -> None:
+    fit = prepared(hidden)
+    mine = [s for s in scored(fit, len(hidden)) if names(s) == set(hidden)]
+    assert mine
+    candidate = CandidateFit(fit, mine[0].effects)
+    candidate.begin([Start(s.shared, s.values) for s in mine if s.effects == mine[0].effects], like=fit.coarse_linear)
+    candidate.run(laps=20)
+    assert candidate.cost < fit.floored
+    for effect, place in zip(mine[0].effects, candidate.coarse.layout.values, strict=True):
+        assert candidate.best is not None
+        size = candidate.best.shared[place][0]
+        assert size == pytest.approx(next(iter(hidden[effect.name].values())), rel=0.1)
