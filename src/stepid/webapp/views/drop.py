@@ -104,7 +104,9 @@ class DropView:
             words = "The files do not say all. Please answer:"
         self._message.object = said(words) + points(f"{words}; left out" for words in intake.left_out)
         asked = {question.key: question for question in intake.questions}
-        self._open[:] = [self._ask(q.key, q.text, placeholder=f"for example {q.default}" * bool(q.default)) for q in asked.values()]
+        self._open[:] = [
+            self._ask(q.key, q.text, placeholder=f"for example {q.default}" * bool(q.default)) for q in asked.values()
+        ]
         self._more.visible = bool(intake.drafts)
         if not intake.drafts:
             return
