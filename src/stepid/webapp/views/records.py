@@ -22,6 +22,7 @@ _LEAD = (
     "Runs with the same spring or damper label share one stiffness or damping. Added masses are the known weights on "
     "top of the cart. Click a cell, or go to it by Tab, to change it."
 )
+_WRAPPED = ".bk-input-group.bk-inline { display: flex; flex-wrap: wrap; gap: 2px 12px; }"
 _CHOICE = "Runs in the campaign; take the tick away to leave one out"
 _TABLE = """
 .tabulator.pnx-tabulator { background: var(--card); color: var(--ink); border: 1px solid var(--grid);
@@ -71,7 +72,7 @@ class RecordsView:
         )
         self._table.on_edit(self._edit)
         self._used = pn.widgets.CheckBoxGroup(
-            options=[], inline=True, stylesheets=[INPUT], sizing_mode="stretch_width", margin=(0, 0, 8, 0)
+            options=[], inline=True, stylesheets=[INPUT, _WRAPPED], sizing_mode="stretch_width", margin=(0, 0, 8, 0)
         )
         self._used.param.watch(self._choose, "value")
         self._pictures = grid()
