@@ -23,7 +23,8 @@ class StepidError(Exception):
         super().__init__(cause, remedy)
 
     def __str__(self) -> str:
-        return f"{self.cause}. {self.remedy}".rstrip() if self.remedy else f"{self.cause}."
+        cause = self.cause if self.cause.endswith("?") else f"{self.cause}."
+        return f"{cause} {self.remedy}".rstrip()
 
 
 class InputError(StepidError, ValueError):

@@ -51,6 +51,30 @@ def test_masses_that_no_file_tells_are_asked_for_in_the_table(session: Session) 
     assert [run.added_mass for run in session.campaign] == [0.0, 0.5, 1.0]
 
 
+def test_a_run_can_be_left_out_and_comes_back_with_what_was_typed(session: Session) -> None:
+    session.drop(files.three())
+    first, second, third = (row.name for row in session.rows)
+    session.edit(1, "added_mass", "0.7")
+    session.choose([first, third])
+    assert [run.name for run in session.campaign] == [first, third]
+    assert [row.used for row in session.rows] == [True, False, True]
+    with pytest.raises(InputError, match="a campaign has one run at least"):
+        session.choose([])
+    assert [run.name for run in session.campaign] == [first, third]
+    session.choose([first, second, third])
+    assert [run.added_mass for run in session.campaign] == [0.0, 0.7, 1.0]
+
+
+def test_a_mass_that_is_not_known_matters_in_runs_in_use_only(session: Session) -> None:
+    session.drop(files.three(named=False))
+    session.edit(0, "added_mass", "0")
+    session.edit(2, "added_mass", "1")
+    with pytest.raises(InputError, match="the added mass of run 2 is not known"):
+        _ = session.campaign
+    session.choose(["run 1", "run 3"])
+    assert [run.added_mass for run in session.campaign] == [0.0, 1.0]
+
+
 def test_units_that_no_file_tells_are_asked_for(session: Session) -> None:
     session.drop({f"run{i}_{kg}kg.csv": files.recording(kg, units=False) for i, kg in enumerate((0.0, 0.5))})
     assert [question.key for question in session.intake.questions] == ["position_unit"]

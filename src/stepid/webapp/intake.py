@@ -38,12 +38,16 @@ SETTINGS: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class Row:
-    """A run as the table has it: its labels, and its added mass in kg, None where it is not known yet."""
+    """A run as the table has it: its labels, and its added mass in kg, None where it is not known yet.
+
+    One that is not `used` is left out of the table and of the campaign, and can come back.
+    """
 
     name: str
     added_mass: float | None
     spring: str
     damper: str
+    used: bool = True
 
 
 @dataclass(frozen=True)

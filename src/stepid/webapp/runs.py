@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from stepid.core.experiment import Campaign
+from stepid.core.quantities import quantities_of
 from stepid.errors import InputError
 from stepid.io.manifest import check_value
 from stepid.webapp.intake import Row
@@ -48,13 +49,20 @@ def edited(rows: Sequence[Row], place: int, key: str, value: object) -> tuple[Ro
     return (*rows[:place], replace(row, **{key: checked}), *rows[place + 1 :])
 
 
+def chosen(rows: Sequence[Row], names: Sequence[str]) -> tuple[Row, ...]:
+    """Return the rows, only those of these names used; InputError where none would be."""
+    if not names:
+        raise InputError("a campaign has one run at least", "Leave one of them ticked.")
+    return tuple(replace(row, used=row.name in names) for row in rows)
+
+
 def massless(rows: Sequence[Row]) -> tuple[str, ...]:
-    """Names of the runs whose added mass is not known."""
-    return tuple(row.name for row in rows if row.added_mass is None)
+    """Names of the runs in use whose added mass is not known."""
+    return tuple(row.name for row in rows if row.used and row.added_mass is None)
 
 
 def labeled(recorded: Campaign, rows: Sequence[Row], name: str) -> Campaign:
-    """Return records with the labels and masses of the table, a row a run.
+    """Return the records in use, with the labels and masses of the table, a row a run.
 
     Raises
     ------
@@ -62,13 +70,17 @@ def labeled(recorded: Campaign, rows: Sequence[Row], name: str) -> Campaign:
         If a mass is missing, a name is used twice, or the campaign has no name.
     """
     if missing := massless(rows):
-        raise InputError(f"the added mass of {', '.join(missing)} is not known", "Put it into the table, in kg.")
+        say = quantities_of(recorded).text
+        raise InputError(
+            f"{say('the added mass of')} {', '.join(missing)} is not known", say("Put it into the table, in kg.")
+        )
     check_value("name", name.strip(), "the campaign")
     runs = tuple(
         run.model_copy(
             update={"name": row.name, "added_mass": row.added_mass, "spring": row.spring, "damper": row.damper}
         )
         for run, row in zip(recorded, rows, strict=True)
+        if row.used
     )
     if runs == recorded.experiments and name.strip() == recorded.name:
         return recorded

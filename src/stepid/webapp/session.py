@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import stepid
 from stepid.core.experiment import Campaign
@@ -93,6 +93,11 @@ class Session:
     def edit(self, place: int, key: str, value: object) -> None:
         """Change a cell of the table; InputError where a manifest would be refused with it."""
         self.rows = table.edited(self.rows, place, key, value)
+        self._forget()
+
+    def choose(self, names: Sequence[str]) -> None:
+        """Use the runs of these names only; the others wait. InputError where there are none."""
+        self.rows = table.chosen(self.rows, names)
         self._forget()
 
     def rename(self, name: str) -> None:

@@ -63,15 +63,12 @@ def first_together(
     return out
 
 
-def sources(
-    proposal: Proposal, proposals: Sequence[Proposal], together: Collection[str], rivals: Collection[str]
-) -> list[Proposal]:
-    """A proposal, and the best of the same set that was scored the other way: it begins in another valley."""
+def sources(proposal: Proposal, proposals: Sequence[Proposal], rivals: Collection[str]) -> list[Proposal]:
+    """A proposal, and those of the same set from other bases: they begin in other valleys."""
     if proposal.move in rivals:
         return [proposal]
-    same = [p for p in proposals if p.key == proposal.key and p.move not in rivals]
-    others = [p for p in same if (p.move in together) != (proposal.move in together)]
-    return [proposal, *sorted(others, key=lambda p: p.left)[:1]]
+    others = [p for p in proposals if p.key == proposal.key and p.move not in rivals and p is not proposal]
+    return [proposal, *others]
 
 
 def starts_in_order(source: Proposal, effects: Sequence[Effect]) -> list[Start]:

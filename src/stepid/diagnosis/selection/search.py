@@ -246,7 +246,7 @@ class Search:
         self._tried.add((proposal.base, proposal.key))
         self.tell(self, proposal)
         fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
-        for source in by.sources(proposal, self.proposals, _TOGETHER, _RIVALS):
+        for source in by.sources(proposal, self.proposals, _RIVALS):
             keep = 1 if source.move in _TOGETHER else self.effort.keep + 1  # those come near
             fitted.begin(
                 by.starts_in_order(source, proposal.effects), like=proposal.like, keep=keep, laps=self.effort.begin

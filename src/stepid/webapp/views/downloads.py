@@ -11,7 +11,10 @@ from stepid.webapp import downloads
 from stepid.webapp.session import Session
 from stepid.webapp.views.parts import card, download, html, note, row
 
-_LEAD = "The campaign is a folder that stepid reads again; the report is one page; the tables are CSV."
+_LEAD = (
+    "The campaign is a folder that stepid reads again; the report, once there is a diagnosis, is one page, drawn in a "
+    "few seconds; the tables are CSV."
+)
 
 
 class DownloadView:

@@ -25,7 +25,9 @@ _LEAD = (
 _DROP = """
 .filepond--panel-root.filepond--panel-root {
   background-color: var(--paper) !important; border: 1px dashed var(--line); }
-.filepond--drop-label { color: var(--ink); }
+.filepond--root.filepond--root, .filepond--root .filepond--drop-label.filepond--drop-label {
+  background: transparent; color: var(--ink); border-color: var(--line); }
+.filepond--root .filepond--label-action.filepond--label-action { color: var(--accent); }
 .filepond--drop-label label:focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
 .filepond--item-panel, [data-filepond-item-state] .filepond--item-panel { background-color: #3d4a56; }
 [data-filepond-item-state*="error"] .filepond--item-panel { background-color: #a03b00; }
@@ -102,7 +104,9 @@ class DropView:
             words = "The files do not say all. Please answer:"
         self._message.object = said(words) + points(f"{words}; left out" for words in intake.left_out)
         asked = {question.key: question for question in intake.questions}
-        self._open[:] = [self._ask(q.key, q.text, placeholder=q.default) for q in asked.values()]
+        self._open[:] = [
+            self._ask(q.key, q.text, placeholder=f"for example {q.default}" * bool(q.default)) for q in asked.values()
+        ]
         self._more.visible = bool(intake.drafts)
         if not intake.drafts:
             return

@@ -25,6 +25,7 @@ from stepid.webapp.work import Status, Work
 _EVERY = 250  # ms between two looks at what works
 _TITLE = "<h1>stepid</h1>"
 _LEAD = "From recordings of a mass-spring-damper to its parameters, and to the effect that the linear model is missing."
+_NOT_YET = "Not computed yet:"
 _ROOT = """
 :host { background: var(--paper); max-width: 72rem; margin: 0 auto !important; padding: 0.8rem 1.1rem 2rem;
   box-sizing: border-box; }
@@ -83,9 +84,9 @@ class Page:
         try:
             campaign = self.session.campaign
         except StepidError as error:
-            self._by_hand.clear(str(error))
+            self._by_hand.clear(f"{_NOT_YET} {error}")
             self._diagnosis.clear(ready=False)
-            self._play.clear(str(error))
+            self._play.clear(f"{_NOT_YET} {error}")
             self._downloads.show(complete=False)
             return
         self._by_hand.clear("Computing …")

@@ -27,7 +27,7 @@ GRID = """
 """
 _BUTTON = """
 .bk-btn { font-size: 0.95rem; padding: 0.4rem 1rem; border-radius: 5px; }
-.bk-btn.bk-btn { background: var(--paper); color: var(--ink); border: 1px solid var(--line); }
+:host .bk-btn.bk-btn.bk-btn { background: var(--paper); color: var(--ink); border: 1px solid var(--line); }
 .bk-btn:disabled, .bk-btn[disabled] { opacity: 0.5; cursor: not-allowed; }
 .bk-btn:focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
 """
@@ -38,7 +38,9 @@ label { white-space: normal; font-size: 0.92rem; color: var(--ink); line-height:
 .bk-input::placeholder { color: var(--soft); opacity: 1; }
 select.bk-input { appearance: auto; background-image: none; padding-right: 0.3em; }
 """
-_PRIMARY = ".bk-btn.bk-btn.bk-btn { background: var(--accent); color: var(--card); border-color: var(--accent); }"
+_PRIMARY = """
+:host .bk-btn.bk-btn.bk-btn.bk-btn { background: var(--accent); color: var(--card); border-color: var(--accent); }
+"""
 _FOLD = """
 :host { background: var(--card); color: var(--ink); border: 1px solid var(--line); border-radius: 6px;
   box-shadow: none; }

@@ -11,6 +11,7 @@ import panel as pn
 from stepid.core.frames import make_frame
 from stepid.errors import StepidError
 from stepid.webapp import pictures
+from stepid.webapp.intake import Row
 from stepid.webapp.runs import COLUMNS, massless
 from stepid.webapp.session import Session
 from stepid.webapp.views.parts import INPUT, card, column, grid, html, note, said
@@ -21,6 +22,8 @@ _LEAD = (
     "Runs with the same spring or damper label share one stiffness or damping. Added masses are the known weights on "
     "top of the cart. Click a cell, or go to it by Tab, to change it."
 )
+_WRAPPED = ".bk-input-group.bk-inline { display: flex; flex-wrap: wrap; gap: 2px 12px; }"
+_CHOICE = "Runs in the campaign; take the tick away to leave one out"
 _TABLE = """
 .tabulator.pnx-tabulator { background: var(--card); color: var(--ink); border: 1px solid var(--grid);
   font-size: 0.92rem; }
@@ -34,6 +37,7 @@ _TABLE = """
 .pnx-tabulator .tabulator-cell:focus { outline: 3px solid var(--accent); outline-offset: -3px; }
 .pnx-tabulator .tabulator-cell input { background: var(--card); color: var(--ink); }
 .pnx-tabulator .tabulator-header-contents { min-height: 0; }
+.pnx-tabulator .tabulator-header .tabulator-col .tabulator-col-title.tabulator-col-title { white-space: normal; }
 """
 
 
@@ -67,18 +71,26 @@ class RecordsView:
             margin=(0, 0, 8, 0),
         )
         self._table.on_edit(self._edit)
+        self._used = pn.widgets.CheckBoxGroup(
+            options=[], inline=True, stylesheets=[INPUT, _WRAPPED], sizing_mode="stretch_width", margin=(0, 0, 8, 0)
+        )
+        self._used.param.watch(self._choose, "value")
         self._pictures = grid()
         self._heads: list[pn.pane.HTML] = []
         self._telling = False
-        self.view = card(2, "Runs", html(note(_LEAD)), self._name, self._message, self._table, self._pictures)
+        self._lead = html()
+        choice = html(f"<p>{_CHOICE}</p>")
+        self.view = card(
+            2, "Runs", self._lead, self._name, self._message, self._table, choice, self._used, self._pictures
+        )
 
     def show(self) -> None:
         """Show the records of the session anew."""
         session = self._session
+        self._lead.object = note(session.say.text(_LEAD))
         self._telling = True
         self._name.value = session.name
         self._telling = False
-        self._fill()
         recorded = session.intake.recorded
         runs = tuple(recorded or ())
         self._heads = [html(f"<h3>{escape(run.name)} <small>{run.time.size} samples</small></h3>") for run in runs]
@@ -86,12 +98,39 @@ class RecordsView:
             column(head, picture(pictures.record(run, session.say), f"Position and input of {run.name} against time."))
             for head, run in zip(self._heads, runs, strict=True)
         ]
+        self._fill()
 
     def _fill(self) -> None:
-        say, rows = self._session.say, self._session.rows
+        say, rows = self._session.say, self._shown
+        self._offer()
         self._table.titles = {key: say.text(title) for key, title in _TITLES.items()}
         self._table.value = make_frame({key: [_text(getattr(row, key)) for row in rows] for key in COLUMNS})
         self._ask()
+
+    @property
+    def _shown(self) -> tuple[Row, ...]:
+        return tuple(row for row in self._session.rows if row.used)
+
+    def _offer(self) -> None:
+        """Show which runs are in use, and their pictures only."""
+        rows = self._session.rows
+        self._telling = True
+        self._used.param.update(options=[row.name for row in rows], value=[row.name for row in self._shown])
+        self._telling = False
+        for row, shown in zip(rows, self._pictures, strict=False):  # there are none while questions are open
+            shown.visible = row.used
+
+    def _choose(self, event: Any) -> None:
+        if self._telling:
+            return
+        try:
+            self._session.choose(event.new)
+        except StepidError as error:
+            self._offer()
+            self._message.object = said(str(error), bad=True)
+            return
+        self._fill()
+        self._changed()
 
     def _ask(self) -> None:
         """Ask for the masses that are missing."""
@@ -100,14 +139,15 @@ class RecordsView:
         self._message.object = said(f"{words}: {', '.join(missing)}." if missing else "", bad=True)
 
     def _edit(self, event: Any) -> None:
-        place, key = int(event.row), str(event.column)
-        before = self._session.rows[place]
+        row, key = int(event.row), str(event.column)
+        before = self._shown[row]
+        place = self._session.rows.index(before)
         try:
             if _text(getattr(before, key)) != str(event.value).strip():
                 self._session.edit(place, key, event.value)
         except StepidError as error:
             self._message.object = said(str(error), bad=True)
-            self._table.patch({key: [(place, _text(getattr(before, key)))]})
+            self._table.patch({key: [(row, _text(getattr(before, key)))]})
             return
         self._ask()
         # what was taken stays as it was typed: a change from here would close the cell that is being written in now
@@ -115,6 +155,7 @@ class RecordsView:
             return
         if key == "name":
             self._heads[place].object = f"<h3>{escape(now.name)}</h3>"
+            self._offer()
         self._changed()
 
     def _rename(self, event: Any) -> None:
