@@ -62,7 +62,7 @@ def diagnose(
     campaign : Campaign
         Two runs or more.
     catalogue : tuple of Effect
-        Candidates; add your own to `stepid.effects.CATALOGUE`.
+        Candidates; add your own to `stepid.effects.CATALOGUE`. Of two with one name the last counts.
     criteria : Criteria, optional
         What decides the answer.
     effort : Effort, optional

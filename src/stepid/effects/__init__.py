@@ -33,11 +33,14 @@ CATALOGUE: tuple[Effect, ...] = _every_effect()
 
 
 def among_themselves(catalogue: tuple[Effect, ...]) -> tuple[Effect, ...]:
-    """Effects of which none contains another that is not among them: such a one has nothing to begin from."""
-    names = {e.name for e in catalogue}
+    """Effects of which none contains another that is not among them: such a one has nothing to begin from.
+
+    Of two with one name the last counts, as in `resolve`: a law of your own takes the place of one built in.
+    """
+    known = {effect.name: effect for effect in catalogue}
     out = []
-    for effect in catalogue:
-        inside = tuple(name for name in effect.contains if name in names)
+    for effect in known.values():
+        inside = tuple(name for name in effect.contains if name in known)
         if inside != effect.contains:
             effect = copy(effect)
             vars(effect)["contains"] = inside
