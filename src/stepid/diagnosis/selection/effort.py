@@ -54,7 +54,7 @@ class Effort(Model):
     promoted : int
         Candidates that are promoted first.
     polish : int
-        Candidates that are fitted to all samples in a round.
+        Candidates of each size that are fitted to all samples where a rest remains.
     polishing : int
         Iterations of a fit to all samples.
     spread : float

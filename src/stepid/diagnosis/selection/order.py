@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.selection.candidate import Candidate, Key, includes
@@ -119,6 +120,12 @@ def promises_more(
 def nameable(fit: FitContext, criteria: Criteria, nodes: Sequence[Node]) -> list[Node]:
     """Of some nodes those without an effect that a linear parameter can stand in for."""
     return [n for n in nodes if not imitators(fit, criteria, Candidate(n.effects, n.deviations, n.best, 0.0))]
+
+
+def of_each_size(nodes: Iterable[Node]) -> list[list[Node]]:
+    """Nodes by the number of effects and conditions in them, the smallest first; each size in the order given."""
+    order = sorted(nodes, key=lambda n: n.size)
+    return [list(alike) for _, alike in itertools.groupby(order, key=lambda n: n.size)]
 
 
 def hoped(proposal: Proposal, effort: Effort) -> float:

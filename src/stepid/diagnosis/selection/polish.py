@@ -16,12 +16,13 @@ from stepid.fitting.multistart import CandidateFit, FitContext
 
 def polished(context: FitContext, fitted: CandidateFit, effort: Effort) -> Optimum | None:
     """Converge a candidate on all samples, with its initial states free and at rest; the better of the two."""
-    tolerance = context.tolerance
-    tolerance = max(tolerance, effort.enough * fitted.excess)
-    for _ in range(2):
-        fitted.polish(laps=effort.polishing, tolerance=tolerance)
+    noise = float((context.records.weight**2).sum()) * context.floor**2
+    excess = fitted.excess
+    for laps in (effort.polishing // 3, effort.polishing):
+        fitted.polish(laps=laps, tolerance=max(context.tolerance, effort.enough * excess))
         if fitted.polished is None or fitted.polished.converged:
             break
+        excess = max(excess, fitted.polished.cost - noise)
     best = fitted.polished
     if best is None:
         return None

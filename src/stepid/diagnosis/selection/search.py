@@ -89,6 +89,7 @@ class Search:
     def _confirm(self) -> None:
         """Look for rivals of the best: simpler and more general laws, other effects in the place of one."""
         for _ in range(self.effort.rounds):
+            self._polish_leads()
             bases = [self.nodes[c.key] for c in self._leading()]
             made = [self._expand(node, CONFIRMING) for node in bases]
             steady = by.singles(self.nodes.values(), self.best)[: self.effort.beam]
@@ -258,37 +259,52 @@ class Search:
             self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
 
     def _promote(self) -> None:
-        """Let the promising nodes run on: the fewer, the further."""
-        laps, count = self.effort.promote, self.effort.promoted
-        while count:
-            order = sorted(self.nodes.values(), key=lambda n: n.cost)
-            best = order[0].cost
-            near = best + (1 + self.effort.promoted - count) * self.fit.unit * self.criteria.tie
-            for place, node in enumerate(order):
-                if place < count or node.cost < near:
-                    fitted = node.fitted
-                    share = self.effort.enough * max(node.cost - best, fitted.excess)
-                    enough = max(share, self.effort.converged * self.fit.unit)
-                    fitted.run(laps=laps, tolerance=enough)
-            laps, count = 2 * laps, count // 2
+        """Let the promising nodes run on: the fewer, the further, each size by itself.
+
+        A single effect on its way to what a larger set leaves would otherwise stay behind it.
+        """
+        least = min(node.cost for node in self.nodes.values())
+        for nodes in by.of_each_size(self.nodes.values()):
+            laps, count = self.effort.promote, self.effort.promoted
+            while count:
+                order = sorted(nodes, key=lambda n: n.cost)
+                near = order[0].cost + (1 + self.effort.promoted - count) * self.fit.unit * self.criteria.tie
+                for place, node in enumerate(order):
+                    if place < count or node.cost < near:
+                        fitted = node.fitted
+                        share = self.effort.enough * max(node.cost - least, fitted.excess)
+                        enough = max(share, self.effort.converged * self.fit.unit)
+                        fitted.run(laps=laps, tolerance=enough)
+                laps, count = 2 * laps, count // 2
 
     def _polish_best(self) -> Candidate:
         """Fit the best nodes to all samples."""
         order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
         best = by.value(self.fit, order[0])
         near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
-        first = order[: self.effort.polish] + self._nameable(order)[: self.effort.polish]
+        first = order[:1] + self._nameable(order)[:1]
         for node in order:
             # one that is not near, or cannot be named, is fitted once: it may go on for long, and cannot win
-            if node.key in self.candidates and not by.nameable(self.fit, self.criteria, [node]):
+            known = node.key in self.candidates
+            if known and not by.nameable(self.fit, self.criteria, [node]):
                 continue
-            if by.value(self.fit, node) < near or (any(node is f for f in first) and node.fitted.polished is None):
+            if by.value(self.fit, node) < near or (any(node is f for f in first) and not known):
                 self._polish(node)
         if not self._complete(self.best):
             node = self.nodes[self.best.key]
             if any(e.dry for e in node.effects) and node.fitted.other_sticking():
                 self._polish(node)
         return self.best
+
+    def _polish_leads(self) -> None:
+        """Where a rest remains, fit what may lead to all samples: the first of each size."""
+        if self._complete(self.best):
+            return
+        order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
+        for alike in by.of_each_size(n for n in self._nameable(order) if len(n.effects) <= LEADING):
+            for node in alike[: self.effort.polish]:
+                if node.fitted.polished is None:
+                    self._polish(node)
 
     def _polish(self, node: Node) -> None:
         optimum = polished(self.fit, node.fitted, self.effort)
