@@ -136,6 +136,9 @@ def _fitted_again(context: FitContext, candidates: tuple[Candidate, ...]) -> tup
     """The same candidates, fitted to the readings as they are seen now."""
     out = []
     for c in candidates:
+        if c.optimum.problem.records is context.records:  # another noise floor only
+            out.append(replace(c, structure=block_means(context, c.optimum)))
+            continue
         problem = with_deviations(build(context.records, c.effects, workers=context.workers), c.deviations)
         local = np.where(problem.active, c.optimum.local, 0.0)
         fitted = minimize(problem, c.optimum.shared, local, tolerance=context.tolerance, iterations=_STEPS)
