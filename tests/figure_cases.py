@@ -105,6 +105,7 @@ def diagnosis() -> Diagnosis:
                 model=model,
                 before=before,
                 after=after,
+                phases={"overshoot": before},
             )
         )
     v, x = np.linspace(-0.17, 0.17, 20), np.linspace(-0.02, 0.03, 20)
@@ -177,6 +178,7 @@ COLUMN_CASES: dict[str, Callable[[], Figure]] = {
     "force_against_position": lambda: column(lambda a: plot.force_against_position(D.where, axes=a)),
     "phase_bars": lambda: column(lambda a: plot.phase_bars(D, axes=a)),
     "candidates": lambda: column(lambda a: plot.candidates(D, axes=a)),
+    "ring_down": lambda: column(lambda a: plot.ring_down(D, axes=a)),
 }
 PAGE_CASES: dict[str, Callable[[], Figure]] = {
     "records": lambda: figure_of(plot.records(measured())[0]),

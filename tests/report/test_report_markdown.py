@@ -39,7 +39,7 @@ def test_the_same_story_with_pictures_beside_it(tmp_path: Path) -> None:
     )
     assert [int(n) for n in re.findall(r"^## (\d+)\. ", text, re.MULTILINE)] == list(range(1, 11))
     linked = [unquote(name) for name in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", text)]
-    names = ("candidates", "gap", "runs", "where", "records", "verification")
+    names = ("candidates", "gap", "ring-down", "runs", "where", "records", "verification")
     assert linked == [f"note of today-{name}.png" for name in names]
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted([target.name, *linked])
     assert all((tmp_path / name).read_bytes().startswith(b"\x89PNG") for name in linked)

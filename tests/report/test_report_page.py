@@ -142,7 +142,7 @@ def test_nothing_comes_from_outside(page: str) -> None:
 
 def test_pictures_hold_what_was_measured(page: str) -> None:
     d, drawn = example.named(), json.loads(packed(page, "pictures"))
-    wanted = {"records", "residuals", "phases", "velocity", "position", "gap", "candidates", "pull"}
+    wanted = {"records", "residuals", "phases", "velocity", "position", "gap", "ring-down", "candidates", "pull"}
     wanted |= {f"{name}-{i}" for name in ("run", "verification") for i in range(len(d.runs))}
     assert set(drawn) == wanted
     assert set(re.findall(r'data-picture="([^"]+)"', page)) == wanted
@@ -187,10 +187,10 @@ def test_candidates_tell_what_they_explain_and_how_probable_they_are(page: str) 
 def test_every_picture_says_what_it_shows(page: str) -> None:
     tags = Tags(page).tags
     plots = [a for tag, a in tags if tag == "div" and a.get("class") == "plot"]
-    assert len(plots) == 8 + 2 * len(example.RUNS)
+    assert len(plots) == 9 + 2 * len(example.RUNS)
     assert all(a["tabindex"] == "0" and len(a["aria-label"] or "") > 30 for a in plots)
     stills = [a for tag, a in tags if tag == "img"]
-    assert len(stills) == 6
+    assert len(stills) == 7
     assert all((a["src"] or "").startswith("data:image/webp;base64,") and len(a["alt"] or "") > 30 for a in stills)
 
 

@@ -1,4 +1,4 @@
-"""A law of any shape: what a force of position alone, or of velocity alone, takes of what a fit leaves."""
+"""A law of any shape: what a force of position, of velocity, or a damping that depends on position takes of a rest."""
 
 from __future__ import annotations
 
@@ -27,9 +27,16 @@ class FreeLaw(NamedTuple):
     share: float
     power: float
 
+    @property
+    def states(self) -> frozenset[str]:
+        """As `states_of` an effect has them."""
+        return frozenset(self.state.split(" and "))
+
 
 def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
-    """Find what a force of position or of velocity, piecewise linear and free in shape, takes of a fit's rest.
+    """Find what a force of position or of velocity, or a damping by position, takes of a fit's rest.
+
+    Each is piecewise linear and free in shape.
 
     The fitted plant is pushed by each piece along its own trajectory; the responses, and those to the fit's own
     parameters, are fitted to the residual. A share is corrected for the number of coefficients (adjusted coefficient of
@@ -63,8 +70,10 @@ def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
     count = float(effective_samples(decimated, residual).sum())
     base = replace(optimum, problem=coarse)
     found = []
-    for state, values in zip(("position", "velocity"), optimum.solved.states[:2], strict=True):
-        pushed = decimated.weighted(responses_along(base, context, _pieces(values)).T).T
+    x, v = optimum.solved.states[:2]
+    laws = {"position": _pieces(x), "velocity": _pieces(v), "position and velocity": [f * v for f in _pieces(x)]}
+    for state, forces in laws.items():
+        pushed = decimated.weighted(responses_along(base, context, forces).T).T
         pushed = pushed[:, np.isfinite(pushed).all(axis=0)]
         pushed = pushed - own @ (own.T @ pushed)
         free = _basis(pushed)

@@ -183,13 +183,13 @@ class EvidenceRecord:
         """
         states = states_of_all(self.context, lead.optimum)
         alone = free_law(self.context, self.linear.optimum)
-        if not any(alone.state in own for own in states) and alone.share >= self.leads.taken(self.linear, lead):
+        if not any(alone.states <= own for own in states) and alone.share >= self.leads.taken(self.linear, lead):
             return alone.state
         law = free_law(self.context, lead.optimum)
-        if law.share <= 0.5 or not any(law.state in own for own in states):
+        if law.share <= 0.5 or not any(law.states <= own for own in states):
             return ""
         misfit = self.context.coarse_linear.cost - self.context.noise_cost
-        patched = len(states) > 1 and set(states) == {frozenset({law.state})}
+        patched = len(states) > 1 and set(states) == {law.states}
         return law.state if patched or law.power > self.criteria.rough * misfit else ""
 
     def patchwork(self, found: Candidate) -> str:

@@ -6,6 +6,7 @@ from stepid.plot.gap import gap_bars, gap_residual, gap_response, gap_runs
 from stepid.plot.paper import paper_figure
 from stepid.plot.records import records
 from stepid.plot.responses import residual, response, verification, verification_grid
+from stepid.plot.ring_down import ring_down
 from stepid.plot.style import save
 from stepid.plot.trend_panels import trend, trends
 
@@ -23,6 +24,7 @@ __all__ = [
     "records",
     "residual",
     "response",
+    "ring_down",
     "save",
     "trend",
     "trends",

@@ -6,6 +6,7 @@ from stepid.core.latex import parameter_name
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.wording import candidate_name, digits, length
 from stepid.identification.transfer.verification import Verification
+from stepid.plot.ring_down import zoomed_ring_down
 from stepid.report.chapter import Picture
 from stepid.report.pull import linear_pull
 
@@ -90,6 +91,22 @@ def gap(d: Diagnosis) -> Picture:
         values.append(f"on runs held out {f'{before} and {after}' if d.effects else before}")
     values.append(f"noise {length(d.gap.noise)}")
     return Picture(name="gap", title="RMS gap and noise", alt=f"RMS: {'; '.join(values)}.", still="gap")
+
+
+def ring_down(d: Diagnosis) -> tuple[Picture, ...]:
+    """The ring-down of one run, zoomed; none where no run swings."""
+    shown = zoomed_ring_down(d)
+    if shown is None:
+        return ()
+    models = "the linear joint fit" + (" and the model with the effect" if d.effects else "")
+    return (
+        Picture(
+            name="ring-down",
+            title=f"The ring-down of {shown.run}, zoomed",
+            alt=f"Position against time from {shown.time[0]:.3g} to {shown.time[-1]:.3g} s: measured, {models}.",
+            still="ring-down",
+        ),
+    )
 
 
 def gap_runs(d: Diagnosis) -> Picture:

@@ -112,7 +112,7 @@
   for (const plot of document.querySelectorAll(".plot"))
     plot.querySelector(".drawn").style.height = `${pictures[plot.dataset.picture].layout.height}px`;
 
-  // only what is near the window is drawn
+  // what is near the window is drawn first, the rest when there is nothing else to do
   const near = new IntersectionObserver(
     (seen) => {
       for (const { isIntersecting, target } of seen)
@@ -124,6 +124,15 @@
     { rootMargin: "600px" },
   );
   for (const plot of document.querySelectorAll(".plot")) near.observe(plot);
+  const whenIdle = window.requestIdleCallback ?? ((work) => setTimeout(work, 100));
+  const drawRest = () => {
+    const plot = [...document.querySelectorAll(".plot")].find((one) => !drawn.has(one) && one.clientWidth > 0);
+    if (!plot) return;
+    near.unobserve(plot);
+    draw(plot);
+    whenIdle(drawRest);
+  };
+  whenIdle(drawRest);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawn.forEach(draw));
   root.dataset.ready = "true";
 })();

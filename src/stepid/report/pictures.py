@@ -16,6 +16,7 @@ from stepid.diagnosis.result import Diagnosis, Ranked, RunGap
 from stepid.diagnosis.wording import candidate_name, chance, per_cent
 from stepid.identification.transfer.verification import VerificationRun
 from stepid.plot.causes import jump_ends, leading
+from stepid.plot.ring_down import RingDown, zoomed_ring_down
 from stepid.plot.scale import length_unit, reach_of
 from stepid.report.axes import BAR, bars, dots, framed, noise_across, noise_upright, own_line, paired, run_line
 from stepid.report.pull import linear_pull
@@ -53,6 +54,9 @@ def pictures(d: Diagnosis, verified: Sequence[VerificationRun]) -> dict[str, Any
         "position": _force(1e3 * d.where.position_levels, d.where.position_force, "from rest [mm]", "mm", parted=False),
         "gap": _gap(d),
     }
+    shown = zoomed_ring_down(d)
+    if shown is not None:
+        drawn["ring-down"] = _ring_down(d, shown)
     if d.ranking:
         drawn["candidates"] = _candidates(d)
     if d.effects:
@@ -138,6 +142,20 @@ def _run(d: Diagnosis, run: RunGap, reach: float, rest: float) -> go.Figure:
     if d.effects:
         figure.add_scatter(x=time, y=_listed(after[kept]), yaxis="y3", **own_line("after", "effect residual", small))
         _noise_band(figure, 2 * finer * d.gap.noise, "y3")
+    return figure
+
+
+def _ring_down(d: Diagnosis, shown: RingDown) -> go.Figure:
+    scale, what = length_unit(reach_of([shown.measured - shown.measured[-1]]))
+    figure = framed(go.Figure(), x="time [s]", y=f"position [{what}]")
+    figure.update_layout(
+        hovermode="x unified", xaxis={"unifiedhovertitle": {"text": "%{x:.3f} s"}}, showlegend=True, margin={"t": 40}
+    )
+    kept = kept_samples(shown.measured, shown.measured - shown.linear)
+    curves = [("measured", "measured", shown.measured), ("before", "linear", shown.linear)]
+    curves += [("after", "with effect", shown.model)] if d.effects else []
+    for kind, name, curve in curves:
+        figure.add_scatter(x=_listed(shown.time[kept]), y=_listed(scale * curve[kept]), **own_line(kind, name, what))
     return figure
 
 

@@ -9,6 +9,7 @@ from stepid import plot
 from stepid.diagnosis.result import Diagnosis
 from stepid.identification.transfer.verification import Verification
 from stepid.plot.layout import new_figure
+from stepid.plot.ring_down import zoomed_ring_down
 from stepid.plot.style import MARKERS, PAGE, SERIES, in_own_words, styled
 
 Stills = Mapping[str, Callable[[], Any]]  # to axes; matplotlib's own types stay in stepid.plot
@@ -35,6 +36,8 @@ def stills(d: Diagnosis, verified: Verification | None) -> Stills:
         "gap": lambda: _gap(d),
         "runs": lambda: plot.gap_runs(d)[0, 0],
     }
+    if zoomed_ring_down(d) is not None:
+        drawn["ring-down"] = lambda: _ring_down(d)
     if verified is not None:
         drawn["verification"] = lambda: plot.verification_grid(verified)[0, 0]
     if d.ranking:
@@ -80,6 +83,13 @@ def _gap(d: Diagnosis) -> Any:
     with styled():
         axes = figure.add_subplot()
     return plot.gap_bars(d, axes=axes)
+
+
+def _ring_down(d: Diagnosis) -> Any:
+    figure = new_figure(width=PAGE * 0.85, height=2.4)
+    with styled():
+        axes = figure.add_subplot()
+    return plot.ring_down(d, axes=axes)
 
 
 def _candidates(d: Diagnosis) -> Any:

@@ -183,7 +183,7 @@ def _gap(d: Diagnosis) -> Chapter:
         name="gap",
         title="The gap, before and after",
         lead=lead,
-        pictures=(captions.gap(d), captions.gap_runs(d)),
+        pictures=(captions.gap(d), *captions.ring_down(d), captions.gap_runs(d)),
         tables=(Table(caption="The gap by run", header=GAP_HEADER, rows=tuple(gap_rows(d))),),
     )
 
