@@ -21,7 +21,12 @@ def hidden(effects: tuple[str, ...], outside: str | None = None, seed: int = 3) 
 
 @pytest.mark.parametrize(
     ("effect", "state"),
-    [("cubic_stiffness", "position"), ("quadratic_damping", "velocity"), ("coulomb_friction", "velocity")],
+    [
+        ("cubic_stiffness", "position"),
+        ("quadratic_damping", "velocity"),
+        ("coulomb_friction", "velocity"),
+        ("position_dependent_damping", "position and velocity"),
+    ],
 )
 def test_it_takes_what_a_law_of_its_state_makes(effect: str, state: str) -> None:
     context = hidden((effect,))
@@ -50,6 +55,14 @@ def test_it_sees_that_a_spring_has_another_shape() -> None:
     assert fitted is not None
     law = free_law(context, fitted)
     assert (law.state, law.share > 0.5) == ("position", True)
+
+
+def test_it_sees_that_a_damping_changes_otherwise_along_the_way() -> None:
+    context = hidden((), "bowl_damping", seed=1)
+    fitted = fit_effects(context, resolve(["position_dependent_damping"]))
+    assert fitted is not None
+    law = free_law(context, fitted)
+    assert (law.states, law.share > 0.5) == ({"position", "velocity"}, True)
 
 
 @pytest.mark.parametrize(

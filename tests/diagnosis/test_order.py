@@ -5,12 +5,14 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from made_up_evidence import candidate
-from stepid.diagnosis.selection.order import singles
+from stepid.diagnosis.selection.order import of_each_size, singles, starts_in_order
 from stepid.diagnosis.selection.proposal import overshadowed
 from stepid.effects import resolve
+from stepid.fitting.multistart import Start
 
 
 def made_up(*names: str, deviations: tuple[str, ...] = (), cost: float = 1.0) -> Any:
@@ -50,3 +52,17 @@ def test_a_general_law_stands_in_its_own_right_where_it_leaves_less_than_half(
     scored = [((play, stribeck), general), ((play, stribeck), 2.0), ((play,), 0.1)]
     scored += [((coulomb, play), simple)] if simple is not None else []
     assert overshadowed(scored) == ({frozenset({"free_play", "stribeck_friction"})} if hidden else set())
+
+
+def test_nodes_are_told_apart_by_size_in_the_order_given() -> None:
+    nodes = [SimpleNamespace(size=size, name=name) for size, name in ((2, "a"), (1, "b"), (2, "c"), (0, "d"))]
+    names = [[node.name for node in alike] for alike in of_each_size(nodes)]  # type: ignore[arg-type]
+    assert names == [["d"], ["b"], ["a", "c"]]
+
+
+def test_starts_follow_their_effects() -> None:
+    play, cogging = resolve(["free_play", "cogging"])
+    start = Start(np.zeros(4), ((1e-3,), (0.1, 0.02, 0.0)))
+    source = SimpleNamespace(effects=(play, cogging), starts=(start,))
+    (turned,) = starts_in_order(source, (cogging, play))  # type: ignore[arg-type]
+    assert turned.values == ((0.1, 0.02, 0.0), (1e-3,))
