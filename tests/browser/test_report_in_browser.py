@@ -131,7 +131,7 @@ def test_the_theme_follows_the_system(at: Any) -> None:
 
 def test_paper_and_browsers_without_scripts_get_still_pictures(visit: Window, at: Any) -> None:
     at.page.emulate_media(media="print", color_scheme="dark")
-    assert at.page.locator("img.still:visible").count() == 6
+    assert at.page.locator("img.still:visible").count() == 7
     assert at.page.locator(".plot:visible, .runs:visible, nav:visible").count() == 0
     assert at.page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     assert at.page.pdf(prefer_css_page_size=True).startswith(b"%PDF")
@@ -140,7 +140,7 @@ def test_paper_and_browsers_without_scripts_get_still_pictures(visit: Window, at
     bare.page.goto(report_example.page().as_uri())
     for folded in bare.page.locator("summary").all():
         folded.click()
-    assert bare.page.locator("img.still:visible").count() == 6
+    assert bare.page.locator("img.still:visible").count() == 7
     assert bare.page.locator(".plot:visible, .runs:visible").count() == 0
     sizes = bare.page.evaluate("[...document.querySelectorAll('img.still')].map(image => image.naturalWidth)")
     assert min(sizes) > 500

@@ -146,7 +146,9 @@ def test_writes_text_json_and_figures(
 ) -> None:
     out = tmp_path / "deep" / "out"
     assert run(["diagnose", str(manifest), "--out", str(out)]) == 0
-    stills = [f"report-{name}.png" for name in ("candidates", "gap", "records", "runs", "verification", "where")]
+    stills = [
+        f"report-{name}.png" for name in ("candidates", "gap", "records", "ring-down", "runs", "verification", "where")
+    ]
     names = ["diagnosis.json", "diagnosis.png", "diagnosis.txt", "report-pictures.pdf", "report.html", "report.md"]
     names = sorted([*names, *stills])
     assert sorted(p.name for p in out.iterdir()) == names

@@ -86,7 +86,10 @@ def test_latex_rounds_what_json_holds() -> None:
         assert estimate["unit"] == unit
 
 
-@pytest.mark.parametrize("where", SHOWN)
+# those that draw every picture take seconds
+@pytest.mark.parametrize(
+    "where", [pytest.param(name, marks=[pytest.mark.slow] * (name in ("report", "markdown"))) for name in SHOWN]
+)
 def test_what_is_shown_is_what_stands_in_latex(where: str, tmp_path: Path) -> None:
     text = re.sub(r"\s+", " ", SHOWN[where](tmp_path))
     for name, (value, reach, unit) in in_latex().items():

@@ -18,7 +18,7 @@ def polished(context: FitContext, fitted: CandidateFit, effort: Effort) -> Optim
     """Converge a candidate on all samples, with its initial states free and at rest; the better of the two."""
     noise = float((context.records.weight**2).sum()) * context.floor**2
     excess = fitted.excess
-    for laps in (effort.polishing // 3, effort.polishing):
+    for laps in (effort.begin, effort.polishing):
         fitted.polish(laps=laps, tolerance=max(context.tolerance, effort.enough * excess))
         if fitted.polished is None or fitted.polished.converged:
             break

@@ -18,6 +18,7 @@ from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.polish import polished
+from stepid.diagnosis.selection.promote import promote
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.diagnosis.vetoes import imitators
 from stepid.effects.base import Effect
@@ -76,7 +77,7 @@ class Search:
                 if not self._idle(proposal):
                     self._fit(proposal)
             if batch:
-                self._promote()
+                promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
             best = self._polish_best()
             if self._complete(best):
                 break
@@ -99,7 +100,7 @@ class Search:
             keys = {node.key for node in (*bases, *steady)}
             for proposal in self._promising(keys):
                 self._fit(proposal)
-            self._promote()
+            promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
             self._polish_best()
 
     def _leading(self) -> list[Candidate]:
@@ -257,25 +258,6 @@ class Search:
             fitted.run(laps=self.effort.promote)
         if fitted.best is not None and (known is None or fitted.cost < known.cost):
             self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
-
-    def _promote(self) -> None:
-        """Let the promising nodes run on: the fewer, the further, each size by itself.
-
-        A single effect on its way to what a larger set leaves would otherwise stay behind it.
-        """
-        least = min(node.cost for node in self.nodes.values())
-        for nodes in by.of_each_size(self.nodes.values()):
-            laps, count = self.effort.promote, self.effort.promoted
-            while count:
-                order = sorted(nodes, key=lambda n: n.cost)
-                near = order[0].cost + (1 + self.effort.promoted - count) * self.fit.unit * self.criteria.tie
-                for place, node in enumerate(order):
-                    if place < count or node.cost < near:
-                        fitted = node.fitted
-                        share = self.effort.enough * max(node.cost - least, fitted.excess)
-                        enough = max(share, self.effort.converged * self.fit.unit)
-                        fitted.run(laps=laps, tolerance=enough)
-                laps, count = 2 * laps, count // 2
 
     def _polish_best(self) -> Candidate:
         """Fit the best nodes to all samples."""

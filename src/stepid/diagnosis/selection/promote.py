@@ -1,0 +1,36 @@
+"""Let the promising candidates run on: the fewer, the further."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from stepid.diagnosis.selection.effort import Effort
+from stepid.diagnosis.selection.order import of_each_size
+from stepid.diagnosis.selection.proposal import Node
+from stepid.fitting.multistart import FitContext
+
+
+def promote(nodes: Collection[Node], fit: FitContext, tie: float, effort: Effort) -> None:
+    """Let the promising nodes of each size run on: the fewer, the further.
+
+    Each size by itself: a single effect on its way to what a larger set leaves would otherwise stay behind that.
+
+    Parameters
+    ----------
+    nodes : collection of Node
+    fit : FitContext
+    tie : float
+        Of `stepid.Criteria`: nodes that are as near to the first run on as well.
+    effort : Effort
+    """
+    least = min(node.cost for node in nodes)
+    for alike in of_each_size(nodes):
+        laps, count = effort.promote, effort.promoted
+        while count:
+            order = sorted(alike, key=lambda n: n.cost)
+            near = order[0].cost + (1 + effort.promoted - count) * fit.unit * tie
+            for place, node in enumerate(order):
+                if place < count or node.cost < near:
+                    share = effort.enough * max(node.cost - least, node.fitted.excess)
+                    node.fitted.run(laps=laps, tolerance=max(share, effort.converged * fit.unit))
+            laps, count = 2 * laps, count // 2
