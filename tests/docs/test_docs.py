@@ -47,7 +47,12 @@ def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+SLOW = ("report.md",)  # it draws every picture, twice
+
+
+@pytest.mark.parametrize(
+    "page", [pytest.param(p, marks=[pytest.mark.slow] * (p.name in SLOW), id=p.name) for p in PAGES]
+)
 def test_code_blocks_run(page: Path, lab: Path) -> None:
     names: dict[str, object] = {"__name__": "__main__"}
     for language, text in blocks(page):

@@ -166,6 +166,7 @@ def test_columns_of_tables_stay_aligned() -> None:
                 assert all(line[end : end + 2].strip() == "" for line in lines[i - 1 :] for end in ends)
 
 
+@pytest.mark.slow
 def test_reports(tmp_path: Path) -> None:
     mpl.use("Agg")
     d = results(turned=True)["diagnosis"]
@@ -243,6 +244,7 @@ def test_plans_know_the_fit_that_they_start_from() -> None:
         stepid.plan(GUESS, noise=2e-5, motion="turning")  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     mpl.use("Agg")
     manifest = stepid.write_campaign(disk(), tmp_path / "lab")
