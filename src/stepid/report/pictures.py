@@ -222,7 +222,7 @@ def _candidates(d: Diagnosis) -> go.Figure:
         part = [(name, one) for name, (one, named) in zip(names, shown, strict=True) if named == (kind == "after")]
         style = dots(kind, "") | {
             "orientation": "h",
-            "texttemplate": "%{x:.3s}",
+            "texttemplate": "%{x:.3r}",
             "textposition": "middle right",
             "hovertemplate": "%{y}<br>%{x:.4g} µm<br>%{customdata}<extra></extra>",
         }

@@ -48,7 +48,7 @@ class Effort(Model):
     keep : int
         Starts that are run on.
     begin : int
-        Iterations that a start is given at first.
+        Iterations that a start, or a fit to all samples, is given at first.
     promote : int
         Iterations of the first promotion; each further one has twice as many, for half as many candidates.
     promoted : int

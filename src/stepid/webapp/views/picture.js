@@ -56,16 +56,18 @@ export function render({ model, el }) {
     step(event.key);
   });
 
-  // drawn when it comes near the window: a page of many runs is there at once
+  // drawn when it comes near the window, else when there is nothing to do: a page of many runs is there at once
   let near = false;
-  const seen = new IntersectionObserver(
-    (entries) => {
-      if (near || !entries.some((entry) => entry.isIntersecting)) return;
-      near = true;
-      draw();
-    },
-    { rootMargin: "600px" },
-  );
+  const first = () => {
+    if (near) return;
+    near = true;
+    draw();
+  };
+  const seen = new IntersectionObserver((entries) => entries.some((entry) => entry.isIntersecting) && first(), {
+    rootMargin: "600px",
+  });
+  const whenIdle = window.requestIdleCallback ?? ((work) => setTimeout(work, 500));
+  whenIdle(() => plot.clientWidth > 0 && first());
   const widened = new ResizeObserver(() => near && place.data && window.Plotly.Plots.resize(place));
   plot.style.minHeight = `${model.figure.layout?.height ?? 0}px`;
   seen.observe(plot);
