@@ -229,6 +229,13 @@ def test_drop_takes_conditions_away_too() -> None:
     assert [p.deviations for p in found] == [frozenset({"start_time"}), frozenset({"gain"})]
 
 
+def test_drop_leads_never_back_to_the_linear_plant() -> None:
+    fit = prepared("gain")
+    one = Node(CandidateFit(fit, (), frozenset({"gain"})))
+    one.fitted.best = fit.coarse_linear
+    assert Drop().propose(one, context(fit)) == []
+
+
 def test_exchange_tries_runs_that_differ_for_an_effect_that_is_free_in_every_run() -> None:
     fit = prepared("gain")
     sine = node(fit, {"periodic_disturbance": {"amplitude": 0.05, "frequency": 3.0}})

@@ -155,7 +155,7 @@ def _search(
     tell: Callable[[Progress], object],
 ) -> list[Candidate]:
     def told(search: Search, proposal: Proposal) -> None:
-        words = " + ".join([*(e.name for e in proposal.effects), *sorted(proposal.deviations)])
+        words = " + ".join([*(e.name for e in proposal.effects), *sorted(proposal.deviations)]) or "linear model"
         done = search.fits - 1  # this one is not
         tell(Progress(words, best=search.best.names, done=done, left=search.left, promise=search.promise))
 
