@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 import stepid
 from made_up_readings import campaign, force, runs
 from stepid.core.base import Array
-from stepid.fitting.eccentricity import find_eccentricity
+from stepid.fitting.eccentricity import find_eccentricity, without_eccentricity
 from stepid.fitting.fit import prepare
 from stepid.fitting.hum import find_hum
 from stepid.fitting.noise_color import colored_floor
@@ -155,6 +155,25 @@ def test_an_eccentric_encoder_is_told(pitch: float, size: float) -> None:
     assert found.pitch == pytest.approx(pitch, rel=0.02)
     assert found.amplitude == pytest.approx(size, rel=0.1)
     assert any("off its axis" in note for note in stepid.fit(campaign(read, counts=FINE)).notes)
+
+
+def test_an_eccentric_encoder_is_subtracted() -> None:
+    size, pitch = 60e-6, 4.8e-3
+    clean = white(14, runs(), 5e-6)
+    read = campaign([x + size * np.sin(2 * np.pi * x / pitch + 1.0) for x in clean], counts=FINE)
+    context = prepare(read)
+    found = find_eccentricity(context.linear, context.floor)
+    assert found is not None
+    for run, true in zip(without_eccentricity(read, found), clean, strict=True):
+        rounding = 1 / FINE / np.sqrt(12)
+        assert np.std(np.asarray(run.position) - true) < 1.1 * np.hypot(rounding, 0.01 * size)
+
+
+def test_a_law_that_bends_once_along_the_way_is_no_line() -> None:
+    read = [x + 3.0 * x**2 for x in runs()]  # the best of all pitches would be the longest
+    context = prepare(campaign(white(15, read, 5e-6), counts=FINE))
+    assert context.linear.rms > 2 * context.floor
+    assert find_eccentricity(context.linear, context.floor) is None
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.01, 0.05])

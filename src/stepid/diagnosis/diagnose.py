@@ -144,7 +144,9 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
     how.tell(Progress("runs held out", best=found.best.names))
     faults = (*accused, *found.context.faults)
     if fault is None and not at_floor(found.context, how.criteria, found.best):
-        eccentric = find_eccentricity(found.best.optimum, found.context.floor)
+        plain = [c for c in found.candidates if not c.effects]  # runs that differ leave the line bare
+        looked = (find_eccentricity(c.optimum, found.context.floor) for c in (found.best, *plain))
+        eccentric = next(filter(None, looked), None)
         if eccentric is not None and all(f.kind != eccentric.fault.kind for f in accused):
             corrected = without_eccentricity(campaign, eccentric)
             told = eccentric.fault.model_copy(update={"words": f"{eccentric.fault.words} It is subtracted."})

@@ -10,12 +10,13 @@ from stepid.core.base import Array
 from stepid.core.experiment import Campaign
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.record_fault import ALL_RUNS, RecordFault
+from stepid.simulation.records import Records
 
-_BINS = 2048  # of the travel
-_PADDED = 4  # times as many for the transform
-_TURNS = (2.0, 200.0)  # of the encoder within the travel, that can be told
+_TURNS = (1.0, 100.0)  # of the encoder within the travel, that can be told
+_FINE = 0.25  # turns, by which pitches are told apart
+_INVERTED = 4  # steps by which a reading is corrected, each ten times as exact as the one before, or more
 _EVIDENCE = 50.0  # n ln(RSS / RSS) of the line
-_MOST = 0.5  # share of what is left above the noise that the line must take
+_MOST = 0.7  # share of what is left above the noise that the line must take
 _ALIKE = 0.3  # of the amplitude, by which runs may differ
 _SCATTER = 4.0  # standard deviations, the same
 
@@ -43,27 +44,28 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
     -------
     Eccentricity or None
     """
-    records = fit.problem.records
-    residual = records.centered(records.position - fit.solved.reading)
-    y, use = records.position, records.weight > 1e-3
-    excess = float(np.sum(residual[use] ** 2)) - floor**2 * int(use.sum())
-    if excess <= 0 or np.ptp(y) <= 0:
+    problem, records = fit.problem, fit.problem.records
+    residual, use = problem.residual(fit.solved), records.weight > 1e-3
+    excess = float(residual @ residual) - floor**2 * int(use.sum())
+    line = _Line(problem.jacobian(fit.solved), residual, records)
+    if excess <= 0 or line.travel <= 0 or not line.finite:
         return None
-    pitch = _pitch(y[use], residual[use])
-    if pitch is None:
+    turns = line.strongest()
+    if turns < _TURNS[0] + _FINE / 2:  # the longest that is tried: no pitch is the best
         return None
-    waves = records.centered(np.array([np.sin(2 * np.pi * y / pitch), np.cos(2 * np.pi * y / pitch)]))
-    values, gained = _fitted(waves[:, use], residual[use])
-    before = float(np.sum(residual[use] ** 2))
-    evidence = use.sum() * np.log(before / max(before - gained, 1e-30))
+    waves = line.waves(turns)
+    values, gained = _fitted(waves, residual)
+    left = float(residual @ residual) - gained
+    evidence = use.sum() * np.log((left + gained) / max(left, 1e-30))
     if evidence < _EVIDENCE or gained < _MOST * excess:
         return None
-    amplitude, noise = float(np.hypot(*values)), np.sqrt((before - gained) / use.sum())
+    amplitude, noise = float(np.hypot(*values)), np.sqrt(left / use.sum())
     for piece in records.pieces():
-        own, _ = _fitted(waves[:, piece] * use[piece], residual[piece] * use[piece])
+        own, _ = _fitted(waves[:, piece], residual[piece])
         error = noise * np.sqrt(2.0 / max(float(np.sum(waves[:, piece] ** 2)) / 2, 1e-30))
         if np.hypot(*(own - values)) > _ALIKE * amplitude + _SCATTER * error:
             return None
+    pitch = line.travel / turns
     words = (
         f"All runs: the readings are off by {1e6 * amplitude:.2g} µm in turn every {1e3 * pitch:.3g} mm of travel, "
         "whatever the mass and speed: an encoder or a pulley that sits off its axis."
@@ -76,32 +78,43 @@ def without_eccentricity(campaign: Campaign, found: Eccentricity) -> Campaign:
     """Subtract an encoder's line from the readings of a campaign."""
     runs = []
     for run in campaign.experiments:
-        turn = 2 * np.pi * run.position / found.pitch + found.phase
-        position = run.position - found.amplitude * np.sin(turn)
+        position = run.position
+        for _ in range(_INVERTED):  # the line is one of the true position
+            position = run.position - found.amplitude * np.sin(2 * np.pi * position / found.pitch + found.phase)
         position.setflags(write=False)
         runs.append(run.model_copy(update={"position": position}))
     return campaign.model_copy(update={"experiments": tuple(runs)})
 
 
+class _Line:
+    """Waves in position, less what the fit's own parameters can take of them: these have taken it of the residual."""
+
+    def __init__(self, jacobian: Array, residual: Array, records: Records) -> None:
+        size = np.linalg.norm(jacobian, axis=0)
+        self.finite = bool(np.isfinite(size).all())
+        self._own = np.linalg.qr(jacobian[:, size > 0] / size[size > 0])[0] if self.finite else jacobian
+        self._residual, self._records = residual, records
+        self.travel = float(np.ptp(records.position))
+
+    def waves(self, turns: float) -> Array:
+        """Sine and cosine of so many turns within the travel, shape (2, S)."""
+        angle = 2 * np.pi * turns * self._records.position / self.travel
+        both = self._records.weighted(np.array([np.sin(angle), np.cos(angle)]))
+        out: Array = both - (both @ self._own) @ self._own.T
+        return out
+
+    def strongest(self) -> float:
+        """Turns of the line that takes most of the residual."""
+        first = max(np.arange(_TURNS[0], _TURNS[1], _FINE), key=self._gain)
+        from scipy.optimize import minimize_scalar  # slow to import, seldom needed
+
+        near = (max(first - _FINE, _TURNS[0]), min(first + _FINE, _TURNS[1]))
+        return float(minimize_scalar(lambda turns: -self._gain(turns), bounds=near, options={"xatol": 1e-4}).x)
+
+    def _gain(self, turns: float) -> float:
+        return _fitted(self.waves(turns), self._residual)[1]
+
+
 def _fitted(waves: Array, residual: Array) -> tuple[Array, float]:
     values: Array = np.asarray(np.linalg.lstsq(waves.T, residual, rcond=None)[0], dtype=np.float64)
     return values, float(values @ (waves @ residual))
-
-
-def _pitch(y: Array, residual: Array) -> float | None:
-    """Pitch [m] of the strongest line in position: of the sums over bins of the travel, then refined."""
-    travel = float(np.ptp(y))
-    place = np.minimum(((y - y.min()) / travel * _BINS).astype(int), _BINS - 1)
-    sums = np.bincount(place, residual, _BINS)
-    power = np.abs(np.fft.rfft(sums, _PADDED * _BINS)) ** 2
-    turns = np.arange(power.size) / _PADDED
-    usable = (turns > _TURNS[0]) & (turns < _TURNS[1])
-    if not usable.any():
-        return None
-    first = float(turns[int(np.argmax(np.where(usable, power, 0.0)))])
-    near = first + np.linspace(-0.5, 0.5, 41)
-    gains = []
-    for count in near:
-        angle = 2 * np.pi * count * y / travel
-        gains.append(_fitted(np.array([np.sin(angle), np.cos(angle)]), residual)[1])
-    return travel / float(near[int(np.argmax(gains))])
