@@ -141,6 +141,7 @@ def test_progress_tells_the_best_answer_and_what_is_left() -> None:
     assert stage_line(last) == "runs held out | best so far: Coulomb friction"
 
 
+@pytest.mark.slow
 def test_writes_text_json_and_figures(
     manifest: Path, stages: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -64,6 +64,7 @@ def test_gain_and_damping_are_recovered(kind: str, true: tuple[float, ...]) -> N
     assert gains[kind].gain > max(gains[other].gain for other in others if other in gains)
 
 
+@pytest.mark.slow
 def test_levels_of_friction_are_recovered() -> None:
     true = (0.1, -0.2, 0.2, 0.0, -0.1, 0.15)
     context = prepare(scattered(3, friction=true, level=0.3))

@@ -33,6 +33,7 @@ def free_in_all(whole: Campaign, kind: str) -> tuple[Optimum, dict[str, Estimate
     return found, estimates(found, (), context.floor)[0]
 
 
+@pytest.mark.slow
 def test_the_gain_is_the_mean_of_the_runs() -> None:
     alike = prepare(scattered(1))
     true = estimates(alike.linear, (), alike.floor)[0]["force_gain"].value

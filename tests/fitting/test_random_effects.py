@@ -69,6 +69,7 @@ def price_of(found: Optimum) -> float:
     return price_of_scatter(found, counts, found.cost / records.size)
 
 
+@pytest.mark.slow
 def test_three_times_the_scatter_costs_the_logarithm_of_it() -> None:
     near, far = (
         price_of(free_in_all(prepare(scattered(1, gain=[m * g for g in GAINS])).linear, "gain")) for m in (1.0, 3.0)

@@ -98,6 +98,7 @@ def test_table_with_time_and_input_columns():
         assert (run.input.min(), run.input.max()) == (0.0, 0.5)
 
 
+@pytest.mark.slow
 @practice
 def test_practice_campaigns_read_and_write_back(tmp_path):
     manifests = sorted(Path(PRACTICE or "").glob("*/campaign.toml"))
