@@ -63,6 +63,25 @@ def test_a_folder_is_its_files(tmp_path: Path) -> None:
     assert [e.added_mass for e in stepid.read_campaign(tmp_path / "mine.toml").experiments] == [0.0, 0.5, 1.0]
 
 
+def test_values_go_to_files_in_the_order_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    files = three_runs(tmp_path)
+    renamed = [str(Path(file).rename(tmp_path / f"load_{n}.csv")) for file, n in zip(files, (2, 10, 30), strict=True)]
+    two, ten, thirty = renamed
+    out = tmp_path / "mine.toml"
+    said = ["--added-mass", "0.5,1.5,1", "--out", str(out), "--force"]
+    assert run(["init", thirty, two, ten, *said]) == 0  # by hand, in an order of one's own
+    runs = {e.name: e.added_mass for e in stepid.read_campaign(out).experiments}
+    assert runs == {"load 30": 0.5, "load 2": 1.5, "load 10": 1.0}
+    assert run(["init", *sorted(renamed), *said]) == 2  # as a shell's load_*.csv, 10 before 2
+    told = capsys.readouterr().err
+    assert "--added-mass: it is not clear which value is whose" in told
+    assert "such as load_2.csv load_10.csv load_30.csv" in told
+    assert run(["diagnose", *sorted(renamed), "--spring", "soft,stiff,soft", "-q"]) == 2
+    assert "--spring: it is not clear" in capsys.readouterr().err
+    assert run(["init", *sorted(renamed), "--added-mass", "0.5", "--out", str(out), "--force"]) == 0  # all the same
+    assert [e.name for e in stepid.read_campaign(out).experiments] == ["load 2", "load 10", "load 30"]
+
+
 def test_a_campaign_apart_from_its_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "elsewhere").mkdir()
     out = tmp_path / "elsewhere" / "campaign.toml"

@@ -51,7 +51,7 @@ def init(
     from stepid.io.guess.answers import open_questions
     from stepid.io.guess.manifest_text import manifest_text
 
-    found, refused = _files(files)
+    found, refused = _files(files, said)
     target = _target(found, out, force=force)
     drafts = _drafts(found, said)
     show(console(), drafts)
@@ -84,7 +84,7 @@ def read_records(paths: Sequence[Path], said: Said, *, allow_outside: bool = Fal
         if said.given:
             raise InputError(f"{flag(said.given[0])} is for recordings", f"Say it in {first}.")
         return stepid.read_campaign(first, allow_outside=allow_outside)
-    files, _ = _files(paths)
+    files, _ = _files(paths, said)
     return campaign_of_files(files, said)
 
 
@@ -122,8 +122,8 @@ def _drafts(files: Sequence[Path], said: Said) -> tuple[Draft, ...]:
     return with_answers(draft_runs(files, said.columns), said.answers)
 
 
-def _files(paths: Sequence[Path]) -> tuple[list[Path], tuple[str, ...]]:
-    """Files, and those of folders, in the order of their numbers; and why some that hold no table are left out."""
+def _files(paths: Sequence[Path], said: Said) -> tuple[list[Path], tuple[str, ...]]:
+    """Files, and those of folders, in order; and why some that hold no table are left out."""
     from stepid.io.guess.file_names import natural
     from stepid.io.guess.understand import recordings
 
@@ -135,9 +135,25 @@ def _files(paths: Sequence[Path]) -> tuple[list[Path], tuple[str, ...]]:
         raise InputError(f"{paths[0]}: holds no recordings ({', '.join(_KINDS)})", "Name the files.")
     if len(out) > _MANY:
         raise InputError(f"{len(out)} files are more than a campaign has", "Name those of one campaign.")
-    files = sorted(out, key=natural) if len({file.parent for file in out}) == 1 else out
+    if values := said.each:
+        _check_order(out, values)
+    files = sorted(out, key=natural) if not values and len({file.parent for file in out}) == 1 else out
     taken, refused = recordings(files) if len(files) > 1 else (files, ())
     return (taken, refused) if taken else (files, ())
+
+
+def _check_order(files: Sequence[Path], values: Sequence[str]) -> None:
+    """Refuse values a run for files in the order of a shell's pattern, where their numbers have another."""
+    from stepid.io.guess.file_names import natural
+
+    numbered = sorted(files, key=natural)
+    if numbered != list(files) and list(files) == sorted(files, key=str):
+        given, meant = (" ".join(file.name for file in order) for order in (files, numbered))
+        flags = " and ".join(flag(key) for key in values)
+        raise InputError(
+            f"{flags}: it is not clear which value is whose, as the files came in the order {given}",
+            f"Name the files one by one in the order of the values, such as {meant}.",
+        )
 
 
 def _target(files: Sequence[Path], out: Path | None, *, force: bool) -> Path:

@@ -24,7 +24,7 @@ def _option(flag: str, metavar: str, words: str) -> Any:
 
 def _options(
     added_mass: Annotated[
-        str | None, _option("--added-mass", "KG,KG,…", "Known weights on the cart, one a run, or one for all.")
+        str | None, _option("--added-mass", "KG,KG,…", "Known weights, one a run in order of files, or one for all.")
     ] = None,
     weight: Annotated[float | None, _option("--weight", "KG", 'Of one weight, where names say "2mass".')] = None,
     position_unit: Annotated[
@@ -64,6 +64,12 @@ class Said:
     answers: Answers
     columns: dict[str, str]
     given: tuple[str, ...]
+
+    @property
+    def each(self) -> tuple[str, ...]:
+        """Those of the answers that say another value for each run."""
+        keys = ("added_mass", "spring", "damper")
+        return tuple(key for key in keys if len(set(getattr(self.answers, key) or ())) > 1)
 
     def hearing(self, key: str, value: Any) -> Said:
         """Return what is said with another answer."""

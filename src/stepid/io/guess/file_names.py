@@ -112,7 +112,11 @@ def _float(text: str) -> float:
     return float(re.sub("[,p]", ".", text))
 
 
-def natural(file: Path) -> list[tuple[int, str]]:
-    """Order files by the numbers in their names."""
-    parts = re.split(r"(\d+(?:\.\d+)?)", file.stem.lower())
+def natural(file: Path) -> list[list[tuple[int, str]]]:
+    """Order files by the numbers in the names of their folders and in their own."""
+    return [_by_numbers(part.lower()) for part in (*file.parent.parts, file.stem)]
+
+
+def _by_numbers(name: str) -> list[tuple[int, str]]:
+    parts = re.split(r"(\d+(?:\.\d+)?)", name)
     return [(int(float(part) * 1000), "") if i % 2 else (0, part) for i, part in enumerate(parts)]
