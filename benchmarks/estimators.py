@@ -1,8 +1,9 @@
 """Estimators side by side: the hand method in all its variants, the joint fit, and what a user would do instead.
 
-`python benchmarks/estimators.py [--count 100] [--cells NAME …] [--page docs/estimators.md]`. Every campaign draws its
+`python benchmarks/estimators.py [--count 100] [--cells NAME …] [--ways NAME …] [--page docs/estimators.md]`. Every campaign draws its
 plant anew; records come from the hidden simulator of the tests. Bias is the median error, RMSE the root of the mean
-square, both in per cent of the truth; coverage is that of the 95 % intervals. A refusal counts in none of them.
+square, both in per cent of the truth; z is the median error over its standard uncertainty; coverage is that of the
+95 % intervals. A refusal counts in none of them.
 """
 
 from __future__ import annotations
@@ -170,6 +171,7 @@ def measure(name: str, count: int, ways: list[str]) -> dict[str, dict[str, Any]]
             "ms": 1e3 * spent[way] / count,
             "bias": [100 * float(v) for v in np.median(error, axis=0)] if rows else [],
             "rmse": [100 * float(v) for v in np.sqrt(np.mean(error**2, axis=0))] if rows else [],
+            "z": [float(v) for v in np.median(error / spread, axis=0)] if known else [],
             "coverage": [100 * float(v) for v in np.mean(np.abs(error) < 1.96 * spread, axis=0)] if known else [],
         }
     return out
@@ -183,13 +185,14 @@ def page(results: dict[str, Any]) -> str:
         chance = 100 * math.sqrt(0.95 * 0.05 / count)
         out += [f"### {name[0].upper()}{name[1:]}", ""]
         out += [f"{count} campaigns; chance moves a coverage by {chance:.0f}.", ""]
-        out += ["| estimator | bias, % (m, k, c) | RMSE, % (m, k, c) | covers, % (m, k, c) | refused | ms |"]
-        out += ["| --- | --- | --- | --- | --- | --- |"]
-        for way, said in ((way, ways[way]) for way in WAYS):
+        out += ["| estimator | bias, % (m, k, c) | RMSE, % (m, k, c) | z (m, k, c) | covers, % (m, k, c) | refused | ms |"]
+        out += ["| --- | --- | --- | --- | --- | --- | --- |"]
+        for way, said in ((way, ways[way]) for way in WAYS if way in ways):
             cells = [
                 ", ".join(f"{v:.2g}" if abs(v) < 99.5 else f"{v:.0f}" for v in said[key]) or "–"
                 for key in ("bias", "rmse")
             ]
+            cells.append(", ".join(f"{v:.2f}" for v in said["z"]) or "–")
             cells.append(", ".join(f"{v:.0f}" for v in said["coverage"]) or "none given")
             out.append(f"| {way} | {' | '.join(cells)} | {said['refused'] or ''} | {said['ms']:.0f} |")
         out.append("")
@@ -200,13 +203,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--cells", nargs="*", choices=CELLS, default=list(CELLS))
+    parser.add_argument("--ways", nargs="*", choices=WAYS, default=list(WAYS))
     parser.add_argument("--keep", type=Path, help="JSON file of finished cells, to go on from")
     parser.add_argument("--page", type=Path)
     given = parser.parse_args()
     done: dict[str, Any] = json.loads(given.keep.read_text()) if given.keep and given.keep.exists() else {}
     for name in given.cells:
         cell = done.setdefault(name, {"count": given.count, "ways": {}})
-        missing = [way for way in WAYS if way not in cell["ways"]]
+        missing = [way for way in given.ways if way not in cell["ways"]]
         if missing:
             cell["ways"] |= measure(name, cell["count"], missing)
             if given.keep:

@@ -78,6 +78,8 @@ class Characteristics(Model):
     uncertainty : CharacteristicsUncertainty
     correlation : float
         Correlation of the errors of `damped_frequency` and `damping_ratio`.
+    peak_time_bias, overshoot_bias : float
+        s, –; expected errors of a reading, as of `SampledPeak`. `ErrorsInVariables` takes them off, nothing else does.
     added_mass : float or None
         kg, known weights of the run, where known.
     start : float or None
@@ -106,6 +108,8 @@ class Characteristics(Model):
     settling_time: NonNegative | None = None
     uncertainty: CharacteristicsUncertainty = CharacteristicsUncertainty()
     correlation: Finite = 0.0
+    peak_time_bias: Finite = 0.0
+    overshoot_bias: Finite = 0.0
     spring: Label = "spring"
     damper: Label = "damper"
     base: Label = "cart"

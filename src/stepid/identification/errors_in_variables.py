@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from stepid.core.base import Array, Model
 from stepid.errors import ConvergenceError
+from stepid.identification.characteristics_model import Characteristics
 from stepid.identification.parameters import StackedSystem
+from stepid.identification.second_order import damping_ratio
 from stepid.identification.solvers import WeightedLeastSquares, run_covariances, scaled_rows
 
 _SETTLED, _NEAR = 1e-12, 1e-8  # relative change of the unknowns
@@ -17,8 +21,8 @@ class ErrorsInVariables(Model):
 
     `WeightedLeastSquares` takes each run's uncertainty at the values that were read; this solver takes it at the values
     that the fit finds, nearest to those read in the metric of their covariance. The two agree to first order in the
-    noise. A bias of the readings themselves, as that of `SampledPeak`, which takes the largest of noisy samples, is
-    beyond either.
+    noise. A known bias of the readings, as that of `SampledPeak`, which takes the largest of noisy samples, is taken
+    off first.
 
     Parameters
     ----------
@@ -27,6 +31,10 @@ class ErrorsInVariables(Model):
     """
 
     iterations: int = 100
+
+    def readings(self, runs: Sequence[Characteristics]) -> Array:
+        """Damped frequency [rad/s] and damping ratio of each run without their expected errors, shape (n, 2)."""
+        return np.array([_unbiased(run) for run in runs])
 
     def unknowns(
         self, system: StackedSystem, measured: Array, differences: Array, *, start: Array | None = None
@@ -61,6 +69,16 @@ class ErrorsInVariables(Model):
             "the solve with errors in variables does not settle: the peaks contradict the known mass differences",
             "More mass must give a later peak with the same spring: check added_mass, spring labels and peak times.",
         )
+
+
+def _unbiased(run: Characteristics) -> tuple[float, float]:
+    """Damped frequency and damping ratio as they would be read without a bias."""
+    frequency, ratio = run.damped_frequency, run.damping_ratio
+    if run.peak_time is not None and run.peak_time_bias:
+        frequency *= run.peak_time / (run.peak_time - run.peak_time_bias)
+    if run.overshoot is not None and 0 < run.overshoot - run.overshoot_bias < 1:
+        ratio += damping_ratio(run.overshoot - run.overshoot_bias) - damping_ratio(run.overshoot)
+    return frequency, max(ratio, 0.0)
 
 
 def _size(rows: Array) -> Array:

