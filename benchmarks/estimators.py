@@ -1,9 +1,10 @@
 """Estimators side by side: the hand method in all its variants, the joint fit, and what a user would do instead.
 
-`python benchmarks/estimators.py [--count 100] [--cells NAME …] [--ways NAME …] [--page docs/estimators.md]`. Every campaign draws its
-plant anew; records come from the hidden simulator of the tests. Bias is the median error, RMSE the root of the mean
-square, both in per cent of the truth; z is the median error over its standard uncertainty; coverage is that of the
-95 % intervals. A refusal counts in none of them.
+    python benchmarks/estimators.py [--count 100] [--cells NAME …] [--ways NAME …] [--page docs/estimators.md]
+
+Every campaign draws its plant anew; records come from the hidden simulator of the tests. Bias is the median error, RMSE
+the root of the mean square, both in per cent of the truth; z is the median error over its standard uncertainty;
+coverage is that of the 95 % intervals. A refusal counts in none of them.
 """
 
 from __future__ import annotations
@@ -185,8 +186,15 @@ def page(results: dict[str, Any]) -> str:
         chance = 100 * math.sqrt(0.95 * 0.05 / count)
         out += [f"### {name[0].upper()}{name[1:]}", ""]
         out += [f"{count} campaigns; chance moves a coverage by {chance:.0f}.", ""]
-        out += ["| estimator | bias, % (m, k, c) | RMSE, % (m, k, c) | z (m, k, c) | covers, % (m, k, c) | refused | ms |"]
-        out += ["| --- | --- | --- | --- | --- | --- | --- |"]
+        titles = (
+            "estimator",
+            "bias, % (m, k, c)",
+            "RMSE, % (m, k, c)",
+            "z (m, k, c)",
+            "covers, % (m, k, c)",
+            "refused",
+        )
+        out += [f"| {' | '.join((*titles, 'ms'))} |", "| --- " * 7 + "|"]
         for way, said in ((way, ways[way]) for way in WAYS if way in ways):
             cells = [
                 ", ".join(f"{v:.2g}" if abs(v) < 99.5 else f"{v:.0f}" for v in said[key]) or "–"

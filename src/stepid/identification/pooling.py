@@ -79,7 +79,9 @@ def pool_steps(steps: Sequence[Characteristics], *, name: str) -> Characteristic
 def _weighted_mean(values: Array, known: Array) -> tuple[float, float, float]:
     """Mean, its standard uncertainty, and how much more the values scatter than their uncertainties allow."""
     if not np.all(known > 0):
-        known = np.ones_like(values) * (float(np.std(values)) or 1e-300)
+        if not (spread := float(np.std(values))):
+            return float(values[0]), 0.0, 0.0
+        known = np.full_like(values, spread)
     weight = known**-2 / np.sum(known**-2)
     mean = float(weight @ values)
     inner = float(np.sum(known**-2)) ** -0.5
