@@ -110,8 +110,9 @@ def predicted_noise(position: Array, volts: Array, *, resolution: float | None =
     -----
     Windows of nine readings, less what the input in them explains, hold the swing in few patterns (principal axes) and
     nothing but noise in the others: white noise has the same variance in each. Of a linear plant these are seven; of
-    others the swing fills more, so that the loudest of the four quietest is taken. Patterns come from one half of the
-    record, in blocks, their variance from the other.
+    others the swing fills more, so that the loudest of the four quietest is taken, less what squares and cubes of the
+    swing in the loud patterns explain where that helps: a stiffness that depends on position. Patterns come from one
+    half of the record, in blocks, their variance from the other.
     """
     y = position - position.mean()
     size = float(np.std(y))
@@ -123,15 +124,21 @@ def predicted_noise(position: Array, volts: Array, *, resolution: float | None =
     if np.count_nonzero(moves) < 2 * _ENOUGH * (predictors.shape[1] + _WINDOW):
         return None
     half = (np.arange(len(windows)) // _BLOCK % 2)[moves]
-    square = np.zeros(_WINDOW)
+    squares = np.zeros((2, _LEAST))
     for test in (0, 1):
         there, here = half != test, half == test
         if np.count_nonzero(there) < _WINDOW:
             return None
         factors = np.linalg.lstsq(predictors[there], windows[moves][there], rcond=1e-9)[0]
-        _, _, axes = np.linalg.svd(windows[moves][there] - predictors[there] @ factors, full_matrices=False)
-        square += np.sum(((windows[moves][here] - predictors[here] @ factors) @ axes.T) ** 2, axis=0)
-    return float(np.sqrt(square / half.size)[_WINDOW - _LEAST])
+        rest = windows[moves] - predictors @ factors
+        _, _, axes = np.linalg.svd(rest[there], full_matrices=False)
+        quiet = axes[_WINDOW - _LEAST :]
+        swing = (windows[moves] - rest @ quiet.T @ quiet) / size
+        bent = np.concatenate([np.ones((len(swing), 1)), swing**2, swing**3], axis=1)
+        small = rest @ quiet.T
+        unbent = small - bent @ np.linalg.lstsq(bent[there], small[there], rcond=1e-9)[0]
+        squares += [np.sum(small[here] ** 2, axis=0), np.sum(unbent[here] ** 2, axis=0)]
+    return math.sqrt(float(squares.max(axis=1).min()) / half.size)
 
 
 def _windows(values: Array) -> Array:

@@ -3,24 +3,32 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from stepid.diagnosis.evidence import price
+from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.selection.effort import Effort
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import CandidateFit, FitContext
 
 
-def polished(context: FitContext, fitted: CandidateFit, effort: Effort) -> Optimum | None:
-    """Converge a candidate on all samples, with its initial states free and at rest; the better of the two."""
+def polished(
+    context: FitContext, fitted: CandidateFit, effort: Effort, others: Iterable[Candidate] = ()
+) -> Optimum | None:
+    """Converge a candidate on all samples, with its initial states free and at rest; the better of the two.
+
+    Where a rest remains it goes no further than one of the `others` that has no more in it and leaves less.
+    """
     noise = float((context.records.weight**2).sum()) * context.floor**2
+    beaten = (1 + effort.spread) * max(_least(fitted, others), 2 * noise)
     excess = fitted.excess
     for laps in (effort.begin, effort.polishing):
         fitted.polish(laps=laps, tolerance=max(context.tolerance, effort.enough * excess))
-        if fitted.polished is None or fitted.polished.converged:
+        if fitted.polished is None or fitted.polished.converged or fitted.polished.cost > beaten:
             break
         excess = max(excess, fitted.polished.cost - noise)
     best = fitted.polished
@@ -29,6 +37,18 @@ def polished(context: FitContext, fitted: CandidateFit, effort: Effort) -> Optim
     if fitted.rested is None or fitted.rested[0] is not best:
         fitted.rested = best, _at_rest(context, best, effort)
     return fitted.rested[1]
+
+
+def _least(fitted: CandidateFit, others: Iterable[Candidate]) -> float:
+    """Cost of the best of other sets with no more effects and no other conditions, m²."""
+    return min(
+        (
+            c.optimum.cost
+            for c in others
+            if c.names != fitted.names and len(c.effects) <= len(fitted.names) and c.deviations <= fitted.deviations
+        ),
+        default=math.inf,
+    )
 
 
 def _at_rest(context: FitContext, best: Optimum, effort: Effort) -> Optimum:

@@ -236,8 +236,11 @@ class Search:
             return True  # it may have been stuck, or never tried
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
-        if proposal.base != self.root.key and by.hoped(proposal, self.effort) > named:
+        hoped = by.hoped(proposal, self.effort)
+        if proposal.base != self.root.key and hoped > named:
             return False
+        if len(proposal.effects) > LEADING and hoped > self.fit.floored:
+            return False  # so many are an answer at the noise floor only
         return proposal.left < proposal.like.cost - slack
 
     # ---- fits -----------------------------------------------------------------------------------------------------
@@ -270,6 +273,8 @@ class Search:
             known = node.key in self.candidates
             if known and not by.nameable(self.fit, self.criteria, [node]):
                 continue
+            if len(node.effects) > LEADING and node.cost > 2 * self.fit.floored:
+                continue  # so many are an answer at the noise floor only
             if by.value(self.fit, node) < near or (any(node is f for f in first) and not known):
                 self._polish(node)
         if not self._complete(self.best):
@@ -289,7 +294,7 @@ class Search:
                     self._polish(node)
 
     def _polish(self, node: Node) -> None:
-        optimum = polished(self.fit, node.fitted, self.effort)
+        optimum = polished(self.fit, node.fitted, self.effort, self.candidates.values())
         if optimum is not None:
             white = block_means(self.fit, optimum)
             self.candidates[node.key] = Candidate(node.effects, node.deviations, optimum, white)
