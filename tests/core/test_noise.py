@@ -28,6 +28,20 @@ def test_what_cannot_be_predicted_is_the_noise(samples: int, damping: float, noi
     assert found == pytest.approx([noise] * 4, rel=0.15)
 
 
+@pytest.mark.parametrize(("samples", "bent"), [(9, 0.003), (12, 0.01), (15, 0.01), (30, 0.01)])
+def test_a_force_that_is_bent_in_position_is_no_noise(samples: int, bent: float) -> None:
+    """Readings of x_k+1 = a·x_k + b·x_k−1 − cubic and square force + input; noise of 0.02 % of them."""
+    rng = np.random.default_rng(7)
+    turn, volts = 2 * np.pi / samples, 0.3 * rng.standard_normal(1500)
+    x = np.zeros(1500)
+    for k in range(1, x.size - 1):
+        force = bent * (x[k] ** 3 + 0.5 * x[k] ** 2)
+        x[k + 1] = 2 * 0.95 * np.cos(turn) * x[k] - 0.95**2 * x[k - 1] - force + volts[k]
+    noise = 2e-4 * float(np.std(x))
+    found = predicted_noise(x + noise * rng.standard_normal(x.size), volts)
+    assert found == pytest.approx(noise, rel=0.2)
+
+
 def test_a_free_swing_of_eight_samples_a_period_is_predicted() -> None:
     turn = 2 * np.pi / 8 * np.arange(600)
     noise = 1e-3 * np.random.default_rng(1).standard_normal(600)

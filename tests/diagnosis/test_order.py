@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from made_up_evidence import candidate
-from stepid.diagnosis.selection.order import of_each_size, singles, starts_in_order
+from stepid.diagnosis.selection.order import no_answer, of_each_size, singles, starts_in_order
 from stepid.diagnosis.selection.proposal import overshadowed
 from stepid.effects import resolve
 from stepid.fitting.multistart import Start
@@ -66,3 +66,9 @@ def test_starts_follow_their_effects() -> None:
     source = SimpleNamespace(effects=(play, cogging), starts=(start,))
     (turned,) = starts_in_order(source, (cogging, play))  # type: ignore[arg-type]
     assert turned.values == ((0.1, 0.02, 0.0), (1e-3,))
+
+
+@pytest.mark.parametrize(("count", "cost", "none"), [(2, 9.0, False), (3, 1.0, False), (3, 1.2, True), (4, 9.0, True)])
+def test_more_effects_than_may_lead_are_an_answer_at_the_floor_only(count: int, cost: float, none: bool) -> None:
+    effects = resolve(["coulomb_friction", "free_play", "cogging", "actuator_lag"])[:count]
+    assert no_answer(SimpleNamespace(floored=1.1), effects, cost) is none  # type: ignore[arg-type]

@@ -13,6 +13,7 @@ _CLIP = 3.5  # standard deviations, beyond which kinks, jumps and outliers do no
 _CLIPPED = 1.0023  # what the standard deviation of white noise loses by that, undone
 _WINDOW = 9  # samples that are taken together where noise is told from what is predicted
 _LEAST = 4  # patterns of a window, the quietest, that no swing fills
+_LAPS = 3  # of the swing without noise and of what its squares and cubes explain
 _BLOCK = 4 * _WINDOW  # samples in a row that are kept for the test
 _ENOUGH = 6  # windows for each number that is fitted to them
 _ORDER = 6  # a settled ring-down of 11 samples a half period leaves 5e-4 of its swing in sixth differences
@@ -110,9 +111,10 @@ def predicted_noise(position: Array, volts: Array, *, resolution: float | None =
     -----
     Windows of nine readings, less what the input in them explains, hold the swing in few patterns (principal axes) and
     nothing but noise in the others: white noise has the same variance in each. Of a linear plant these are seven; of
-    others the swing fills more, so that the loudest of the four quietest is taken, less what squares and cubes of the
-    swing in the loud patterns explain where that helps: a stiffness that depends on position. Patterns come from one
-    half of the record, in blocks, their variance from the other.
+    others the swing fills more, so that the loudest of the four quietest is taken. Where it helps, less what squares and
+    cubes of the swing explain of them, beside its loud patterns and the input: a spring that bends is no noise. The
+    noise in loud patterns is not that in quiet ones. Patterns come from one half of the record, in blocks, their
+    variance from the other.
     """
     y = position - position.mean()
     size = float(np.std(y))
@@ -132,11 +134,12 @@ def predicted_noise(position: Array, volts: Array, *, resolution: float | None =
         factors = np.linalg.lstsq(predictors[there], windows[moves][there], rcond=1e-9)[0]
         rest = windows[moves] - predictors @ factors
         _, _, axes = np.linalg.svd(rest[there], full_matrices=False)
-        quiet = axes[_WINDOW - _LEAST :]
-        swing = (windows[moves] - rest @ quiet.T @ quiet) / size
-        bent = np.concatenate([np.ones((len(swing), 1)), swing**2, swing**3], axis=1)
-        small = rest @ quiet.T
-        unbent = small - bent @ np.linalg.lstsq(bent[there], small[there], rcond=1e-9)[0]
+        loud, quiet = rest @ axes[: _WINDOW - _LEAST].T, axes[_WINDOW - _LEAST :]
+        small = unbent = rest @ quiet.T
+        for _ in range(_LAPS):
+            swing = (windows[moves] - unbent @ quiet) / size
+            bent = np.concatenate([predictors, loud, swing**2, swing**3], axis=1)
+            unbent = small - bent @ np.linalg.lstsq(bent[there], small[there], rcond=1e-9)[0]
         squares += [np.sum(small[here] ** 2, axis=0), np.sum(unbent[here] ** 2, axis=0)]
     return math.sqrt(float(squares.max(axis=1).min()) / half.size)
 

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.selection.candidate import Candidate, Key, includes
+from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key, includes
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal
@@ -132,6 +132,11 @@ def hoped(proposal: Proposal, effort: Effort) -> float:
     """Cost that may really be left where one linearized step promises to leave some share, m²."""
     share = max(proposal.left, 0.0) / proposal.like.cost if proposal.like.cost > 0 else 1.0
     return float(proposal.like.cost * min(share, 1.0) ** effort.hope)
+
+
+def no_answer(fit: FitContext, effects: Sequence[Effect], cost: float) -> bool:
+    """Tell whether a set is none that may lead, and leaves a rest: so many effects are an answer at the floor only."""
+    return len(effects) > LEADING and cost > fit.floored
 
 
 def value(fit: FitContext, node: Node) -> float:

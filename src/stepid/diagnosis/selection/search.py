@@ -237,10 +237,8 @@ class Search:
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
         hoped = by.hoped(proposal, self.effort)
-        if proposal.base != self.root.key and hoped > named:
+        if (proposal.base != self.root.key and hoped > named) or by.no_answer(self.fit, proposal.effects, hoped):
             return False
-        if len(proposal.effects) > LEADING and hoped > self.fit.floored:
-            return False  # so many are an answer at the noise floor only
         return proposal.left < proposal.like.cost - slack
 
     # ---- fits -----------------------------------------------------------------------------------------------------
@@ -273,8 +271,8 @@ class Search:
             known = node.key in self.candidates
             if known and not by.nameable(self.fit, self.criteria, [node]):
                 continue
-            if len(node.effects) > LEADING and node.cost > 2 * self.fit.floored:
-                continue  # so many are an answer at the noise floor only
+            if by.no_answer(self.fit, node.effects, node.cost / 2):
+                continue
             if by.value(self.fit, node) < near or (any(node is f for f in first) and not known):
                 self._polish(node)
         if not self._complete(self.best):
