@@ -111,9 +111,9 @@ def predicted_noise(position: Array, volts: Array, *, resolution: float | None =
     -----
     Windows of nine readings, less what the input in them explains, hold the swing in few patterns (principal axes) and
     nothing but noise in the others: white noise has the same variance in each. Of a linear plant these are seven; of
-    others the swing fills more, so that the loudest of the four quietest is taken. Where it helps, less what squares and
-    cubes of the swing explain of them, beside its loud patterns and the input: a spring that bends is no noise. The
-    noise in loud patterns is not that in quiet ones. Patterns come from one half of the record, in blocks, their
+    others the swing fills more, so that the loudest of the four quietest is taken. Where it helps, squares and cubes
+    of the swing are taken out of them, beside its loud patterns and the input: a spring that bends is no noise, and
+    the noise in loud patterns is not that in quiet ones. Patterns come from one half of the record, in blocks, their
     variance from the other.
     """
     y = position - position.mean()
