@@ -61,7 +61,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
             *(fault.words for fault in evidence.faults),
             *((evidence.input_fault.words,) if evidence.input_fault else ()),
             *scatter_words(scatter),
-            *notes_on(campaign, context, final, effects),
+            *notes_on(context, final, effects),
         ),
         ranking=_ranking(evidence),
         runs=_runs(context, final, before, after),

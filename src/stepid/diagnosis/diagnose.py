@@ -30,7 +30,7 @@ from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.run_fault import accuse, find_fault
-from stepid.fitting.screening import screen, split_campaign
+from stepid.fitting.screening import split_campaign
 from stepid.simulation.threads import single_threaded
 from stepid.simulation.warm_up import warm_up
 
@@ -114,7 +114,7 @@ def _prepared(campaign: Campaign, how: _How) -> Diagnosis:
     context = prepare(campaign, workers=how.workers)
     if len(context.records.runs) < 2:
         raise UndeterminedError(
-            f"campaign {campaign.name!r} has one usable run. {' '.join(screen(campaign).notes)}",
+            f"campaign {campaign.name!r} has one usable run. {' '.join(context.notes)}",
             "Record the others again: a model that fits one run cannot be checked on another.",
         )
     left = f"linear model leaves {length(context.linear.rms)}, noise {length(context.floor)}"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.core.experiment import Campaign
 from stepid.effects.base import Effect
 from stepid.fitting.covariance import estimates
 from stepid.fitting.fit import NOT_CONVERGED
@@ -13,16 +12,15 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import repeat_notes
 from stepid.fitting.problem import fixes_mass
-from stepid.fitting.screening import screen
 
 _SLOW = 1.0  # s between readings, of which a cart on a spring makes no use
 _CLIPPED = 12  # samples at one extreme reading, in motion before and after
 
 
-def notes_on(campaign: Campaign, context: FitContext, final: Optimum, effects: tuple[Effect, ...]) -> tuple[str, ...]:
+def notes_on(context: FitContext, final: Optimum, effects: tuple[Effect, ...]) -> tuple[str, ...]:
     """Collect remarks in words."""
     records = context.records
-    out = [*screen(campaign).notes, *repeat_notes(records)]
+    out = [*context.notes, *repeat_notes(records)]
     if context.colored is not None:
         out.append(context.colored.words)
     slowest = float(records.sample_time.max())

@@ -46,6 +46,7 @@ def _again(
         faults=(*context.faults, *faults),
         colored=context.colored,
         by_weights=context.by_weights,
+        notes=context.notes,
     )
 
 

@@ -70,7 +70,16 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
     floor = bounded_floor(records, floor, linear.rms, int(linear.problem.free.sum() + linear.problem.active.sum()))
     likely = most_likely(linear, floor) if linear.rms > _NOTABLE * floor else linear
     by_weights = likely if likely is not linear and likely.rms <= _REACHED * floor and _is_likely(likely) else None
-    return FitContext(records, linear, floor, workers=workers, faults=faults, colored=colored, by_weights=by_weights)
+    return FitContext(
+        records,
+        linear,
+        floor,
+        workers=workers,
+        faults=faults,
+        colored=colored,
+        by_weights=by_weights,
+        notes=screened.notes,
+    )
 
 
 def _is_likely(linear: Optimum) -> bool:
@@ -147,7 +156,7 @@ def fit(
             "Try fewer effects, or look at the records for what the model cannot say.",
         )
     found = most_likely(optimum, context.floor)
-    out = report(found, wanted, context.floor, notes=_remarks(campaign, context, optimum, found))
+    out = report(found, wanted, context.floor, notes=_remarks(context, optimum, found))
     return out.model_copy(update={"parameters": profiled(out.parameters, found, wanted, context.floor)})
 
 
@@ -190,10 +199,10 @@ def _raced(context: FitContext, effects: tuple[Effect, ...], starts: list[Start]
     return best
 
 
-def _remarks(campaign: Campaign, context: FitContext, optimum: Optimum, found: Optimum) -> tuple[str, ...]:
+def _remarks(context: FitContext, optimum: Optimum, found: Optimum) -> tuple[str, ...]:
     """What to say of a fit: `optimum` with the added masses as they are given, `found` with the most likely ones."""
     out = [
-        *screen(campaign).notes,
+        *context.notes,
         *(f.words for f in context.faults if f.run == ALL_RUNS),
         *repeat_notes(context.records),
     ]

@@ -54,7 +54,8 @@ class FitContext:
 
     Candidates race on `decimated`, a part of the samples; `coarse_linear` is the linear plant there. `faults` of the
     readings are removed already; `colored` is set where their noise is not white. `by_weights` is the linear plant with
-    the most likely added masses, where errors within their uncertainty are enough for it to leave only noise.
+    the most likely added masses, where errors within their uncertainty are enough for it to leave only noise; `notes`
+    say what was left out of the records.
     """
 
     def __init__(
@@ -67,9 +68,10 @@ class FitContext:
         faults: tuple[RecordFault, ...] = (),
         colored: NoiseColor | None = None,
         by_weights: Optimum | None = None,
+        notes: tuple[str, ...] = (),
     ) -> None:
         self.records, self.linear, self.floor, self.workers = records, linear, floor, workers
-        self.faults, self.colored, self.by_weights = faults, colored, by_weights
+        self.faults, self.colored, self.by_weights, self.notes = faults, colored, by_weights, notes
         self.scales: Scales = scales(records, linear, floor)
         self.columns: dict[Effect, list[Any]] = {}  # of `stepid.fitting.score_test`, kept for the next race
         self.responses: dict[tuple[Effect, tuple[float, ...]], Array | None] = {}  # to single starts, kept likewise

@@ -261,7 +261,7 @@ def _begins_in_motion(run: Experiment) -> bool:
     """Tell whether a run's initial state is fitted, and it moves from its first samples on."""
     if run.starts != "auto":
         return run.starts == "motion"
-    return starts_in_motion(run) and float(np.ptp(run.position[:_FIRST])) > _quiet(run)
+    return float(np.ptp(run.position[:_FIRST])) > _quiet(run) and starts_in_motion(run)
 
 
 def _jump(run: Experiment, quiet: float) -> tuple[int, float] | None:
