@@ -6,6 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pytest
+
+# Tabulator's grid has its empty notice among its children, and a filler column without a title
+OF_TABULATOR = {"aria-required-children", "empty-table-header"}
+
 
 class Visit:
     """A page that was opened, with everything it complained of and asked the network for."""
@@ -44,3 +49,17 @@ class Visit:
                 return True
             self.page.wait_for_timeout(50)
         return False
+
+
+def serious_faults(page: Any) -> list[tuple[str, Any]]:
+    """What axe finds serious or critical on a page, but for what is of Tabulator: the rule and where."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe: pip install --group test")
+    found = axe.Axe().run(page).response
+    assert len(found["passes"]) > 20  # it did look
+    serious = [one for one in found["violations"] if one["impact"] in ("serious", "critical")]
+    return [
+        (one["id"], node["target"])
+        for one in serious
+        for node in one["nodes"]
+        if not (one["id"] in OF_TABULATOR and "tabulator" in str(node["target"]))
+    ]
