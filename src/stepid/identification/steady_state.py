@@ -12,15 +12,19 @@ from stepid.core.base import Array
 _SETTLED = 0.01  # envelope, as a fraction of the steady displacement, from where on the tail counts
 _MANY = 100_000  # samples of a tail, beyond which it is fitted the quicker way
 _WELL = 1e8  # condition of the normal equations that loses half of the digits
+_SLOW, _FAST = 1.5, 8.0  # times the frequency of the swing
+_BINS = 3  # frequencies that tell a level
+_CHANCE = 3.0  # standard errors
 _LONG = 1001  # samples of a window, beyond which fast convolution smooths
 
 
 class SteadyState(NamedTuple):
-    """The level a tail decays to, its standard uncertainty, and the first sample used; m, m, index."""
+    """The level a tail decays to, its standard uncertainty, the first sample used, and what is left; m, m, index, m."""
 
     level: float
     uncertainty: float
     first: int
+    residual: Array
 
 
 def steady_state(
@@ -73,7 +77,38 @@ def steady_state(
     spread *= noise
     if rms > 1.5 * noise:  # what is left is no white noise: count half periods, not samples
         spread = math.hypot(spread, rms / math.sqrt(max(float(since[-1]) / half_period, 1.0)))
-    return SteadyState(reference + float(coefficients[0]), spread, first)
+    return SteadyState(reference + float(coefficients[0]), spread, first, misfit)
+
+
+def colored_noise(residual: Array, sample_time: float, peak_time: float, noise: float) -> float:
+    """Noise as a curve through a peak sees it, m: that of white noise with as much power among its frequencies.
+
+    Parameters
+    ----------
+    residual : array, shape (n,)
+        m, what is left of a settled tail.
+    sample_time, peak_time : float
+        s.
+    noise : float
+        m, of a reading by its successive differences, which miss what is slow.
+
+    Returns
+    -------
+    float
+        m; `noise` where that is exceeded by chance only, or the tail is too short to tell.
+
+    Notes
+    -----
+    The mean of the periodogram from 1.5 to 8 times the frequency of the swing: below lies what is left of the swing,
+    above what the curve, fitted over a quarter of the peak time to either side, does not follow.
+    """
+    frequency = np.fft.rfftfreq(residual.size, sample_time) * 2 * peak_time  # of the swing's
+    seen = (frequency > _SLOW) & (frequency < _FAST)
+    if np.count_nonzero(seen) < _BINS:
+        return noise
+    power = np.abs(np.fft.rfft(residual - residual.mean()))[seen] ** 2 / residual.size
+    mean = float(np.mean(power))
+    return math.sqrt(mean) if mean > noise**2 * (1 + _CHANCE / math.sqrt(power.size)) else noise
 
 
 def _solved(basis: Array, values: Array) -> tuple[Array, float]:

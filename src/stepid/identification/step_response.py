@@ -14,7 +14,13 @@ from stepid.errors import NoOvershootError, NoStepError, NotSettledError
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
 from stepid.identification.peak import Peak, PeakReading
 from stepid.identification.second_order import damped_frequency, damping_ratio, damping_ratio_slope
-from stepid.identification.steady_state import SteadyState, last_swing, settling_time_measured, steady_state
+from stepid.identification.steady_state import (
+    SteadyState,
+    colored_noise,
+    last_swing,
+    settling_time_measured,
+    steady_state,
+)
 from stepid.identification.steps import Step
 
 _MOVING = 0.05  # swing left at the end, as a fraction of the steady displacement, that is too much
@@ -176,6 +182,9 @@ def _read(response: _Response, peak: Peak) -> _Reading:
     left = max(last_swing(time, swing, found.time) - 3 * noise, 0.0)
     if level <= 0 or left > _MOVING * level:
         raise _swinging(who, left / abs(level))
+    colored = colored_noise(tail.residual, float(time[1] - time[0]), found.time, noise)
+    if colored > noise:
+        found = peak.locate(time, swing, level=level, noise=colored)
     excess = overshoot(found.height, level)
     return _Reading(found, tail, frequency, damping_ratio(excess), excess, left)
 
