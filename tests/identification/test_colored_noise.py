@@ -37,6 +37,7 @@ def test_too_short_a_tail_tells_nothing() -> None:
     assert colored_noise(1e3 * np.sin(np.arange(100.0)), STEP, PEAK, 1.0) == 1.0
 
 
+@pytest.mark.slow
 def test_intervals_hold_colored_noise() -> None:
     """Sampled every 0.9 ms, correlated over 3 ms; taken for white noise, 13 of 25 held the stiffness."""
     held = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -147,7 +148,8 @@ def _check_order(files: Sequence[Path], values: Sequence[str]) -> None:
     from stepid.io.guess.file_names import natural
 
     numbered = sorted(files, key=natural)
-    if numbered != list(files) and list(files) == sorted(files, key=str):
+    shells = (str, lambda file: re.sub(r"[\W_]", "", str(file)).casefold())  # by bytes, or as a locale has it
+    if numbered != list(files) and any(list(files) == sorted(files, key=key) for key in shells):
         given, meant = (" ".join(file.name for file in order) for order in (files, numbered))
         flags = " and ".join(flag(key) for key in values)
         raise InputError(
