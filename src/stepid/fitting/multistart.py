@@ -80,9 +80,7 @@ class FitContext:
         self.motion = self.measured
         if linear.rms < 4 * floor:  # the fit is better known than the noisy velocity
             x, v = linear.solved.states[:2]
-            self.motion = self.motion._replace(v=v, sign=np.where(v < 0, -1.0, 1.0))
-            if linear.rms**2 < 2 * floor**2:  # it misses the position by less than the noise does
-                self.motion = self.motion._replace(x=x)
+            self.motion = self.motion._replace(x=x, v=v, sign=np.where(v < 0, -1.0, 1.0))
         self.decimated = decimated(records, linear, shortest_period(linear), floor)
         self.coarse_linear = fit_coarsely(self.decimated, linear)
         self.tangent = np.linalg.qr(self.coarse_linear.problem.jacobian(self.coarse_linear.solved))[0]
