@@ -22,6 +22,7 @@ from pydantic import (
     WithJsonSchema,
 )
 
+from stepid.core.field_units import field_unit
 from stepid.core.quantities import CART, Quantities, quantities_of, spoken
 from stepid.core.show import HEADER, one_line, rows
 from stepid.core.tables import html_table, text_table
@@ -231,6 +232,10 @@ class Model(BaseModel, metaclass=_Meta):
             return super().model_validate_json(json_data, **options)
         except ValidationError as error:
             raise _complain(cls.__name__, None, error) from None
+
+    def _unit(self, field: str, key: str = "") -> str:
+        """Return the unit of a field, or of the entry `key` of a mapping."""
+        return field_unit(type(self).__name__, field)
 
     @spoken
     def summary(self) -> str:

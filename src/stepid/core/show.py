@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,22 +38,29 @@ def _call(kind: str, told: list[str], most: int) -> str:
 
 
 def rows(model: Model) -> list[tuple[str, str]]:
-    """Fields of a model and their values; the entries of a short mapping one by one."""
+    """Fields of a model and their values with units; the entries of a short mapping one by one."""
     out: list[tuple[str, str]] = []
     for name in type(model).model_fields:
-        out += _rows(name.replace("_", " "), getattr(model, name))
+        out += _rows(name.replace("_", " "), getattr(model, name), partial(model._unit, name))
     return out
 
 
-def _rows(name: str, value: object) -> Iterator[tuple[str, str]]:
+def _rows(name: str, value: object, unit: Callable[[str], str]) -> Iterator[tuple[str, str]]:
     if isinstance(value, Mapping) and 0 < len(value) <= _ROWS:
         for key, one in value.items():
-            yield f"{name} [{key}]", _brief(one)
+            yield f"{name} [{key}]", _measured(one, unit(key))
     elif isinstance(value, tuple) and value and all(isinstance(one, str) for one in value):
         for number, one in enumerate(value):
             yield (name if number == 0 else ""), str(one)
     else:
-        yield name, value if isinstance(value, str) else _brief(value)
+        yield name, value if isinstance(value, str) else _measured(value, unit(""))
+
+
+def _measured(value: object, unit: str) -> str:
+    """A number, or a few in brackets, with its unit; what is none as it is."""
+    numbers = value if isinstance(value, tuple) else (value,)
+    bare = numbers and all(isinstance(one, int | float) and not isinstance(one, bool) for one in numbers)
+    return f"{_brief(value)} {unit}".rstrip() if bare else _brief(value)
 
 
 def _is(value: object, default: object) -> bool:

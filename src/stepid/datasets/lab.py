@@ -8,6 +8,7 @@ from pathlib import Path
 from stepid.core.base import Finite, Model, Positive
 from stepid.core.experiment import Campaign
 from stepid.io.campaign_files import read_campaign
+from stepid.simulation.model import parameter_unit
 
 _FOLDER = Path(__file__).parent / "lab"
 
@@ -36,6 +37,9 @@ class LabTruth(Model):
     effects: tuple[str, ...]
     parameters: Mapping[str, Finite]
     noise_rms: Positive
+
+    def _unit(self, field: str, key: str = "") -> str:
+        return parameter_unit(key) if field == "parameters" else super()._unit(field, key)
 
 
 def lab_campaign() -> Campaign:

@@ -18,7 +18,7 @@ from stepid.diagnosis.text import as_html, as_text, one_line
 from stepid.diagnosis.wording import length
 from stepid.diagnosis.written import Written
 from stepid.fitting.record_fault import RecordFault
-from stepid.simulation.model import PlantModel
+from stepid.simulation.model import PlantModel, parameter_unit
 
 if TYPE_CHECKING:
     from stepid.core.frames import DataFrame
@@ -152,6 +152,9 @@ class Ranked(Model):
     deviations: tuple[str, ...] = ()
     explained: Finite = 0.0
     probability: NonNegative = 0.0
+
+    def _unit(self, field: str, key: str = "") -> str:
+        return parameter_unit(key) if field == "parameters" else super()._unit(field, key)
 
 
 class Diagnosis(Written):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Self
 
+import numpy as np
 from pydantic import model_validator
 
 from stepid.core.base import Matrix, Model, Vector
@@ -56,8 +57,8 @@ class StackedSystem(Model):
     @property
     def row_units(self) -> tuple[str, ...]:
         """Unit of each row's terms: N/m of a frequency row, kg of a mass row."""
-        of_stiffness = self.matrix[:, len(self.characteristics) :].any(axis=1)
-        return tuple("N/m" if frequency else "kg" for frequency in of_stiffness)
+        first = len(self.characteristics)  # column of a stiffness, which mass rows do not have
+        return tuple("N/m" if np.any(row[first:]) else "kg" for row in self.matrix)
 
     @property
     def _header(self) -> tuple[str, ...]:

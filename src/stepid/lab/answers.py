@@ -53,6 +53,9 @@ class Answer(Model):
     records: Label
     nonce: Label
 
+    def _unit(self, field: str, key: str = "") -> str:
+        return self.units.get(key, "") if field in ("parameters", "attainable") else super()._unit(field, key)
+
     @property
     def commitment(self) -> str:
         """SHA-256 of this answer in hexadecimal; students may have it, and it holds the instructor to the answer."""

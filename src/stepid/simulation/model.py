@@ -8,7 +8,11 @@ from typing import Any
 from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 from stepid.core.base import Finite, Label, Model
+from stepid.core.field_units import field_unit
 from stepid.core.takes import a
+from stepid.effects import CATALOGUE
+
+_DEVIATIONS = {"start_time": "s", "added_mass": "kg"}  # the others are relative
 
 
 class EffectModel(Model):
@@ -24,6 +28,9 @@ class EffectModel(Model):
 
     name: Label
     values: Mapping[str, Finite]
+
+    def _unit(self, field: str, key: str = "") -> str:
+        return parameter_unit(f"{self.name}.{key}") if field == "values" else ""
 
 
 class RunState(Model):
@@ -54,6 +61,11 @@ class RunState(Model):
     states: Mapping[str, Finite] = {}
     deviations: Mapping[str, Finite] = {}
 
+    def _unit(self, field: str, key: str = "") -> str:
+        if field in ("phases", "deviations"):
+            return _DEVIATIONS.get(key, "") if field == "deviations" else parameter_unit(key)
+        return super()._unit(field, key)
+
     @model_serializer(mode="wrap")
     def _without_empty(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
         out: dict[str, Any] = serialize(self)
@@ -82,6 +94,19 @@ class PlantModel(Model):
     force_gain: Finite
     effects: tuple[EffectModel, ...] = ()
     runs: Mapping[str, RunState] = {}
+
+
+def parameter_unit(name: str) -> str:
+    """Return the unit of a parameter by its full name; empty where it is a pure number, or of no known effect.
+
+    Parameters
+    ----------
+    name : str
+        As `stepid.fit` has it: ``"stiffness[medium]"``, ``"coulomb_friction.level"``.
+    """
+    effect, _, own = name.partition(".")
+    units = {q.name: q.unit for e in CATALOGUE if e.name == effect for q in (*e.parameters, *e.run_parameters)}
+    return units.get(own, "") if own in units else field_unit("", name.partition("[")[0])
 
 
 a_model = a(PlantModel, "a PlantModel, as fit.model or diagnosis.model")

@@ -11,7 +11,7 @@ from pydantic import model_validator
 
 from stepid.core.base import Finite, Model, NonNegative, Positive
 from stepid.core.experiment import Campaign, Experiment
-from stepid.simulation.model import PlantModel
+from stepid.simulation.model import PlantModel, parameter_unit
 
 BEFORE = 8  # samples at rest before the step
 LEAST = 40  # samples of a record
@@ -60,6 +60,10 @@ class Design(Model):
     from_weights: Mapping[str, NonNegative | None] = {}
     separation: NonNegative | None = None
     misfit: NonNegative | None = None
+
+    def _unit(self, field: str, key: str = "") -> str:
+        parted = field in ("uncertainty", "from_noise", "from_weights")
+        return parameter_unit(key) if parted else super()._unit(field, key)
 
     @model_validator(mode="after")
     def _pairs(self) -> Self:

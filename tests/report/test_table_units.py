@@ -1,0 +1,67 @@
+"""No number of a table stands without its unit: the header has it, a column has it, or the cell."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import diagnosis_example as example
+import stepid
+from stepid.core.quantities import quantities_of
+from stepid.report import provenance
+from stepid.report.chapter import Table
+from stepid.report.hand import HandMethod, by_hand
+from stepid.report.story import tell
+
+BARE = re.compile(r"[+−-]?\d[\d.]*( ± [\d.]+)?(e-?\d+)?")
+PURE = {"samples", "damping ratio", "final/noise", "version"}
+UNIT = re.compile(r" \[[^\]]+\]$")
+
+
+def bare_columns(table: Table) -> set[str]:
+    """Columns with a number whose unit neither the header nor a cell of the row says."""
+    units = table.header.index("unit") if "unit" in table.header else None
+    found = set()
+    for row in table.rows:
+        if units is not None and row[units]:
+            continue
+        for title, cell in zip(table.header[1:], row[1:], strict=True):
+            if BARE.fullmatch(cell) and not UNIT.search(title) and title not in PURE:
+                found.add(title)
+    return found
+
+
+@pytest.mark.parametrize("motion", ["translation", "rotation"])
+def test_every_number_of_a_report_has_a_unit(motion: str) -> None:
+    d = example.named()
+    hand = by_hand(example.campaign())
+    assert isinstance(hand, HandMethod)
+    if motion == "rotation":
+        disk = quantities_of(example.campaign())._replace(motion=motion)
+        d, hand = disk.bear(d), disk.bear(hand)
+    tables = [table for chapter in tell(d, hand, provenance.of_data(d)) for table in chapter.tables]
+    assert len(tables) >= 10
+    assert {table.caption: bare for table in tables if (bare := bare_columns(table))} == {}
+    said = " ".join(cell for table in tables for cell in (*table.header, *(c for row in table.rows for c in row)))
+    assert ("kg·m²" in said) == ("N·m/rad" in said) == ("µrad" in said) == (motion == "rotation")
+
+
+def test_a_number_without_a_unit_is_seen() -> None:
+    table = Table(caption="made up", header=("run", "mass", "rms [m]"), rows=(("a", "1.5 ± 0.1", "2"),))
+    assert bare_columns(table) == {"mass"}
+
+
+def test_the_check_of_a_plan_has_units() -> None:
+    guess = {"base_mass": 0.95, "stiffness": 216.0, "damping": 12.0, "force_gain": 7.8}
+    plan = stepid.plan(
+        guess, noise=2e-5, runs=(2,), masses=(0.0, 1.0), levels=(0.5,), sample_times=(0.01,), motion="rotation"
+    )
+    assert {"added [kg·m²]", "levels [V]", "every [ms]"} <= set(re.split(r"\s{2,}", plan.summary().splitlines()[-3]))
+    shown = [line.split() for line in plan.check(10).summary().splitlines()[3:]]
+    assert {name: unit for name, _, _, unit, _ in shown} == {
+        "base_mass": "kg·m²",
+        "stiffness[spring]": "N·m/rad",
+        "damping[damper]": "N·m·s/rad",
+        "force_gain": "N·m/V",
+    }
