@@ -58,6 +58,13 @@ def test_opens_without_a_complaint_or_a_request(visit: Window, theme: str, width
     assert (back > ink) == (theme == "light")
 
 
+def test_the_numbers_of_candidates_are_seen_on_a_phone_without_scrolling(visit: Window) -> None:
+    at = visit(width=390).open(report_example.page())
+    last = at.page.get_by_role("columnheader", name="probability")
+    box = last.bounding_box()
+    assert 0 < box["x"] < box["x"] + box["width"] <= 390
+
+
 def test_a_run_is_shown_and_hidden_in_all_pictures(at: Any) -> None:
     assert shown(at, "records") == shown(at, "residuals") == [True] * 4
     box = at.page.get_by_role("checkbox", name="case 5")

@@ -201,7 +201,7 @@ def test_hand_method_stands_beside_the_fit() -> None:
     assert row["base_mass"][0] == f"{base:.3f} ± {found.uncertainty.base_mass['cart']:.3f}"
     assert row["base_mass"][3:] == [
         "kg",
-        f"{100 * (base / final - 1):+.1f} %",
+        f"{100 * (base / final - 1):+.1f} %".replace("-", "−"),
         f"{100 * (d.linear_parameters['base_mass'].value / final - 1):+.1f} %",
     ]
     assert base / final - 1 < -0.1  # the lesson: friction pulls the base mass by tens of per cent

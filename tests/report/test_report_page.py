@@ -98,7 +98,9 @@ def test_nothing_has_no_sign() -> None:
     named = example.named()
     close = {name: Estimate(value=e.value * (1 - 1e-6), unit=e.unit) for name, e in named.parameters.items()}
     d = changed(named, linear_parameters=close)
-    assert "-0.0" not in " ".join(cell for row in hand_method_rows(d, by_hand_of(d).found)[1] for cell in row)
+    rows = hand_method_rows(d, by_hand_of(d).found)[1]
+    assert {row[-1] for row in rows} == {"0.0 %"}
+    assert rows[0][-2].startswith("−")  # a minus sign, no hyphen
     alt = captions.pull(d).alt
     assert "−0.0" not in alt
     assert "base mass 0.00 %" in alt

@@ -92,7 +92,7 @@ def _cell(estimate: Estimate | None) -> str:
 def _percent(off: float | None) -> str:
     if off is None:
         return "–"
-    return f"{off:+.1f} %" if round(off, 1) else "0.0 %"
+    return f"{off:+.1f} %".replace("-", "−") if round(off, 1) else "0.0 %"
 
 
 def _off(estimate: Estimate | None, final: Estimate) -> float | None:
