@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -13,13 +13,13 @@ from scipy.special import chdtri
 
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
+from stepid.core.once import once
 from stepid.effects.base import Effect, Parameter
 from stepid.fitting.added_masses import WeightErrors, moved, weight_errors, with_added_masses
-from stepid.fitting.correlation import autocorrelations, disagreement, inflation
+from stepid.fitting.correlation import Block, autocorrelations, disagreement, inflation
 from stepid.fitting.levenberg_marquardt import Optimum, Problem
 from stepid.fitting.mean_of_runs import NORMAL, between_runs, centered, mean_of_runs
 from stepid.simulation.magnitudes import lengths
-from stepid.simulation.records import Index
 
 _STEPS = 6
 _BELIEVED = 4.0  # standard deviations of a weight's error
@@ -70,6 +70,7 @@ class Uncertain(NamedTuple):
     excess: Array
 
 
+@once
 def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     """Covariances of the free parameters, by their causes, and how far the most likely ones are.
 
@@ -84,11 +85,12 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     prior = weight_errors(problem.records)
     n, k = int(problem.free.sum() + problem.active.sum()), prior.found.size
     square = np.zeros(n + k)
-    for _, columns, rows in _finite_blocks(optimum, prior):
-        square[columns] += np.sum(rows**2, axis=1)
+    blocks = tuple(_finite_blocks(optimum, prior))
+    for _, columns, rows in blocks:
+        square[columns] += np.einsum("ij,ij->i", rows, rows)
     scale = np.where(square > 0, np.sqrt(square), 1.0)
     residual = problem.residual(optimum.solved)
-    matrix, pull, left = _triangle(optimum, prior, scale, residual)
+    matrix, pull, left = _triangle(optimum, blocks, scale, residual)
     level = math.sqrt(max(floor**2, left / max(residual.size - n - k, 1)))
     precision = np.append(_precision(problem), np.ones(k))
     longer = np.hypot(1.0, level * precision / scale)  # the prior's rows are of length one at most
@@ -100,8 +102,8 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     known = level * inverse[n:]
     of_prior = known.T @ known
     share = 1.0 - np.diag(of_prior)
-    excess = inflation(_finite_blocks(optimum, prior), autocorrelations(optimum, residual), inverse, share)
-    split = disagreement(_finite_blocks(optimum, prior), residual, inverse, share, level)
+    excess = inflation(blocks, autocorrelations(optimum, residual), inverse, share)
+    split = disagreement(blocks, residual, inverse, share, level)
     if level <= _MISFIT * floor:  # what chance does not make
         split = np.where(split > _by_chance(len(problem.records.runs), split.size), split, 1.0)
     excess = np.maximum(excess, split)
@@ -145,7 +147,7 @@ def _at_bound(optimum: Optimum, more: int) -> npt.NDArray[np.bool_]:
     return np.concatenate([out, np.zeros(int(problem.active.sum()) + more, dtype=bool)])
 
 
-def _finite_blocks(optimum: Optimum, prior: WeightErrors) -> Iterator[tuple[slice, Index, Array]]:
+def _finite_blocks(optimum: Optimum, prior: WeightErrors) -> Iterator[Block]:
     """The blocks of the Jacobian, the added masses' last, zero at a runaway's edge."""
     problem = optimum.problem
     n, k = int(problem.free.sum() + problem.active.sum()), prior.found.size
@@ -158,16 +160,17 @@ def _finite_blocks(optimum: Optimum, prior: WeightErrors) -> Iterator[tuple[slic
         yield piece, columns, rows
 
 
-def _triangle(optimum: Optimum, prior: WeightErrors, scale: Array, residual: Array) -> tuple[Array, Array, float]:
+def _triangle(optimum: Optimum, blocks: Sequence[Block], scale: Array, residual: Array) -> tuple[Array, Array, float]:
     """Square matrix with the products of the Jacobian, its columns scaled, the residual's share, and what is beyond.
 
     Each run's own parameters are set aside.
     """
-    n, k = int(optimum.problem.free.sum()), prior.found.size
+    n = int(optimum.problem.free.sum())
+    k = scale.size - n - int(optimum.problem.active.sum())
     shared = np.append(np.arange(n), scale.size - k + np.arange(k))
     out, pull = np.zeros((scale.size, scale.size)), np.zeros(scale.size)
     common, at = [np.zeros((n + k + 1, n + k + 1))], 0
-    for piece, columns, rows in _finite_blocks(optimum, prior):
+    for piece, columns, rows in blocks:
         scaled = np.concatenate([rows / scale[columns, None], residual[None, piece]])
         r: Array = np.asarray(np.linalg.qr(scaled.T, mode="r"))
         own = columns.size - n - k

@@ -66,7 +66,7 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
     if hums:
         records, linear, floor = _begun(without_hum(screened.campaign, hums), screened.wrong, workers)
     faults = (*screened.faults, *(hum.fault for hum in hums))
-    floor, colored = colored_floor(records, records.position - linear.solved.reading)
+    floor, colored = colored_floor(records, records.position - linear.solved.reading, white=floor)
     floor = bounded_floor(records, floor, linear.rms, int(linear.problem.free.sum() + linear.problem.active.sum()))
     likely = most_likely(linear, floor) if linear.rms > _NOTABLE * floor else linear
     by_weights = likely if likely is not linear and likely.rms <= _REACHED * floor and _is_likely(likely) else None
@@ -184,7 +184,7 @@ def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | N
 def _raced(context: FitContext, effects: tuple[Effect, ...], starts: list[Start], like: Optimum) -> CandidateFit:
     """Race the starts; where the winner leaves more than noise, run them to their ends until some agree on the best."""
     best = CandidateFit(context, effects)
-    best.begin(starts, like=like)
+    best.begin(starts, like=like, keep=1)
     best.run(laps=40)
     agree = 0
     for start in starts:

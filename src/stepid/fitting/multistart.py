@@ -169,7 +169,7 @@ class CandidateFit:
             local = start_phases(problem, shared, local)
         order = list(range(len(starts)))
         many = 1 if any(e.run_parameters for e in self.effects) else 3  # with their phases they can be told apart
-        if any(e.reverses or e.n_switches for e in self.effects) or (len(starts) > many and not sim.linear):
+        if any(e.reverses or e.n_switches for e in self.effects) or (len(starts) > min(many, keep) and not sim.linear):
             costs = [self._reach(reading) for reading in sim.readings(shared, local)]
             if min(costs) > like.cost - _POOR * (like.cost - self.context.noise_cost):
                 keep = 1  # none shows much
