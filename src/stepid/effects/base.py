@@ -187,7 +187,7 @@ class Effect:
     drive_order: ClassVar[int] = (
         2  # place in the chain from command to force: delay 0, dead zone, saturation, rate, lag 4
     )
-    repeats: ClassVar[bool] = False  # a sine of the position: its parameters are amplitude, pitch [m] and phase
+    repeats: ClassVar[bool] = False  # a sine of the position (amplitude, pitch [m], phase); `regressors` scan the pitch
     n_switches: ClassVar[int] = 0  # positions or states where its law changes
     n_extra: ClassVar[int] = 0  # own states with a rate in time
     n_memory: ClassVar[int] = 0  # own states that follow the displacement, not time

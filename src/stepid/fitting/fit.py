@@ -40,7 +40,7 @@ from stepid.simulation.records import Records, lay_out
 from stepid.simulation.threads import single_threaded
 
 _NOISY = 0.05  # of the cost of noise, within which a start need not be bettered
-_AGREE = 2  # further starts that end at the same cost, for it to be taken as the least
+_AGREE = 3  # starts that end at the same cost, for it to be taken as the least
 _SAME = 1e-3  # relative difference of costs that are the same
 _NOTABLE, _REACHED = 1.02, 1.05  # times the floor, before and after weights are free within their uncertainty
 _CHANCE = 2.33  # standard deviations of χ², one in a hundred

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.effects.base import Effect, Motion, Scales
+from stepid.effects.base import Effect, Motion, Regressor, Scales
 from stepid.fitting.decimation import decimated, fit_coarsely, shortest_period
 from stepid.fitting.deviations import with_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
@@ -25,6 +25,7 @@ from stepid.simulation.simulator import COARSE
 
 _SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
 _SAME = 0.01  # share of what is left above the floor, by which two ends are one
+_VALLEYS = 10  # of a scan, that are tried
 _POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
 
 
@@ -73,6 +74,7 @@ class FitContext:
         self.records, self.linear, self.floor, self.workers = records, linear, floor, workers
         self.faults, self.colored, self.by_weights, self.notes = faults, colored, by_weights, notes
         self.scales: Scales = scales(records, linear, floor)
+        self._scanned: dict[Effect, list[Regressor]] = {}
         self.columns: dict[Effect, list[Any]] = {}  # of `stepid.fitting.score_test`, kept for the next race
         self.responses: dict[tuple[Effect, tuple[float, ...]], Array | None] = {}  # to single starts, kept likewise
         self.period = period = strongest_period(records)
@@ -80,7 +82,9 @@ class FitContext:
         self.motion = self.measured
         if linear.rms < 4 * floor:  # the fit is better known than the noisy velocity
             x, v = linear.solved.states[:2]
-            self.motion = self.motion._replace(x=x, v=v, sign=np.where(v < 0, -1.0, 1.0))
+            self.motion = self.motion._replace(v=v, sign=np.where(v < 0, -1.0, 1.0))
+            if linear.rms**2 < 2 * floor**2:  # it misses the position by less than the noise does
+                self.motion = self.motion._replace(x=x)
         self.decimated = decimated(records, linear, shortest_period(linear), floor)
         self.coarse_linear = fit_coarsely(self.decimated, linear)
         self.tangent = np.linalg.qr(self.coarse_linear.problem.jacobian(self.coarse_linear.solved))[0]
@@ -107,10 +111,22 @@ class FitContext:
         """Predicted decrease of the cost that no longer matters, m²."""
         return 0.05 * self.floor**2
 
+    def regressors(self, effect: Effect, scales: Scales) -> Sequence[Regressor]:
+        """What to try of an effect; of a scan the deepest valleys of what the weak form leaves, each a basin."""
+        every = effect.regressors(scales, self.motion)
+        if not effect.repeats:
+            return every
+        if effect not in self._scanned:
+            left = np.array([self.weak.left_with(regressor.forces) for regressor in every])
+            beside = np.pad(left, 1, constant_values=np.inf)
+            valleys = np.flatnonzero((left <= beside[:-2]) & (left < beside[2:]))
+            self._scanned[effect] = [every[i] for i in sorted(valleys[np.argsort(left[valleys])][:_VALLEYS])]
+        return self._scanned[effect]
+
     def weak_starts(self, effect: Effect, count: int) -> list[Start]:
         """Best starts of one effect by linear least squares on the weak form."""
         found = []
-        for regressor in effect.regressors(self.scales, self.motion):
+        for regressor in self.regressors(effect, self.scales):
             solution = self.weak.solve(regressor.forces)
             if solution is None:
                 continue

@@ -137,6 +137,14 @@ class WeakForm:
         q = np.linalg.qr(self._matrix / np.where(scale > 0, scale, 1.0))[0]
         return q, self._rhs - q @ (q.T @ self._rhs)
 
+    def left_with(self, forces: tuple[Array, ...]) -> float:
+        """Share of what the plain plant leaves that is left with some forces."""
+        q, left = self._plain
+        added = np.column_stack([self.test(force) for force in forces])
+        added = added - q @ (q.T @ added)
+        after = left - added @ np.linalg.lstsq(added, left, rcond=1e-9)[0]
+        return float((after @ after) / (left @ left))
+
     def left_by_run(self, forces: list[Array]) -> float:
         """Share of what the plain plant leaves that is left with forces of other strength in every run."""
         q, left = self._plain
@@ -169,8 +177,8 @@ def measured_motion(records: Records, linear: Array, floor: float, period: float
             half += 1
         window = min(2 * half + 1, y.size - 1 + y.size % 2)
         degree = min(3, window - 2)
-        rest = np.median(y[-max(8, y.size // 6) :]) if records.moving[r] else y[0]
         smooth, slope = _smoothed(y, window, degree)
+        rest = np.median(y[-max(8, y.size // 6) :]) if records.moving[r] else smooth[0]
         x[piece] = records.at_samples(r, smooth - rest)
         v[piece] = records.at_samples(r, slope / h)
     return motion_along(records, linear, x, v)
