@@ -2,73 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from made_up_evidence import FLOOR, candidate, context, evidence
+from made_up_evidence import FRICTION, LINEAR, Told, candidate, context, evidence
 from stepid.core.estimate import Estimate
 from stepid.diagnosis import verdict, vetoes
 from stepid.diagnosis.calibration import PROBABILITY
-from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.gather import EvidenceRecord
-from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.verdict import RULES, Answer, judge
-from stepid.fitting.input_fault import InputFault
 
-LINEAR = candidate(times=10.0)
-FRICTION = candidate(["coulomb_friction"])
 PLAY = candidate(["free_play"])
-
-
-@dataclass
-class Told:
-    """Evidence whose every answer is given."""
-
-    best: Candidate = FRICTION
-    linear: Candidate = LINEAR
-    likeliest: Candidate = FRICTION
-    lead: Candidate = FRICTION
-    white: bool = False
-    rivals: tuple[Candidate, ...] = ()
-    undetermined: tuple[str, ...] = ()
-    imitated: dict[str, str] = field(default_factory=dict)
-    beside_lead: tuple[Candidate, ...] = ()
-    share_taken: tuple[float, float] = (0.95, 0.9)
-    held: float = 1.0
-    simpler: tuple[Candidate, ...] = ()
-    stood_for: tuple[tuple[str, ...], ...] = ()
-    floored: tuple[str, ...] = ("coulomb_friction", "free_play")
-    input_fault: InputFault | None = None
-    other_shape: str = ""
-    criteria: Criteria = field(default_factory=Criteria)
-    context: object = field(default_factory=context)
-
-    def at_floor(self, found: Candidate) -> bool:
-        return set(found.names) <= set(self.floored) and bool(found.names or found.deviations)
-
-    def times(self, found: Candidate) -> float:
-        return found.optimum.rms / FLOOR
-
-    def stands_for(self, simple: Candidate, general: Candidate) -> bool:
-        return general.names in self.stood_for
-
-    def weight(self, *found: Candidate) -> float:
-        return self.held
-
-    def refuted(self, lead: Candidate) -> str:
-        return self.other_shape
-
-    def patchwork(self, found: Candidate) -> str:
-        return self.other_shape if len(found.effects) > 2 else ""
-
-    def share(self, found: Candidate) -> tuple[float, float]:
-        return self.share_taken
-
-    def imitators(self, found: Candidate) -> dict[str, str]:
-        return self.imitated
 
 
 def ask(rule: str, **told: object) -> Answer | None:
