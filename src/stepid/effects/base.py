@@ -42,6 +42,11 @@ class Parameter(NamedTuple):
         """Whether it is a force, or a share of the weight's."""
         return self.unit == "N" or (self.unit == "" and self.length == 1)
 
+    @property
+    def angle(self) -> bool:
+        """Whether it is an angle, of which zero is as good a value as any."""
+        return self.unit == "rad"
+
 
 class Moment(NamedTuple):
     """One plant at one moment, as the law of an effect sees it.

@@ -27,6 +27,11 @@ _MISFIT = 1.2  # times the floor, beyond which what is left is not noise
 _ENOUGH = 0.01  # in 2 ln L, below which a step is not worth a simulation
 
 
+def effect_parameters(effects: tuple[Effect, ...]) -> dict[str, Parameter]:
+    """Parameters of effects by name, in the order of the fit; a label in another name may have a dot in it, too."""
+    return {f"{e.name}.{q.name}": q for e in effects for q in e.parameters}
+
+
 def parameter_names(optimum: Optimum, effects: tuple[Effect, ...]) -> tuple[tuple[str, str], ...]:
     """Name and unit of every shared parameter, in the order of the fit."""
     r = optimum.problem.records
@@ -35,7 +40,7 @@ def parameter_names(optimum: Optimum, effects: tuple[Effect, ...]) -> tuple[tupl
     out += [(f"stiffness[{label}]", "N/m") for label in r.springs]
     out += [(f"damping[{label}]", "N·s/m") for label in r.dampers]
     out.append(("force_gain", "N/V"))
-    out += [(f"{e.name}.{q.name}", q.unit) for e in effects for q in e.parameters]
+    out += [(name, q.unit) for name, q in effect_parameters(effects).items()]
     return tuple(out)
 
 

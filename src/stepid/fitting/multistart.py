@@ -32,7 +32,8 @@ _POOR = 0.1  # share of what is left to gain that the best of many starts must t
 class Scored(NamedTuple):
     """A start of one effect on a fit: the part of the cost that it could remove [m²], the fit's parameters then.
 
-    `left` is the cost that would be left, m².
+    `shared` are all shared parameters of that fit, those of its own effects among them (`layout.linear`,
+    `layout.values`). `left` is the cost that would be left, m².
     """
 
     effect: Effect
@@ -43,7 +44,10 @@ class Scored(NamedTuple):
 
 
 class Start(NamedTuple):
-    """Shared parameters to start from; where runs start in motion, also how far from rest [m], if that is known."""
+    """Where a fit starts: the linear plant's shared parameters, and the values of each effect's, in their order.
+
+    Where runs start in motion, also how far from rest [m], if that is known.
+    """
 
     linear: Array
     values: tuple[tuple[float, ...], ...]

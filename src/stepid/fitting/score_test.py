@@ -185,7 +185,7 @@ def _difference(context: FitContext, effect: Effect, values: tuple[float, ...]) 
 
 
 def score(context: FitContext, base: Optimum, table: list[Column], *, instead: Absent | None = None) -> list[Scored]:
-    """Score every start against the residual of a fit to the decimated records: the best few of each effect first.
+    """Score every start against the residual of a fit to the decimated records: the best few of each effect.
 
     Parameters
     ----------
@@ -194,7 +194,12 @@ def score(context: FitContext, base: Optimum, table: list[Column], *, instead: A
     table : list
         From `columns`.
     instead : Absent, optional
-        What is taken away for it.
+        What is taken away for it: then this is scored on what the fit leaves without it.
+
+    Returns
+    -------
+    list of Scored
+        Most promising first, whatever the effect; no more than three of one.
     """
     tangent = Tangent(base, instead)
     if not tangent.directed:
