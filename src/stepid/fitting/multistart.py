@@ -121,10 +121,8 @@ class FitContext:
         if not effect.repeats:
             return every
         if effect not in self._scanned:
-            left = np.array([self.weak.left_with(regressor.forces) for regressor in every])
-            beside = np.pad(left, 1, constant_values=np.inf)
-            valleys = np.flatnonzero((left <= beside[:-2]) & (left < beside[2:]))
-            self._scanned[effect] = [every[i] for i in sorted(valleys[np.argsort(left[valleys])][:_VALLEYS])]
+            valleys = self.weak.valleys([regressor.forces for regressor in every])
+            self._scanned[effect] = [every[i] for i in sorted(valleys[:_VALLEYS])]
         return self._scanned[effect]
 
     def weak_starts(self, effect: Effect, count: int) -> list[Start]:

@@ -14,7 +14,7 @@ from stepid.fitting.weak_form import WeakForm
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import FINE, Simulator
 
-_WIDTHS = (0.6, 0.35, 1.0, 1.6)  # of the strongest period, for the weak form
+_WIDTHS = (0.6, 1.0, 1.6, 0.35)  # of the strongest period, for the weak form
 _MASSES = (1.0, 0.4, 2.5)  # kg
 _ALIKE = 1e-3  # relative difference of the costs at which two starts end in one optimum
 PHASES = 12  # tried a run where the reading is not linear in their sine and cosine

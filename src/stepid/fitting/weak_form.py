@@ -6,6 +6,7 @@ Multiplying m x″ + c x′ + k x + Σ a_j g_j(x, v) = K_f u by a bump φ and in
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
@@ -139,13 +140,16 @@ class WeakForm:
         q = np.linalg.qr(self._matrix / np.where(scale > 0, scale, 1.0))[0]
         return q, self._rhs - q @ (q.T @ self._rhs)
 
-    def left_with(self, forces: tuple[Array, ...]) -> float:
-        """Share of what the plain plant leaves that is left with some forces."""
-        q, left = self._plain
-        added = np.column_stack([self.test(force) for force in forces])
-        added = added - q @ (q.T @ added)
-        after = left - added @ np.linalg.lstsq(added, left, rcond=1e-9)[0]
-        return float((after @ after) / (left @ left))
+    def valleys(self, scan: Sequence[tuple[Array, ...]]) -> list[int]:
+        """Places in a scan of forces that leave less than their neighbors do, what leaves least first."""
+        q, plain = self._plain
+        left = np.empty(len(scan))
+        for i, forces in enumerate(scan):
+            added = np.column_stack([self.test(force) for force in forces])
+            added = added - q @ (q.T @ added)
+            left[i] = np.linalg.norm(plain - added @ np.linalg.lstsq(added, plain, rcond=1e-9)[0])
+        before, after = np.append(np.inf, left[:-1]), np.append(left[1:], np.inf)
+        return sorted(map(int, np.flatnonzero((left <= before) & (left < after))), key=lambda i: float(left[i]))
 
     def left_by_run(self, forces: list[Array]) -> float:
         """Share of what the plain plant leaves that is left with forces of other strength in every run."""
