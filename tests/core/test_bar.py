@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import nbformat
@@ -11,7 +13,7 @@ from nbclient import NotebookClient
 
 import diagnosis_example as example
 import stepid
-from stepid.core.bar import notebook_bar
+from stepid.core.bar import Show, notebook_bar
 from stepid.diagnosis.progress import telling
 from stepid.errors import InputError
 
@@ -73,6 +75,19 @@ def test_many_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(stepid.diagnose_many([campaign] * 3, progress=told.append)) == 3
     assert [(p.done, p.left) for p in told] == [(0, 3), (1, 2), (2, 1)]
     assert set(told) == {campaign.name}
+
+
+def test_several_are_named_beside_the_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[tuple[str, int, int]] = []
+
+    @contextmanager
+    def bar() -> Iterator[Show]:
+        yield lambda words, done, left: said.append((words, done, left))
+
+    monkeypatch.setattr("stepid.diagnosis.progress.notebook_bar", bar)
+    monkeypatch.setattr(sys.modules[stepid.diagnose.__module__], "diagnose", lambda *_, **__: example.named())
+    stepid.diagnose_many([example.campaign()] * 2)
+    assert said == [("cases 4 to 7", 0, 2), ("cases 4 to 7", 1, 1)]  # a campaign has no best answer so far
 
 
 def test_true_is_refused_with_the_remedy() -> None:

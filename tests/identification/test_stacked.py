@@ -37,9 +37,10 @@ def test_prints_like_the_paper() -> None:
     system = stepid.assemble(data.characteristics, data.mass_offsets)
     lines = str(system).splitlines()
     assert lines[1].split()[:2] == ["row", "m[case"]
-    assert lines[1].endswith("k[medium]  = rhs")
+    assert lines[1].endswith("k[medium]  = rhs  unit")
     assert lines[3].split()[:4] == ["frequency,", "case", "4", "172.74"]
-    assert lines[4].split()[-1] == "0.5"
+    assert lines[3].split()[-1] == "N/m"
+    assert lines[4].split()[-2:] == ["0.5", "kg"]
     assert system._repr_html_().count("<tr>") == 8
     assert "\n" not in repr(system)
     assert stepid.StackedSystem.model_validate_json(system.model_dump_json()) == system

@@ -56,6 +56,26 @@ def test_the_same_seed_makes_the_same_folders_byte_for_byte(tmp_path):
     assert (tmp_path / "one" / "answers.sealed").read_bytes() != (tmp_path / "two" / "answers.sealed").read_bytes()
 
 
+def test_each_group_is_told_before_it_is_made(capsys):
+    told = []
+    made = small(progress=told.append)
+    assert [(str(one), one.done, one.left) for one in told] == [("A", 0, 2), ("B", 1, 1)]
+    assert all(isinstance(one, stepid.Progress) and not one.best for one in told)  # nothing of what is hidden
+    assert made == small(progress=False) == small()
+    assert capsys.readouterr() == ("", "")
+    with pytest.raises(InputError, match=r"progress is True\. Give a function, or False"):
+        small(progress=True)
+
+
+def test_an_exception_raised_in_progress_cancels():
+    def stop(stage):
+        if stage == "B":
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        small(progress=stop)
+
+
 @pytest.mark.parametrize("seed", [1, "another sentence"])
 def test_another_seed_makes_another_plant(seed):
     one, two = small(seed=seed), small()

@@ -17,7 +17,7 @@ from stepid import plot
 from stepid.diagnosis.result import Diagnosis, Gap
 from stepid.diagnosis.wording import digits, per_cent
 from stepid.errors import InputError
-from stepid.plot.causes import leading
+from stepid.plot.panels import ranked_candidates
 
 
 @pytest.fixture(autouse=True)
@@ -162,9 +162,9 @@ def test_a_set_of_effects_is_named_once_whatever_differs_between_runs() -> None:
     first = d.ranking[0]
     other = first.model_copy(update={"deviations": ("gain",), "rms": 0.99 * first.rms})
     plain, shifted = d.ranking[-1], d.ranking[-1].model_copy(update={"deviations": ("gain",)})
-    shown = leading(changed(d, ranking=(other, first, shifted, plain)), most=6)
-    assert [(one is first, one is plain) for one, named in shown if named] == [(True, False)]
-    assert [one for one, _ in shown] == [other, first, shifted, plain]
+    shown = ranked_candidates(changed(d, ranking=(other, first, shifted, plain)), most=6).shown
+    assert [(one is first, one is plain) for one, _, named in shown if named] == [(True, False)]
+    assert [one for one, _, _ in shown] == [other, first, shifted, plain]
 
 
 def test_long_names_of_candidates_are_broken(axes: Axes) -> None:

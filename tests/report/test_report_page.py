@@ -117,9 +117,12 @@ def test_the_stacked_system_and_its_solution_are_shown(page: str) -> None:
     rows = re.findall(r'<tr><th scope="row">([^<]*)</th>(.*?)</tr>', page)
     cells = {unescape(name): re.findall(r"<td[^>]*>([^<]*)</td>", rest) for name, rest in rows}
     for label, row, right in zip(hand.system.row_labels, hand.system.matrix, hand.system.rhs, strict=True):
-        shown = [float(cell.replace("−", "-")) for cell in cells[label]]
+        shown = [float(cell.replace("−", "-")) for cell in cells[label][:-1]]
+        assert cells[label][-1] == ("kg" if right else "N/m")
         assert shown == pytest.approx([*row, right], rel=1e-4)
-    solution = [float(cell) for cell in cells["solution"][:-1]]
+    units = [cell.split()[1] for cell in cells["solution"][:-2]]
+    assert units == ["kg"] * len(hand.found.masses) + ["N/m"] * len(hand.found.stiffness)
+    solution = [float(cell.split()[0]) for cell in cells["solution"][:-2]]
     assert solution == pytest.approx([*hand.found.masses.values(), *hand.found.stiffness.values()], rel=1e-4)
     residual = hand.system.matrix @ np.array(solution) - hand.system.rhs
     assert np.abs(residual).max() < 20  # N/m: the columns are those of the labels

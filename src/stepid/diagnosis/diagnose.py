@@ -199,7 +199,7 @@ def diagnose_many(
     one = partial(diagnose, catalogue=catalogue, criteria=criteria, effort=effort, progress=False)
     made = iter(executor.map(one, several) if executor is not None else map(one, several))
     done: list[Diagnosis] = []
-    with telling(progress) as tell:
+    with telling(progress, line=str) as tell:
         for campaign in several:
             tell(Progress(campaign.name, done=len(done), left=len(several) - len(done)))
             done.append(next(made))

@@ -22,7 +22,7 @@ class Progress(str):
     best : tuple of str
         Effects of the best answer so far.
     done : int
-        Proposals that are fitted; of several campaigns, those that are diagnosed.
+        Proposals that are fitted; of several campaigns, those that are diagnosed or made.
     left : int
         Those that are not yet.
     promise : float
@@ -56,13 +56,16 @@ def listener(value: object) -> object:
 
 
 @contextmanager
-def telling(progress: Tell | bool | None) -> Iterator[Tell]:
-    """Give what each stage is told to: the caller's function, a bar in a notebook, or nothing."""
+def telling(progress: Tell | bool | None, *, line: Callable[[Progress], str] | None = None) -> Iterator[Tell]:
+    """Give what each stage is told to: the caller's function, a bar in a notebook, or nothing.
+
+    `line` writes a stage beside the bar, `stage_line` if not given.
+    """
     if callable(progress):
         yield progress
     elif progress is None:
         with notebook_bar() as show:
-            yield lambda stage: show(stage_line(stage), stage.done, stage.left)
+            yield lambda stage: show((line or stage_line)(stage), stage.done, stage.left)
     else:
         yield lambda stage: None
 

@@ -99,7 +99,15 @@ def _taken(gap: Gap | RunGap) -> str:
     return per_cent(1.0 - (gap.after / gap.before) ** 2) if gap.before > 0 else "–"
 
 
-GAP_HEADER = ("RMS [µm]", "linear", "final model", "final/noise", "explained", "held out: linear", "final model")
+GAP_HEADER = (
+    "RMS",
+    "linear [µm]",
+    "final model [µm]",
+    "final/noise",
+    "explained",
+    "held out: linear [µm]",
+    "final model [µm]",
+)
 
 
 def parameter_rows(d: Diagnosis) -> list[tuple[str, ...]]:

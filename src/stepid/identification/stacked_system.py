@@ -49,17 +49,28 @@ class StackedSystem(Model):
 
     def _rows(self) -> list[tuple[str, ...]]:
         return [
-            (label, *(f"{value:.5g}" for value in row), f"{right:.4g}")
-            for label, row, right in zip(self.row_labels, self.matrix, self.rhs, strict=True)
+            (label, *(f"{value:.5g}" for value in row), f"{right:.4g}", unit)
+            for label, row, right, unit in zip(self.row_labels, self.matrix, self.rhs, self.row_units, strict=True)
         ]
 
     @property
+    def row_units(self) -> tuple[str, ...]:
+        """Unit of each row's terms: N/m of a frequency row, kg of a mass row."""
+        of_stiffness = self.matrix[:, len(self.characteristics) :].any(axis=1)
+        return tuple("N/m" if frequency else "kg" for frequency in of_stiffness)
+
+    @property
+    def _header(self) -> tuple[str, ...]:
+        return ("row", *self.column_labels, "= rhs", "unit")
+
+    @property
     def _title(self) -> str:
-        return f"Stacked system (Eq. 10, corrected): {self.matrix.shape[0]} rows, {self.matrix.shape[1]} unknowns"
+        size = f"{self.matrix.shape[0]} rows, {self.matrix.shape[1]} unknowns"
+        return f"Stacked system (Eq. 10, corrected): {size}, masses in kg, stiffnesses in N/m"
 
     def summary(self) -> str:
         """Return the system as the paper prints Eq. 10: a row an equation, a column an unknown."""
-        return text_table(("row", *self.column_labels, "= rhs"), self._rows(), title=self._title)
+        return text_table(self._header, self._rows(), title=self._title)
 
     def __repr__(self) -> str:
         return f"StackedSystem({self.matrix.shape[0]} rows, unknowns: {', '.join(self.column_labels)})"
@@ -67,4 +78,4 @@ class StackedSystem(Model):
     __str__ = summary
 
     def _repr_html_(self) -> str:
-        return html_table(("row", *self.column_labels, "= rhs"), self._rows(), title=self._title)
+        return html_table(self._header, self._rows(), title=self._title)

@@ -14,6 +14,7 @@ from stepid.core.base import Array
 from stepid.core.experiment import Campaign
 from stepid.core.noise import rms
 from stepid.core.takes import a, described, optional, takes
+from stepid.diagnosis.progress import Progress, Tell, listener, telling
 from stepid.effects import CATALOGUE, Effect, a_catalogue
 from stepid.errors import InputError
 from stepid.fitting.covariance import estimates
@@ -38,7 +39,7 @@ _DIGITS = 1000  # of a seed
 _ZERO = 50  # counts by which a record's zero may be off
 
 
-@takes(catalogue=a_catalogue, rig=optional(a(Rig, "stepid.lab.Rig(…)")), effects=optional(_choice))
+@takes(catalogue=a_catalogue, rig=optional(a(Rig, "stepid.lab.Rig(…)")), effects=optional(_choice), progress=listener)
 def make(
     *,
     seed: int | str,
@@ -47,6 +48,7 @@ def make(
     visibility: tuple[float, float] = (5.0, 25.0),
     rig: Rig | None = None,
     catalogue: tuple[Effect, ...] = CATALOGUE,
+    progress: Tell | bool | None = None,
 ) -> Assignment:
     """Make a blind campaign for each group, with a hidden effect.
 
@@ -72,6 +74,9 @@ def make(
         ``Rig()`` if not given.
     catalogue : tuple of Effect
         Where names are looked up.
+    progress : callable or False, optional
+        Called with a `stepid.Progress` before each group: its name, how many are made and how many are left. If not
+        given, a notebook shows a bar and a script nothing; False is silent.
 
     Returns
     -------
@@ -97,11 +102,13 @@ def make(
     if extra:
         raise InputError(f"effects speaks of a group {extra[0]!r}", f"The groups are {', '.join(names)}.")
     campaigns, answers = [], []
-    for group in names:
-        chosen = chosen_for(group, choice, seed, catalogue=catalogue)
-        campaign, answer = _one(group, seed, chosen, visibility, rig, catalogue)
-        campaigns.append(campaign)
-        answers.append(answer)
+    with telling(progress, line=str) as tell:
+        for done, group in enumerate(names):
+            tell(Progress(group, done=done, left=len(names) - done))
+            chosen = chosen_for(group, choice, seed, catalogue=catalogue)
+            campaign, answer = _one(group, seed, chosen, visibility, rig, catalogue)
+            campaigns.append(campaign)
+            answers.append(answer)
     return Assignment(campaigns=tuple(campaigns), answers=Answers(seed=seed, answers=tuple(answers)))
 
 

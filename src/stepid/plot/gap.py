@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
@@ -11,10 +14,18 @@ from stepid.diagnosis.result import Diagnosis, RunGap
 from stepid.diagnosis.wording import digits, length
 from stepid.errors import InputError
 from stepid.plot.layout import one_legend, page_of_pairs
-from stepid.plot.scale import length_unit, plain_logarithm, reach_of
+from stepid.plot.panels import gap_levels, linear_reach, residual, responses
+from stepid.plot.scale import plain_logarithm
 from stepid.plot.style import MARK, MEASURED, MODEL, OTHER, an_axes, beside, dress, in_own_words, laid_out, styled
 
 BEFORE, AFTER, NOISE = OTHER, MODEL, MARK
+RESPONSE: Mapping[str, dict[str, Any]] = {
+    "measured": {"linestyle": "", "marker": ".", "color": MEASURED, "markersize": 3.5, "label": "measured"},
+    "linear": {"linestyle": "--", "color": BEFORE, "linewidth": 1.1, "label": "linear model"},
+    "effect": {"linestyle": "-", "color": AFTER, "linewidth": 0.9, "label": "with the effect added"},
+}
+"""How the curves of `stepid.plot.panels.Responses` look."""
+_DOTS = {"linear": ("linear", BEFORE, "D"), "effect": ("with the effect", AFTER, "o")}
 a_diagnosis = a(Diagnosis, "a Diagnosis, as stepid.diagnose returns it")
 """Check of an argument `d`."""
 
@@ -54,13 +65,12 @@ def gap_response(d: Diagnosis, name: str, *, axes: Axes) -> Axes:
         If there is no such run.
     """
     run = _run(d, name)
+    shown = responses(d, run)
     with styled():
         dress(axes)
-        axes.plot(run.time, 1e3 * run.measured, ".", color=MEASURED, markersize=3.5, label="measured", rasterized=True)
-        axes.plot(run.time, 1e3 * run.linear, "--", color=BEFORE, linewidth=1.1, label="linear model")
-        if d.effects:
-            axes.plot(run.time, 1e3 * run.model, "-", color=AFTER, linewidth=0.9, label="with the effect added")
-        axes.set_ylabel("position [mm]")
+        for kind, curve in shown.curves.items():
+            axes.plot(shown.time, curve, rasterized=kind == "measured", **RESPONSE[kind])
+        axes.set_ylabel(f"position [{shown.unit}]")
         axes.set_title(_title(d, run))
         axes.legend()
     return axes
@@ -98,26 +108,16 @@ def gap_residual(d: Diagnosis, name: str, *, axes: Axes, largest: float | None =
         If there is no such run.
     """
     run = _run(d, name)
-    reach = largest or reach_of(run.measured - run.linear for run in d.runs)
-    scale, unit = length_unit(reach)
-    band = 2 * scale * d.gap.noise
+    reach = largest or linear_reach(d)
+    linear, effect = (residual(run.measured, x, reach=reach, noise=d.gap.noise) for x in (run.linear, run.model))
     with styled():
         dress(axes)
-        axes.axhspan(-band, band, color=NOISE, alpha=0.35, linewidth=0, label="noise, ±2σ")
-        axes.plot(
-            run.time, scale * (run.measured - run.linear), "--", color=BEFORE, linewidth=0.9, label="linear model"
-        )
+        axes.axhspan(-linear.band, linear.band, color=NOISE, alpha=0.35, linewidth=0, label="noise, ±2σ")
+        axes.plot(run.time, linear.values, **RESPONSE["linear"] | {"linewidth": 0.9})
         if d.effects:
-            axes.plot(
-                run.time,
-                scale * (run.measured - run.model),
-                "-",
-                color=AFTER,
-                linewidth=0.6,
-                label="with the effect added",
-            )
-        axes.set_ylim(-1.05 * scale * reach, 1.05 * scale * reach)
-        axes.set_ylabel(f"residual [{unit}]")
+            axes.plot(run.time, effect.values, **RESPONSE["effect"] | {"linewidth": 0.6})
+        axes.set_ylim(-linear.end, linear.end)
+        axes.set_ylabel(f"residual [{linear.unit}]")
         axes.set_xlabel("time [s]")
         axes.legend(loc="upper right")
     return axes
@@ -139,34 +139,30 @@ def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
     matplotlib.axes.Axes
         The same axes, with a logarithmic scale.
     """
-    groups = [("fitted", d.gap.before, d.gap.after)]
-    if d.gap.held_out:
-        groups.append(("held out", *d.gap.held_out))
+    shown = gap_levels(d)
     with styled():
         dress(axes)
-        for at, (_, before, after) in enumerate(groups):
-            dots = [("linear", before, BEFORE, "D")]
-            dots += [("with the effect", after, AFTER, "o")] if d.effects else []
-            dots += [("noise", d.gap.noise, NOISE, "s")]
-            for i, (label, value, color, marker) in enumerate(dots):
+        for at in range(len(shown.names)):
+            dots = [*((*_DOTS[kind], values[at]) for kind, values in shown.values.items())]
+            dots += [("noise", NOISE, "s", shown.noise)]
+            for i, (label, color, marker, value) in enumerate(dots):
                 place = at + 0.27 * (i - (len(dots) - 1) / 2)
-                axes.plot([place], [1e6 * value], marker, color=color, markersize=5, label="" if at else label)
+                axes.plot([place], [value], marker, color=color, markersize=5, label="" if at else label)
                 axes.annotate(
-                    digits(1e6 * value),
-                    (place, 1e6 * value),
+                    digits(value),
+                    (place, value),
                     xytext=(0, 4),
                     textcoords="offset points",
                     ha="center",
                     va="bottom",
                     fontsize=7,
                 )
-        values = [1e6 * v for _, before, after in groups for v in (before, after, d.gap.noise) if v > 0]
-        if values:
+        if shown.span:
             axes.set_yscale("log")
-            axes.set_ylim(0.3 * min(values), 10 * max(values))  # with room for the legend
+            axes.set_ylim(0.3 * shown.span[0], 10 * shown.span[1])  # with room for the legend
             plain_logarithm(axes.yaxis)
-        axes.set_xticks(range(len(groups)), [name for name, _, _ in groups])
-        axes.set_xlim(-0.6, len(groups) - 0.4)
+        axes.set_xticks(range(len(shown.names)), shown.names)
+        axes.set_xlim(-0.6, len(shown.names) - 0.4)
         axes.grid(axis="x", visible=False)
         axes.set_ylabel("RMS gap [µm]")
         axes.set_title("gap")

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from stepid.core.takes import a, takes
 from stepid.identification.transfer.verification import Verification, VerificationRun
 from stepid.plot.layout import column_axes, one_legend, page_of_pairs
-from stepid.plot.scale import length_unit, reach_of
+from stepid.plot.panels import verification_residual, verification_responses
 from stepid.plot.style import MARK, MEASURED, MODEL, an_axes, beside, dress, in_own_words, laid_out, styled
 
 AxesPair = tuple[Axes, Axes]
@@ -34,12 +34,13 @@ def response(run: VerificationRun, *, axes: Axes) -> Axes:
     matplotlib.axes.Axes
         The same axes.
     """
+    time, unit, drawn = verification_responses(run)
     with styled():
         dress(axes)
-        axes.plot(run.time, 1e3 * run.measured, ".", color=MEASURED, markersize=3, label="measured", rasterized=True)
-        axes.plot(run.time, 1e3 * run.simulated, "-", color=MODEL, label="model")
+        axes.plot(time, drawn["measured"], ".", color=MEASURED, markersize=3, label="measured", rasterized=True)
+        axes.plot(time, drawn["simulated"], "-", color=MODEL, label="model")
         _mark_peak(run, axes)
-        axes.set_ylabel("position [mm]")
+        axes.set_ylabel(f"position [{unit}]")
         axes.set_title(_title(run))
         axes.legend(loc="best")
     return axes
@@ -61,14 +62,13 @@ def residual(run: VerificationRun, *, axes: Axes) -> Axes:
     matplotlib.axes.Axes
         The same axes.
     """
-    difference = run.measured - run.simulated
-    scale, unit = length_unit(reach_of([difference]))
+    left = verification_residual(run)
     with styled():
         dress(axes)
         axes.axhline(0.0, color=MODEL, linewidth=0.8)
-        axes.plot(run.time, scale * difference, ".", color=MEASURED, markersize=2.5, rasterized=True)
+        axes.plot(run.time, left.values, ".", color=MEASURED, markersize=2.5, rasterized=True)
         _mark_peak(run, axes)
-        axes.set_ylabel(f"residual [{unit}]")
+        axes.set_ylabel(f"residual [{left.unit}]")
         axes.set_xlabel("time [s]")
     return axes
 

@@ -11,9 +11,10 @@ from stepid.core.base import Array
 from stepid.core.takes import takes
 from stepid.diagnosis.result import Diagnosis, RunGap
 from stepid.errors import UndeterminedError
-from stepid.plot.gap import AFTER, BEFORE, a_diagnosis
+from stepid.plot.gap import RESPONSE, a_diagnosis
+from stepid.plot.panels import Responses, curves
 from stepid.plot.scale import length_unit, reach_of
-from stepid.plot.style import MEASURED, an_axes, dress, in_own_words, styled
+from stepid.plot.style import an_axes, dress, in_own_words, styled
 
 _FAINT = 5.0  # times the noise: where the swing ends
 _AFTER = 1.0  # times the ring-down, shown after it: there a linear model may still swing
@@ -60,6 +61,12 @@ def _ring_down(run: RunGap, faint: float) -> slice | None:
     return slice(first, min(first + int(swings[-1] * (1 + _AFTER)) + 2, off.size))
 
 
+def ring_down_responses(d: Diagnosis, shown: RingDown) -> Responses:
+    """The ring-down in the unit in which its swing reads well."""
+    scale, unit = length_unit(reach_of([shown.measured - shown.measured[-1]]))
+    return Responses(shown.time, unit, curves(d, scale, shown.measured, shown.linear, shown.model))
+
+
 @in_own_words
 @takes(d=a_diagnosis, axes=an_axes)
 def ring_down(d: Diagnosis, *, axes: Axes) -> Axes:
@@ -85,15 +92,13 @@ def ring_down(d: Diagnosis, *, axes: Axes) -> Axes:
     shown = zoomed_ring_down(d)
     if shown is None:
         raise UndeterminedError(f"no run of {d.campaign!r} rings down", "Look at the responses instead: plot.gap_runs.")
-    scale, what = length_unit(reach_of([shown.measured - shown.measured[-1]]))
+    time, unit, drawn = ring_down_responses(d, shown)
     with styled():
         dress(axes)
-        axes.plot(shown.time, scale * shown.measured, ".", color=MEASURED, markersize=3.5, label="measured")
-        axes.plot(shown.time, scale * shown.linear, "--", color=BEFORE, linewidth=1.1, label="linear model")
-        if d.effects:
-            axes.plot(shown.time, scale * shown.model, "-", color=AFTER, linewidth=0.9, label="with the effect added")
+        for kind, curve in drawn.items():
+            axes.plot(time, curve, **RESPONSE[kind])
         axes.set_xlabel("time [s]")
-        axes.set_ylabel(f"position [{what}]")
+        axes.set_ylabel(f"position [{unit}]")
         axes.set_title(f"{shown.run}: ring-down")
         axes.legend()
     return axes

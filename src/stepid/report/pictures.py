@@ -7,6 +7,7 @@ from html import escape
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import plotly.graph_objects as go
 
 from stepid.core.base import Array
@@ -15,15 +16,37 @@ from stepid.core.quantities import in_own_quantities
 from stepid.diagnosis.result import Diagnosis, Ranked, RunGap
 from stepid.diagnosis.wording import candidate_name, chance, per_cent
 from stepid.identification.transfer.verification import VerificationRun
-from stepid.plot.causes import jump_ends, leading
-from stepid.plot.ring_down import RingDown, zoomed_ring_down
-from stepid.plot.scale import length_unit, reach_of
+from stepid.plot.panels import (
+    Force,
+    Responses,
+    final_reach,
+    force_jump,
+    gap_levels,
+    linear_reach,
+    phase_levels,
+    position_force,
+    ranked_candidates,
+    residual,
+    responses,
+    velocity_force,
+    verification_residual,
+    verification_responses,
+)
+from stepid.plot.ring_down import RingDown, ring_down_responses, zoomed_ring_down
+from stepid.plot.scale import reach_of
 from stepid.report.axes import BAR, bars, dots, framed, noise_across, noise_upright, own_line, paired, run_line
 from stepid.report.pull import linear_pull
-from stepid.report.thin import kept_samples
+from stepid.report.thin import kept_samples, listed
 
 _SHOWN = 8  # candidates
 _MARKED = 9  # markers on a curve
+_NO_SPAN = (1.0, 1.0)  # µm, where there is nothing to show
+_LINES = {
+    "measured": ("measured", "measured"),
+    "linear": ("before", "linear"),
+    "effect": ("after", "with effect"),
+}
+_DOTS = {"linear": ("before", "linear model"), "effect": ("after", "with the effect")}
 
 
 @in_own_quantities
@@ -42,16 +65,13 @@ def pictures(d: Diagnosis, verified: Sequence[VerificationRun]) -> dict[str, Any
         By name, as plotly's JSON; a picture of one run is called ``"run-3"`` by the run's place in the diagnosis.
     """
     place = {run.name: i for i, run in enumerate(d.runs)}
-    reach = reach_of(run.measured - run.linear for run in d.runs)
-    rest = reach_of([*(run.measured - run.model for run in d.runs), np.array([2 * d.gap.noise])])
+    reach, rest = linear_reach(d), final_reach(d)
     drawn = {
-        "records": _overlay(d, [1e3 * run.measured for run in d.runs], "position [mm]", "mm"),
+        "records": _records(d),
         "residuals": _residuals(d),
         "phases": _phases(d),
-        "velocity": _jump(
-            d, _force(d.where.velocity_levels, d.where.velocity_force, "velocity [m/s]", "m/s", parted=True)
-        ),
-        "position": _force(1e3 * d.where.position_levels, d.where.position_force, "from rest [mm]", "mm", parted=False),
+        "velocity": _jump(d, _force(velocity_force(d.where), "velocity")),
+        "position": _force(position_force(d.where), "from rest"),
         "gap": _gap(d),
     }
     shown = zoomed_ring_down(d)
@@ -70,9 +90,10 @@ def pictures(d: Diagnosis, verified: Sequence[VerificationRun]) -> dict[str, Any
     return {name: figure.to_plotly_json() for name, figure in drawn.items()}
 
 
-def _listed(values: Array) -> list[float]:
-    """Five digits are more than a screen shows, and an eighth of the size."""
-    return [float(f"{v:.5g}") for v in values]
+def _records(d: Diagnosis) -> go.Figure:
+    shown = [responses(d, run) for run in d.runs]
+    unit = shown[0].unit if shown else "mm"
+    return _overlay(d, [one.curves["measured"] for one in shown], f"position [{unit}]", unit)
 
 
 def _overlay(d: Diagnosis, curves: Sequence[Array], label: str, what: str) -> go.Figure:
@@ -81,8 +102,8 @@ def _overlay(d: Diagnosis, curves: Sequence[Array], label: str, what: str) -> go
         kept = kept_samples(curve)
         color, symbol, dash = run_line(i)
         figure.add_scatter(
-            x=_listed(run.time[kept]),
-            y=_listed(curve[kept]),
+            x=listed(run.time[kept]),
+            y=listed(curve[kept]),
             name=escape(run.name),
             meta={"run": i, "at": " s", "unit": what},
             mode="lines+markers",
@@ -94,10 +115,12 @@ def _overlay(d: Diagnosis, curves: Sequence[Array], label: str, what: str) -> go
 
 
 def _residuals(d: Diagnosis) -> go.Figure:
-    left = [run.measured - run.linear for run in d.runs]
-    scale, what = length_unit(reach_of(left))
-    figure = _overlay(d, [scale * one for one in left], f"measured − linear [{what}]", what)
-    _noise_band(figure, 2 * scale * d.gap.noise, "y")
+    reach = linear_reach(d)
+    left = [residual(run.measured, run.linear, reach=reach, noise=d.gap.noise) for run in d.runs]
+    unit = left[0].unit if left else "µm"
+    figure = _overlay(d, [one.values for one in left], f"measured − linear [{unit}]", unit)
+    for one in left[:1]:
+        _noise_band(figure, one.band, "y")
     return figure
 
 
@@ -110,14 +133,14 @@ def _noise_band(figure: go.Figure, reach: float, axis: str) -> None:
 
 def verification(run: VerificationRun, reach: float) -> go.Figure:
     """Draw a verification response above what is left of it, whose scale ends at ±`reach` [m]."""
-    scale, what = length_unit(reach)
-    left = scale * (run.measured - run.simulated)
-    kept = kept_samples(run.measured, left)
-    time = _listed(run.time[kept])
-    figure = paired(what, 1.05 * scale * reach)
-    figure.add_scatter(x=time, y=_listed(1e3 * run.measured[kept]), **own_line("measured", "measured", "mm"))
-    figure.add_scatter(x=time, y=_listed(1e3 * run.simulated[kept]), **own_line("after", "model", "mm"))
-    figure.add_scatter(x=time, y=_listed(left[kept]), yaxis="y2", **own_line("left", "residual", what))
+    every, unit, drawn = verification_responses(run)
+    left = verification_residual(run, reach=reach)
+    kept = kept_samples(run.measured, left.values)
+    time = listed(every[kept])
+    figure = paired(left.unit, left.end)
+    figure.add_scatter(x=time, y=listed(drawn["measured"][kept]), **own_line("measured", "measured", unit))
+    figure.add_scatter(x=time, y=listed(drawn["simulated"][kept]), **own_line("after", "model", unit))
+    figure.add_scatter(x=time, y=listed(left.values[kept]), yaxis="y2", **own_line("left", "residual", left.unit))
     if run.peak_time is not None:
         figure.add_shape(
             type="line", x0=run.peak_time, x1=run.peak_time, y0=0, y1=1, yref="paper",
@@ -127,63 +150,60 @@ def verification(run: VerificationRun, reach: float) -> go.Figure:
 
 
 def _run(d: Diagnosis, run: RunGap, reach: float, rest: float) -> go.Figure:
-    scale, what = length_unit(reach)
-    finer, small = length_unit(rest)
-    before, after = scale * (run.measured - run.linear), finer * (run.measured - run.model)
-    kept = kept_samples(run.measured, before)
-    time = _listed(run.time[kept])
-    figure = paired(what, 1.05 * scale * reach, (small, 1.05 * finer * rest) if d.effects else None)
-    figure.add_scatter(x=time, y=_listed(1e3 * run.measured[kept]), **own_line("measured", "measured", "mm"))
-    figure.add_scatter(x=time, y=_listed(1e3 * run.linear[kept]), **own_line("before", "linear", "mm"))
-    if d.effects:
-        figure.add_scatter(x=time, y=_listed(1e3 * run.model[kept]), **own_line("after", "with effect", "mm"))
-    figure.add_scatter(x=time, y=_listed(before[kept]), yaxis="y2", **own_line("before", "linear residual", what))
-    _noise_band(figure, 2 * scale * d.gap.noise, "y2")
-    if d.effects:
-        figure.add_scatter(x=time, y=_listed(after[kept]), yaxis="y3", **own_line("after", "effect residual", small))
-        _noise_band(figure, 2 * finer * d.gap.noise, "y3")
+    before = residual(run.measured, run.linear, reach=reach, noise=d.gap.noise)
+    after = residual(run.measured, run.model, reach=rest, noise=d.gap.noise)
+    kept = kept_samples(run.measured, before.values)
+    figure = paired(before.unit, before.end, (after.unit, after.end) if d.effects else None)
+    _add_responses(figure, responses(d, run), kept)
+    left = [("y2", "before", "linear residual", before)]
+    left += [("y3", "after", "effect residual", after)] if d.effects else []
+    for axis, kind, name, one in left:
+        y = listed(one.values[kept])
+        figure.add_scatter(x=listed(run.time[kept]), y=y, yaxis=axis, **own_line(kind, name, one.unit))
+        _noise_band(figure, one.band, axis)
     return figure
 
 
+def _add_responses(figure: go.Figure, shown: Responses, kept: npt.NDArray[np.intp]) -> None:
+    time = listed(shown.time[kept])
+    for name, curve in shown.curves.items():
+        figure.add_scatter(x=time, y=listed(curve[kept]), **own_line(*_LINES[name], shown.unit))
+
+
 def _ring_down(d: Diagnosis, shown: RingDown) -> go.Figure:
-    scale, what = length_unit(reach_of([shown.measured - shown.measured[-1]]))
-    figure = framed(go.Figure(), x="time [s]", y=f"position [{what}]")
+    drawn = ring_down_responses(d, shown)
+    figure = framed(go.Figure(), x="time [s]", y=f"position [{drawn.unit}]")
     figure.update_layout(
         hovermode="x unified", xaxis={"unifiedhovertitle": {"text": "%{x:.3f} s"}}, showlegend=True, margin={"t": 40}
     )
-    kept = kept_samples(shown.measured, shown.measured - shown.linear)
-    curves = [("measured", "measured", shown.measured), ("before", "linear", shown.linear)]
-    curves += [("after", "with effect", shown.model)] if d.effects else []
-    for kind, name, curve in curves:
-        figure.add_scatter(x=_listed(shown.time[kept]), y=_listed(scale * curve[kept]), **own_line(kind, name, what))
+    _add_responses(figure, drawn, kept_samples(shown.measured, shown.measured - shown.linear))
     return figure
 
 
 def _jump(d: Diagnosis, figure: go.Figure) -> go.Figure:
     """Mark by how much the force jumps at zero velocity."""
-    ends = jump_ends(d.where)
-    if ends is not None:
+    jump = force_jump(d.where)
+    if jump is not None:
         line = {"color": "var(--before)", "width": 2}
-        figure.add_shape(type="line", x0=0, x1=0, y0=ends[0], y1=ends[1], line=line)
+        figure.add_shape(type="line", x0=0, x1=0, y0=jump.below, y1=jump.above, line=line)
         figure.add_annotation(
-            x=0, y=sum(ends) / 2, text=f"jump {abs(ends[1] - ends[0]):.2g} N", showarrow=False,
+            x=0, y=(jump.below + jump.above) / 2, text=jump.said, showarrow=False,
             xanchor="left", xshift=5, font={"color": "var(--before)"}, bgcolor="var(--card)",
         )  # fmt: skip
     return figure
 
 
-def _force(levels: Array, force: Array, label: str, what: str, *, parted: bool) -> go.Figure:
-    figure = framed(go.Figure(), x=label, y="residual force [N]")
-    # no line across zero velocity: what happens there is the point of the picture
-    for part in (levels < 0, levels >= 0) if parted else (np.ones(levels.size, dtype=bool),):
+def _force(shown: Force, of: str) -> go.Figure:
+    figure = framed(go.Figure(), x=f"{of} [{shown.unit}]", y="residual force [N]")
+    for levels, force in shown.pieces:
         figure.add_scatter(
-            x=_listed(levels[part]),
-            y=_listed(force[part]),
+            x=listed(levels),
+            y=listed(force),
             mode="lines+markers",
             line={"color": "var(--run-0)", "width": 1.5},
             marker={"size": 6},
-            meta={"at": f" {what}", "unit": "N"},
-            hovertemplate=f"%{{x:.3g}} {what}<br>%{{y:.3g}} N<extra></extra>",
+            meta={"at": f" {shown.unit}", "unit": "N"},
+            hovertemplate=f"%{{x:.3g}} {shown.unit}<br>%{{y:.3g}} N<extra></extra>",
         )
     figure.update_xaxes(zeroline=True)
     figure.update_yaxes(zeroline=True)
@@ -192,34 +212,32 @@ def _force(levels: Array, force: Array, label: str, what: str, *, parted: bool) 
 
 def _phases(d: Diagnosis) -> go.Figure:
     figure = framed(go.Figure(), x="", y="RMS, linear [µm]")
-    figure.add_bar(x=list(d.where.phases), y=[1e6 * v for v in d.where.phases.values()], **bars("before", "linear"))
-    noise_across(figure, 1e6 * d.gap.noise)
+    shown = phase_levels(d)
+    figure.add_bar(x=list(shown.names), y=shown.values["linear"], **bars("before", "linear"))
+    noise_across(figure, shown.noise)
     figure.update_xaxes(automargin=True)  # where there is little room its words are turned
     return figure
 
 
 def _gap(d: Diagnosis) -> go.Figure:
-    groups = [("fitted", d.gap.before, d.gap.after)]
-    if d.gap.held_out:
-        groups.append(("held out", *d.gap.held_out))
-    names = [name for name, _, _ in groups]
+    shown = gap_levels(d)
+    names = list(shown.names)
     figure = framed(go.Figure(), x="", y="RMS gap [µm]")
-    figure.add_scatter(x=names, y=[1e6 * before for _, before, _ in groups], **dots("before", "linear model"))
-    if d.effects:
-        figure.add_scatter(x=names, y=[1e6 * after for _, _, after in groups], **dots("after", "with the effect"))
-    figure.add_scatter(x=names, y=[1e6 * d.gap.noise] * len(groups), **dots("noise", "noise"))
-    values = [1e6 * v for _, before, after in groups for v in (before, after, d.gap.noise) if v > 0] or [1.0]
-    figure.update_yaxes(type="log", range=[np.log10(0.3 * min(values)), np.log10(3 * max(values))], dtick=1)
+    for kind, values in shown.values.items():
+        figure.add_scatter(x=names, y=values, **dots(*_DOTS[kind]))
+    figure.add_scatter(x=names, y=[shown.noise] * len(names), **dots("noise", "noise"))
+    low, high = shown.span or _NO_SPAN
+    figure.update_yaxes(type="log", range=[np.log10(0.3 * low), np.log10(3 * high)], dtick=1)
     figure.update_layout(showlegend=True, scattermode="group", scattergap=0.4)
     return figure
 
 
 def _candidates(d: Diagnosis) -> go.Figure:
-    shown = leading(d, most=_SHOWN)
-    names = [_broken(candidate_name(one.effects, one.deviations)) for one, _ in shown]
+    shown, noise, span = ranked_candidates(d, most=_SHOWN)
+    names = [_broken(candidate_name(each.one.effects, each.one.deviations)) for each in shown]
     figure = framed(go.Figure(), x="RMS left [µm]", y="")
     for kind in ("after", "before"):  # what the diagnosis names, and the others
-        part = [(name, one) for name, (one, named) in zip(names, shown, strict=True) if named == (kind == "after")]
+        part = [(name, each) for name, each in zip(names, shown, strict=True) if each.named == (kind == "after")]
         style = dots(kind, "") | {
             "orientation": "h",
             "texttemplate": "%{x:.3r}",
@@ -228,13 +246,13 @@ def _candidates(d: Diagnosis) -> go.Figure:
         }
         figure.add_scatter(
             y=[name for name, _ in part],
-            x=[1e6 * one.rms for _, one in part],
-            customdata=[_worth(one) for _, one in part],
+            x=[each.left for _, each in part],
+            customdata=[_worth(each.one) for _, each in part],
             **style,
         )
-    noise_upright(figure, 1e6 * d.gap.noise)
-    values = [1e6 * v for v in (d.gap.noise, *(one.rms for one, _ in shown)) if v > 0] or [1.0]
-    figure.update_xaxes(type="log", range=[np.log10(0.5 * min(values)), np.log10(2.5 * max(values))], dtick=1)
+    noise_upright(figure, noise)
+    low, high = span or _NO_SPAN
+    figure.update_xaxes(type="log", range=[np.log10(0.5 * low), np.log10(2.5 * high)], dtick=1)
     figure.update_yaxes(categoryorder="array", categoryarray=names[::-1], automargin=True)
     figure.update_layout(height=124 + BAR * len(shown) + 15 * "".join(names).count("<br>"))
     return figure
@@ -255,7 +273,7 @@ def _pull(d: Diagnosis) -> go.Figure:
     rows = linear_pull(d)
     names, reach = [escape(parameter_name(name)) for name, _, _ in rows], [reach for _, _, reach in rows]
     figure.add_scatter(
-        x=_listed(np.array([off for _, off, _ in rows])),
+        x=listed(np.array([off for _, off, _ in rows])),
         y=names,
         mode="markers",
         marker={"color": "var(--before)", "size": 9, "symbol": "diamond"},

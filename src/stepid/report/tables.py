@@ -75,17 +75,19 @@ def characteristics_table(system: StackedSystem) -> Table:
 def system_table(system: StackedSystem, found: IdentifiedParameters) -> Table:
     """Eq. 10 with its solution below."""
     rows = [
-        (label, *(_plain(value) for value in row), _plain(right))
-        for label, row, right in zip(system.row_labels, system.matrix, system.rhs, strict=True)
+        (label, *(_plain(value) for value in row), _plain(right), unit)
+        for label, row, right, unit in zip(system.row_labels, system.matrix, system.rhs, system.row_units, strict=True)
     ]
     springs = dict.fromkeys(run.spring for run in system.characteristics)
-    unknowns = [*(found.masses[run.name] for run in system.characteristics), *(found.stiffness[s] for s in springs)]
-    rows.append(("solution", *(f"{value:.5g}" for value in unknowns), ""))
+    unknowns = [f"{found.masses[run.name]:.5g} kg" for run in system.characteristics]
+    unknowns += [f"{found.stiffness[s]:.5g} N/m" for s in springs]
+    rows.append(("solution", *unknowns, "", ""))
     return Table(
         caption=f"Stacked system (Eq. 10, corrected), matrix · unknowns = rhs: {len(rows) - 1} rows, "
         f"{len(unknowns)} unknowns; masses in kg, stiffnesses in N/m",
-        header=("row", *system.column_labels, "= rhs"),
+        header=("row", *system.column_labels, "= rhs", "unit"),
         rows=tuple(rows),
+        words=(len(unknowns) + 2,),
     )
 
 
@@ -133,4 +135,8 @@ def phase_table(diagnosis: Diagnosis) -> Table:
         (run.name, *(digits(1e6 * run.phases[name]) if name in run.phases else "–" for name in phases))
         for run in diagnosis.runs
     ]
-    return Table(caption="What the linear joint fit leaves, RMS [µm]", header=("run", *phases), rows=tuple(rows))
+    return Table(
+        caption="What the linear joint fit leaves, RMS",
+        header=("run", *(f"{name} [µm]" for name in phases)),
+        rows=tuple(rows),
+    )

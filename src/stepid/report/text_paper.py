@@ -56,9 +56,18 @@ def _table_2(paper: PaperRebuild) -> str:
         )
         for case in paper.printed
     ]
-    header = ("", "mass [kg]", "printed", "c = 2ζmω_d/√(1−ζ²)", "c = 2ζk√(1−ζ²)/ω_d", "printed", "K [cm/V]", "printed")
+    header = (
+        "",
+        "mass [kg]",
+        "printed [kg]",
+        "2ζmω_d/√(1−ζ²) [N·s/m]",
+        "2ζk√(1−ζ²)/ω_d [N·s/m]",
+        "printed [N·s/m]",
+        "K [cm/V]",
+        "printed [cm/V]",
+    )
     (stiffness,) = found.stiffness.values()
-    return f"{text_table(header, rows)}\n\nstiffness {stiffness:.2f} N/m, printed {PRINTED_STIFFNESS:.1f}; c in N·s/m"
+    return f"{text_table(header, rows)}\n\nstiffness {stiffness:.2f} N/m, printed {PRINTED_STIFFNESS:.1f} N/m"
 
 
 def _transfer_functions(paper: PaperRebuild) -> str:
@@ -79,7 +88,7 @@ def _transfer_functions(paper: PaperRebuild) -> str:
             )
         )
         drawn.append(_indent(str(system)))
-    header = ("", "K [m/V]", "K [cm/V]", "m/k [s²]", "printed", "c/k [s]", "printed")
+    header = ("", "K [m/V]", "K [cm/V]", "m/k [s²]", "printed [s²]", "c/k [s]", "printed [s]")
     return "\n\n".join([text_table(header, rows), "As python-control systems, from V to m:", *drawn])
 
 
@@ -95,7 +104,7 @@ def _weights(paper: PaperRebuild) -> str:
         ("weighted by uncertainty, any unit", paper.weighted.masses),
     )
     rows = [(what, *(f"{masses[n]:.4f}" for n in names), _steps([masses[n] for n in names])) for what, masses in solves]
-    header = ("solve, masses [kg]", *names, "steps (known: 0.5, 1.0, 0.5)")
+    header = ("solve", *(f"{name} [kg]" for name in names), "steps [kg] (known: 0.5, 1.0, 0.5)")
     (stiffness,) = paper.weighted.stiffness.values()
     return (
         "Eq. 10 mixes rows in N/m and rows in kg. Without weights the unit of time decides which of them count.\n\n"

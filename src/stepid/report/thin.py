@@ -10,6 +10,11 @@ from stepid.core.base import Array
 MOST = 800  # samples of a curve; a picture has no more pixels
 
 
+def listed(values: Array) -> list[float]:
+    """Return numbers for the page; five digits are more than a screen shows, and an eighth of the size."""
+    return [float(f"{v:.5g}") for v in values]
+
+
 def kept_samples(*curves: Array, most: int = MOST) -> npt.NDArray[np.intp]:
     """Choose the samples that a picture shows.
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepid.core.base import Array, Model, NonNegative
+from stepid.core.quantities import quantities_of
 from stepid.core.tables import text_table
 from stepid.effects import resolve
 from stepid.errors import InputError
@@ -46,11 +47,14 @@ class PlanCheck(Model):
         Parameter to the root mean square of estimate minus truth, in its unit.
     predicted : mapping
         The plan's standard uncertainty.
+    units : mapping
+        Parameter to its unit.
     """
 
     count: int
     scatter: Mapping[str, NonNegative]
     predicted: Mapping[str, NonNegative]
+    units: Mapping[str, str] = {}
 
     @property
     def ratio(self) -> dict[str, float]:
@@ -60,10 +64,11 @@ class PlanCheck(Model):
     def summary(self) -> str:
         """Return scatter and prediction as a table."""
         rows = [
-            [name, f"{self.predicted[name]:.3g}", f"{self.scatter[name]:.3g}", f"{ratio:.2f}"]
+            [name, f"{self.predicted[name]:.3g}", f"{self.scatter[name]:.3g}", self.units.get(name, ""), f"{ratio:.2f}"]
             for name, ratio in self.ratio.items()
         ]
-        return text_table(["parameter", "predicted", "scatter", "ratio"], rows, title=f"{self.count} campaigns")
+        header = ["parameter", "predicted", "scatter", "unit", "ratio"]
+        return text_table(header, rows, title=f"{self.count} campaigns")
 
     def __str__(self) -> str:
         return self.summary()
@@ -78,20 +83,21 @@ def check(plan: Plan, *, count: int, seed: int) -> PlanCheck:
     effects = resolve([e.name for e in plan.plant.effects])
     truth = simulated(plan.plant, effects, lay_out_steps(design.steps, plan.plant, design.duration))
     parts = weight_parts(np.array(design.added_masses), plan.weight_uncertainty)
-    sim, own = truth.problem.simulator, truth.problem.layout.deviation("added_mass")
+    sim, offset = truth.problem.simulator, truth.problem.layout.deviation("added_mass")
     ends = []
     for _ in range(count):
         local = truth.local.copy()
-        local[own] = parts @ stream.standard_normal(parts.shape[1])
+        local[offset] = parts @ stream.standard_normal(parts.shape[1])
         reading = sim.readings(truth.shared[None], local[None])[0]
         end = refitted(plan, truth, reading + _noise(plan, truth.records, stream))
         if end is not None:
             ends.append(end)
     error = np.sqrt(np.mean((np.array(ends) - truth.shared) ** 2, axis=0))
-    names = list(parameter_values(plan.plant, effects))
+    own = quantities_of(plan)
+    units = {name: own.unit(unit) for name, (_, unit) in parameter_values(plan.plant, effects).items()}
     predicted = {name: spread for name, spread in design.uncertainty.items() if spread is not None}
-    scatter = {name: float(e) for name, e in zip(names, error, strict=True) if name in predicted}
-    return PlanCheck(count=len(ends), scatter=scatter, predicted=predicted)
+    scatter = {name: float(e) for name, e in zip(units, error, strict=True) if name in predicted}
+    return own.bear(PlanCheck(count=len(ends), scatter=scatter, predicted=predicted, units=units))
 
 
 def refitted(plan: Plan, truth: Point, position: Array) -> Array | None:

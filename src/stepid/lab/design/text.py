@@ -124,7 +124,7 @@ def _remedies(plan: Plan, design: Design) -> list[str]:
 
 
 def _table(plan: Plan) -> tuple[list[str], Rows]:
-    header = ["runs", "added kg", "levels V", "back", "every ms", *plan.wanted]
+    header = ["runs", "added [kg]", "levels [V]", "back", "every [ms]", *plan.wanted]
     if plan.pair:
         header += ["left/noise", "χ² apart"]
     rows = []
