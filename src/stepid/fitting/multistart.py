@@ -79,7 +79,7 @@ class FitContext:
         self.faults, self.colored, self.by_weights, self.notes = faults, colored, by_weights, notes
         self.scales: Scales = scales(records, linear, floor)
         self._scanned: dict[Effect, list[Regressor]] = {}
-        self.columns: dict[Effect, list[Any]] = {}  # of `stepid.fitting.score_test`, kept for the next race
+        self.columns: dict[Effect, list[Any]] = {}  # of `score_test`, kept for the next race
         self.responses: dict[tuple[Effect, tuple[float, ...]], Array | None] = {}  # to single starts, kept likewise
         self.period = period = strongest_period(records)
         self.measured: Motion = measured_motion(records, linear.shared, floor, period)
@@ -117,12 +117,12 @@ class FitContext:
 
     def regressors(self, effect: Effect, scales: Scales) -> Sequence[Regressor]:
         """What to try of an effect; of a scan the deepest valleys of what the weak form leaves, each a basin."""
-        every = effect.regressors(scales, self.motion)
         if not effect.repeats:
-            return every
+            return effect.regressors(scales, self.motion)
         if effect not in self._scanned:
-            valleys = self.weak.valleys([regressor.forces for regressor in every])
-            self._scanned[effect] = [every[i] for i in sorted(valleys[:_VALLEYS])]
+            every = effect.regressors(scales, self.motion)
+            deepest = self.weak.valleys([regressor.forces for regressor in every])[:_VALLEYS]
+            self._scanned[effect] = [every[i] for i in sorted(deepest)]
         return self._scanned[effect]
 
     def weak_starts(self, effect: Effect, count: int) -> list[Start]:
@@ -132,8 +132,7 @@ class FitContext:
             solution = self.weak.solve(regressor.forces)
             if solution is None:
                 continue
-            values = regressor.values(solution.coefficients)
-            if values is not None:
+            if (values := regressor.values(solution.coefficients)) is not None:
                 found.append((solution.left, Start(solution.shared, (values,))))
         found.sort(key=lambda item: item[0])
         return [start for _, start in found[:count]]
@@ -272,8 +271,7 @@ class CandidateFit:
             tolerance=max(self.context.tolerance, tolerance),
             iterations=laps,
         )
-        if found is not None:
-            self.polished = found
+        self.polished = found or self.polished
 
 
 def _less_damped(context: FitContext, effect: Effect) -> list[Array]:
@@ -294,9 +292,9 @@ def race_starts(context: FitContext, effect: Effect, scored: Sequence[Scored]) -
     starts = [Start(s.shared, (s.values,)) for s in own]
     starts += [Start(context.coarse_linear.shared, (s.values,)) for s in own[:1]]
     starts += context.weak_starts(effect, 3)
-    guesses = [tuple(v) for v in effect.starts(context.scales)]
     if not effect.linear or len(starts) < 2:
-        starts += [Start(shared, (v,)) for shared in _less_damped(context, effect) for v in guesses]
+        own_guesses = effect.starts(context.scales)
+        starts += [Start(shared, (tuple(v),)) for shared in _less_damped(context, effect) for v in own_guesses]
     if own:
         starts.append(Start(context.coarse_linear.shared, (effect.faint(own[0].values, 0.05),)))
     return starts
