@@ -56,8 +56,8 @@ class StackedSystem(Model):
     @property
     def row_units(self) -> tuple[str, ...]:
         """Unit of each row's terms: N/m of a frequency row, kg of a mass row."""
-        of_stiffness = self.matrix[:, len(self.characteristics) :].any(axis=1)
-        return tuple("N/m" if frequency else "kg" for frequency in of_stiffness)
+        masses = len(self.characteristics)
+        return tuple("N/m" if row[masses:].any() else "kg" for row in self.matrix)
 
     @property
     def _header(self) -> tuple[str, ...]:
