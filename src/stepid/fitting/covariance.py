@@ -91,8 +91,8 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     n, k = int(problem.free.sum() + problem.active.sum()), prior.found.size
     square = np.zeros(n + k)
     blocks = tuple(_finite_blocks(optimum, prior))
-    for _, columns, rows in blocks:
-        square[columns] += np.einsum("ij,ij->i", rows, rows)
+    for _, columns, rows, grown in blocks:
+        square[columns] += grown**2 @ np.einsum("ij,ij->i", rows, rows)
     scale = np.where(square > 0, np.sqrt(square), 1.0)
     residual = problem.residual(optimum.solved)
     matrix, pull, left = _triangle(optimum, blocks, scale, residual)
@@ -153,16 +153,14 @@ def _at_bound(optimum: Optimum, more: int) -> npt.NDArray[np.bool_]:
 
 
 def _finite_blocks(optimum: Optimum, prior: WeightErrors) -> Iterator[Block]:
-    """The blocks of the Jacobian, the added masses' last, zero at a runaway's edge."""
+    """The blocks of the Jacobian, the added masses' columns last, zero at a runaway's edge."""
     problem = optimum.problem
     n, k = int(problem.free.sum() + problem.active.sum()), prior.found.size
     for run, (piece, columns, rows) in enumerate(problem.blocks(optimum.solved)):
         rows = np.nan_to_num(rows, copy=False, posinf=0.0, neginf=0.0)
-        if k:
-            mass = rows[np.flatnonzero(columns == problem.records.base[run])[0]]
-            rows = np.concatenate([rows, prior.spread[run][:, None] * mass])
-            columns = np.append(columns, n + np.arange(k))
-        yield piece, columns, rows
+        mass = (columns == problem.records.base[run]).astype(float)  # an added mass acts as the base's
+        grown = np.concatenate([np.eye(columns.size), prior.spread[run][:, None] * mass])
+        yield Block(piece, np.append(columns, n + np.arange(k)), rows, grown)
 
 
 def _triangle(optimum: Optimum, blocks: Sequence[Block], scale: Array, residual: Array) -> tuple[Array, Array, float]:
@@ -175,9 +173,10 @@ def _triangle(optimum: Optimum, blocks: Sequence[Block], scale: Array, residual:
     shared = np.append(np.arange(n), scale.size - k + np.arange(k))
     out, pull = np.zeros((scale.size, scale.size)), np.zeros(scale.size)
     common, at = [np.zeros((n + k + 1, n + k + 1))], 0
-    for piece, columns, rows in blocks:
-        scaled = np.concatenate([rows / scale[columns, None], residual[None, piece]])
-        r: Array = np.asarray(np.linalg.qr(scaled.T, mode="r"))
+    for piece, columns, rows, grown in blocks:
+        plain = np.asarray(np.linalg.qr(np.concatenate([rows, residual[None, piece]]).T, mode="r"))
+        scaled = np.column_stack([plain[:, :-1] @ grown.T / scale[columns], plain[:, -1]])
+        r: Array = np.asarray(np.linalg.qr(scaled, mode="r"))
         own = columns.size - n - k
         some = r[:own]
         out[at : at + len(some), columns], pull[at : at + len(some)] = some[:, :-1], some[:, -1]
