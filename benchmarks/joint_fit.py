@@ -180,7 +180,8 @@ def compare(effect: str, kind: str, repeats: int, quick: bool) -> list[list[str]
     start, good = good_start(campaign, truth, loop_route(parts), told["noise_rms"])
     ours, theirs = float("inf"), float("inf")
     for _ in range(repeats):  # in turns
-        seconds, (values, rms, sigma) = clock(lambda: by_stepid(campaign, effect))
+        fresh = campaign.model_copy(deep=True)  # of what is known of a record nothing is kept
+        seconds, (values, rms, sigma) = clock(lambda fresh=fresh: by_stepid(fresh, effect))
         ours = min(ours, seconds)
         seconds, (plain, plain_rms) = clock(lambda: by_least_squares(campaign, truth, loop_route(parts), start), 3)
         theirs = min(theirs, seconds)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,6 +13,7 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.effects import resolve
+from stepid.fitting.input_fault import InputFault
 
 FLOOR = 1e-5  # m
 RUNS, SAMPLES = 4, 100  # a run
@@ -90,3 +92,55 @@ def losing(found: Candidate, qbic: float, names: Sequence[str], *, deviations: S
     missing = qbic + price(found.optimum, counts, FLOOR**2) - price(other.optimum, counts, FLOOR**2)
     times = found.optimum.rms / FLOOR * float(np.exp(0.5 * missing / counts.sum()))
     return candidate(names, times=times, deviations=deviations)
+
+
+LINEAR = candidate(times=10.0)
+FRICTION = candidate(["coulomb_friction"])
+
+
+@dataclass
+class Told:
+    """Evidence whose every answer is given: what a rule of the verdict may ask an `EvidenceRecord`."""
+
+    best: Candidate = FRICTION
+    linear: Candidate = LINEAR
+    likeliest: Candidate = FRICTION
+    lead: Candidate = FRICTION
+    white: bool = False
+    rivals: tuple[Candidate, ...] = ()
+    undetermined: tuple[str, ...] = ()
+    imitated: dict[str, str] = field(default_factory=dict)
+    beside_lead: tuple[Candidate, ...] = ()
+    share_taken: tuple[float, float] = (0.95, 0.9)
+    held: float = 1.0
+    simpler: tuple[Candidate, ...] = ()
+    stood_for: tuple[tuple[str, ...], ...] = ()
+    floored: tuple[str, ...] = ("coulomb_friction", "free_play")
+    input_fault: InputFault | None = None
+    other_shape: str = ""
+    criteria: Criteria = field(default_factory=Criteria)
+    context: object = field(default_factory=context)
+
+    def at_floor(self, found: Candidate) -> bool:
+        return set(found.names) <= set(self.floored) and bool(found.names or found.deviations)
+
+    def times(self, found: Candidate) -> float:
+        return found.optimum.rms / FLOOR
+
+    def stands_for(self, simple: Candidate, general: Candidate) -> bool:
+        return general.names in self.stood_for
+
+    def weight(self, *found: Candidate) -> float:
+        return self.held
+
+    def refuted(self, lead: Candidate) -> str:
+        return self.other_shape
+
+    def patchwork(self, found: Candidate) -> str:
+        return self.other_shape if len(found.effects) > 2 else ""
+
+    def share(self, found: Candidate) -> tuple[float, float]:
+        return self.share_taken
+
+    def imitators(self, found: Candidate) -> dict[str, str]:
+        return self.imitated

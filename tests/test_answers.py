@@ -13,7 +13,8 @@ from hidden.sets import one
 
 REMEDY = (
     "If the change is meant, write the answers again with `python tests/golden_answers.py`, look at the table that it "
-    "prints, and add a line to CHANGELOG.md (for counts: which campaigns take more samples and fits, and why)."
+    "prints, and add a line to CHANGELOG.md. Counts of simulated samples and fits may grow by a tenth: for more, say "
+    "which campaigns take more, and why."
 )
 CASES = [*golden.QUICK, *(pytest.param(*case, marks=pytest.mark.slow) for case in golden.SLOW)]
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from broken_campaigns import campaign
-from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, context, evidence, losing, white
+from made_up_evidence import FLOOR, RUNS, SAMPLES, Told, candidate, context, evidence, losing, white
 from stepid.core.estimate import Estimate
 from stepid.diagnosis import gather, vetoes
 from stepid.diagnosis.criteria import Criteria
@@ -70,9 +70,7 @@ def rival(criteria: Criteria) -> bool:
 
 def faint(criteria: Criteria) -> str:
     """The verdict on a linear plant at 1.02 floors beside an effect that is better."""
-    e: Any = SimpleNamespace(
-        white=True, best=candidate(["cubic_stiffness"]), linear=candidate(), criteria=criteria, times=lambda _: 1.02
-    )
+    e: Any = Told(white=True, best=candidate(["cubic_stiffness"]), linear=candidate(times=1.02), criteria=criteria)
     answer = linear_is_enough(e)
     return answer.verdict if answer else ""
 
@@ -82,16 +80,7 @@ def lead(*, share: float = 0.9, steady: float = 0.6, weight: float = 0.97) -> Ca
 
     def decide(criteria: Criteria) -> bool:
         found = candidate(["quadratic_damping"], times=3.0)
-        e: Any = SimpleNamespace(
-            lead=found,
-            beside_lead=(),
-            criteria=criteria,
-            context=SimpleNamespace(floor=FLOOR),
-            weight=lambda *_: weight,
-            share=lambda _: (share, steady),
-            times=lambda _: 3.0,
-            refuted=lambda _: "",
-        )
+        e: Any = Told(lead=found, criteria=criteria, held=weight, share_taken=(share, steady))
         return leads(e) is not None
 
     return decide

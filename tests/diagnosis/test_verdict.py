@@ -2,73 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import inspect
+import re
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from made_up_evidence import FLOOR, candidate, context, evidence
+from made_up_evidence import FRICTION, LINEAR, Told, candidate, context, evidence
 from stepid.core.estimate import Estimate
 from stepid.diagnosis import verdict, vetoes
 from stepid.diagnosis.calibration import PROBABILITY
-from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.gather import EvidenceRecord
-from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.verdict import RULES, Answer, judge
-from stepid.fitting.input_fault import InputFault
 
-LINEAR = candidate(times=10.0)
-FRICTION = candidate(["coulomb_friction"])
 PLAY = candidate(["free_play"])
-
-
-@dataclass
-class Told:
-    """Evidence whose every answer is given."""
-
-    best: Candidate = FRICTION
-    linear: Candidate = LINEAR
-    likeliest: Candidate = FRICTION
-    lead: Candidate = FRICTION
-    white: bool = False
-    rivals: tuple[Candidate, ...] = ()
-    undetermined: tuple[str, ...] = ()
-    imitated: dict[str, str] = field(default_factory=dict)
-    beside_lead: tuple[Candidate, ...] = ()
-    share_taken: tuple[float, float] = (0.95, 0.9)
-    held: float = 1.0
-    simpler: tuple[Candidate, ...] = ()
-    stood_for: tuple[tuple[str, ...], ...] = ()
-    floored: tuple[str, ...] = ("coulomb_friction", "free_play")
-    input_fault: InputFault | None = None
-    other_shape: str = ""
-    criteria: Criteria = field(default_factory=Criteria)
-    context: object = field(default_factory=context)
-
-    def at_floor(self, found: Candidate) -> bool:
-        return set(found.names) <= set(self.floored) and bool(found.names or found.deviations)
-
-    def times(self, found: Candidate) -> float:
-        return found.optimum.rms / FLOOR
-
-    def stands_for(self, simple: Candidate, general: Candidate) -> bool:
-        return general.names in self.stood_for
-
-    def weight(self, *found: Candidate) -> float:
-        return self.held
-
-    def refuted(self, lead: Candidate) -> str:
-        return self.other_shape
-
-    def patchwork(self, found: Candidate) -> str:
-        return self.other_shape if len(found.effects) > 2 else ""
-
-    def share(self, found: Candidate) -> tuple[float, float]:
-        return self.share_taken
-
-    def imitators(self, found: Candidate) -> dict[str, str]:
-        return self.imitated
 
 
 def ask(rule: str, **told: object) -> Answer | None:
@@ -94,7 +42,7 @@ def test_the_rules_stand_in_this_order() -> None:
         "complete",
         "leads",
         "unexplained",
-    ]
+    ], "the first rule that answers decides: if the new order is meant, write it here"
 
 
 def test_errors_of_the_weights_dispute_a_name_and_stand_for_none() -> None:
@@ -164,6 +112,17 @@ def test_rivals_are_told() -> None:
     assert found is not None
     assert (found.verdict, found.alternatives) == ("ambiguous", (PLAY, cogging))
     assert "free play or cogging" in found.reasons[1]
+
+
+def test_a_freedom_in_every_run_has_to_predict() -> None:
+    free = candidate(["periodic_disturbance"])
+    assert ask("freedom_is_untested") is None  # nothing is free in every run
+    assert ask("freedom_is_untested", best=free, share_taken=(0.5, 0.9)) is None  # a rest remains
+    assert ask("freedom_is_untested", best=free, floored=free.names) is None  # it does predict
+    found = ask("freedom_is_untested", best=free, floored=free.names, share_taken=(0.5, 0.9))
+    assert found is not None
+    assert (found.verdict, found.shown) == ("unexplained", free)
+    assert "takes 50 % of the misfit's power" in found.reasons[0]
 
 
 def test_what_cannot_be_named_beside_a_lead_does_not_hide_it() -> None:
@@ -269,8 +228,10 @@ def test_a_rule_of_ones_own_comes_in_its_place() -> None:
 
 
 def test_every_rule_that_names_has_its_probability() -> None:
+    naming = {rule.__name__ for rule in RULES if re.search('"(named|ambiguous)"', inspect.getsource(rule))}
+    assert set(PROBABILITY) == naming, "`PROBABILITY`: the share of a rule's answers that are right, from the benchmark"
     e = evidence(FRICTION)
-    for rule in ("complete", "complete_but_open", "leads"):
+    for rule in naming:
         assert 0.5 < PROBABILITY[rule] <= 1
         assert e.probability(Answer("named", FRICTION, (), (), rule)) == PROBABILITY[rule]
     assert e.probability(Answer("adequate", LINEAR, (), (), "linear_is_enough")) is None

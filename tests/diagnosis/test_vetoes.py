@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from broken_campaigns import FRICTION, campaign
+import stepid
+from broken_campaigns import FRICTION, campaign, changed
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.explore import linear_candidate
 from stepid.diagnosis.selection.candidate import Candidate
@@ -45,6 +46,14 @@ CASES: dict[str, list[tuple[tuple[float, ...], str]]] = {
 }
 
 
+def turned(damper: str) -> stepid.Campaign:
+    """A campaign with friction whose damper has this label."""
+    made = campaign(1, FRICTION, masses=(0.0, 0.5, 1.5))
+    for run in range(len(made.experiments)):
+        made = changed(made, run, damper=damper)
+    return made
+
+
 def test_every_effect_that_imitates_has_its_cases() -> None:
     assert {e.name for e in CATALOGUE if type(e).imitates is not Effect.imitates} == set(CASES)
     assert resolve(["coulomb_friction"])[0].imitates((0.1,), SWING) == ""
@@ -73,6 +82,15 @@ def test_a_fitted_friction_imitates_nothing_and_is_determined() -> None:
     found = Candidate(effects, frozenset(), optimum, 0.0)
     assert imitators(context, Criteria(), found) == {}
     assert undetermined(context, Criteria(), found) == ()
+    assert undetermined(context, Criteria(open=1e-6), found) == ("coulomb_friction.level",)
+
+
+def test_a_damper_that_is_not_determined_is_no_effect_whatever_its_label() -> None:
+    context = prepare(turned("0.5 turn"))
+    effects = resolve(["coulomb_friction"])
+    optimum = fit_effects(context, effects)
+    assert optimum is not None
+    found = Candidate(effects, frozenset(), optimum, 0.0)
     assert undetermined(context, Criteria(open=1e-6), found) == ("coulomb_friction.level",)
 
 

@@ -7,6 +7,7 @@ import pytest
 
 import stepid
 from hidden import Run, fast, sets
+from hidden.campaigns import make_campaign
 from stepid.diagnosis.diagnose import prepare
 from stepid.effects import resolve
 from stepid.fitting.multistart_cogging import well_starts
@@ -87,3 +88,12 @@ def test_wells_that_hide_the_spring() -> None:
     campaign, truth = sets.one("single", 158)
     found = stepid.diagnose(campaign)
     assert truth["effects"] == found.effects == ("cogging",)
+
+
+def test_a_pitch_of_a_twentieth_of_the_travel_is_found_in_driven_runs() -> None:
+    campaign, truth = make_campaign(7029, ("cogging",), kind="nine", r0=30.0)
+    found = stepid.fit(campaign, effects="cogging")
+    assert found.rms < 1.05 * found.noise
+    pitch = found.parameters["cogging.pitch"]
+    assert pitch.uncertainty is not None
+    assert abs(pitch.value - truth["parameters"]["cogging.pitch"]) < 4 * pitch.uncertainty

@@ -11,7 +11,7 @@ from scipy.signal import lsim
 
 import stepid
 from stepid.fitting.fit import prepare
-from stepid.fitting.noise_floor import bounded_floor, sensor_noise, succession
+from stepid.fitting.noise_floor import bounded_floor, noise_floor, succession
 from stepid.simulation.records import lay_out
 
 RECORDS = lay_out(stepid.datasets.lab_campaign())
@@ -53,7 +53,7 @@ def test_an_input_that_changes_at_every_sample_is_no_noise(samples: int, noise: 
         name="a", time=time, position=swing + size * rng.standard_normal(900), input=volts, added_mass=0.0,
         spring="s", damper="d", input_between="lines",
     )  # fmt: skip
-    found = sensor_noise(lay_out(stepid.Campaign(name="c", experiments=(run,))))
+    found = noise_floor(lay_out(stepid.Campaign(name="c", experiments=(run,))))
     assert found == pytest.approx(size, rel=0.15)
 
 
@@ -70,7 +70,7 @@ def test_the_floor_of_the_silverbox_is_what_a_bent_prediction_leaves(kind: str) 
         )
         for file, (volts, position) in zip(files, records, strict=True)
     )  # fmt: skip
-    found = sensor_noise(lay_out(stepid.Campaign(name="silverbox", experiments=runs)))
+    found = noise_floor(lay_out(stepid.Campaign(name="silverbox", experiments=runs)))
     pieces = [_bent_regressors(volts, y) for volts, y in records]
     squares = []
     for i, (x, y) in enumerate(pieces):

@@ -50,3 +50,11 @@ def test_nothing_is_said_where_the_weights_decide() -> None:
 def test_the_papers_own_runs_are_not_promised_anything() -> None:
     data = stepid.datasets.burchett()
     assert stepid.solve(stepid.assemble(data.characteristics, data.mass_offsets)).notes == ()
+
+
+def test_an_input_beyond_all_numbers_promises_nothing() -> None:
+    made = campaign(20e-6, 1e-7)
+    first, *others = made.experiments
+    huge = stepid.Experiment(**first.model_dump() | {"input": -1e300 * first.input})
+    notes = stepid.identify(made.model_copy(update={"experiments": (huge, *others)})).notes
+    assert not any("as tight" in note for note in notes)

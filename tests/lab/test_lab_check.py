@@ -142,6 +142,12 @@ def test_the_tolerance_is_a_positive_share(tolerance):
         lab.check(answer(), submission(), tolerance=tolerance)
 
 
+def test_a_damper_that_is_missing_is_told_whatever_its_label():
+    known = answer(own={"damping[0.5 turn]": 10.0}, effects=(), units={"damping[0.5 turn]": "N·s/m"})
+    with pytest.raises(InputError, match=r"lacks 'damping\[0\.5 turn\]'\. Give it in N·s/m"):
+        lab.check(known, submission(effects=()))
+
+
 @pytest.mark.parametrize("unit", ["N·s/m", "N*s/m", "N s/m", "Ns/m", "N⋅s/m"])
 def test_units_may_be_typed_plainly(unit):
     given = {"damping[1/2 turn]": Estimate(value=10.0, uncertainty=0.1, unit=unit)}

@@ -9,6 +9,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.noise import noise_level
+from stepid.core.once import once
 from stepid.core.quantities import in_own_quantities
 from stepid.core.takes import described
 from stepid.errors import InputError
@@ -40,6 +41,7 @@ _FEWEST = 24  # samples of a release
 _RESTING = 3  # samples in one place: a free cart stays for two at its farthest point
 
 
+@once
 def release_index(experiment: Experiment) -> int:
     """Index of the first sample at which a cart that a hand pulled, held or pushed is surely free; 0 where none did.
 

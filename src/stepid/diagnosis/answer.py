@@ -17,7 +17,7 @@ from stepid.diagnosis.result import Diagnosis, Gap, Ranked, RunGap
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.verdict import Answer
 from stepid.diagnosis.wording import effect_names
-from stepid.fitting.covariance import estimates, parameter_names
+from stepid.fitting.covariance import effect_parameters, estimates
 from stepid.fitting.cross_validation import held_out_residuals
 from stepid.fitting.fit import unpack
 from stepid.fitting.levenberg_marquardt import Optimum
@@ -134,8 +134,8 @@ def _ranking(evidence: EvidenceRecord) -> tuple[Ranked, ...]:
 
 
 def _own(found: Candidate) -> dict[str, float]:
-    names = [name for name, _ in parameter_names(found.optimum, found.effects)]
-    return {n: float(v) for n, v in zip(names, found.optimum.shared, strict=True) if "." in n}
+    own, of = effect_parameters(found.effects), found.optimum.problem.layout
+    return {n: float(v) for n, v in zip(own, found.optimum.shared[of.linear.stop :], strict=True)}
 
 
 def _runs(

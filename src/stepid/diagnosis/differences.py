@@ -9,7 +9,7 @@ import numpy as np
 
 from stepid.core.base import Finite, Model, NonNegative
 from stepid.diagnosis.selection.candidate import Candidate
-from stepid.diagnosis.wording import length, percent
+from stepid.diagnosis.wording import length, whole_percent
 from stepid.fitting.deviations import deviation_std, scatter_values
 from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.multistart import FitContext
@@ -93,5 +93,5 @@ def scatter_words(scatter: dict[str, Scatter]) -> tuple[str, ...]:
             out.append(f"The rest position differs from run to run by {length(s.deviation)} (standard deviation).")
             continue
         said = _WORDS[kind].format(1e3 * s.deviation, 1e2 * s.deviation)
-        out.append(f"{said}: {percent(s.explained)} of the misfit's power.")
+        out.append(f"{said}: {whole_percent(s.explained)} of the misfit's power.")
     return tuple(out)

@@ -1,4 +1,7 @@
-"""What speaks for and against an answer, gathered once: the verdict's rules only read it."""
+"""What speaks for and against an answer, gathered once: the verdict's rules only read it.
+
+What a rule asks for that is not here yet becomes a method here; the tests' `made_up_evidence.Told` answers it, too.
+"""
 
 from __future__ import annotations
 

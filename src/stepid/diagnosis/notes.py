@@ -6,7 +6,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect
-from stepid.fitting.covariance import estimates
+from stepid.fitting.covariance import effect_parameters, estimates
 from stepid.fitting.fit import NOT_CONVERGED
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
@@ -36,10 +36,11 @@ def notes_on(context: FitContext, final: Optimum, effects: tuple[Effect, ...]) -
             "No two runs differ in added mass: the total mass is set to 1 kg and every parameter is per unit mass."
         )
     values, _ = estimates(final, effects, context.floor)
+    own = effect_parameters(effects)
     for name, value in values.items():
         if value.uncertainty is None and not (name == "base_mass" and fixes_mass(records) is not None):
             out.append(f"The data do not determine {name}.")
-        elif "." in name and value.uncertainty is not None and value.uncertainty > 0.5 * abs(value.value):
+        elif name in own and value.uncertainty is not None and value.uncertainty > 0.5 * abs(value.value):
             out.append(f"{name} is undetermined: {value}.")
     if not final.converged:
         out.append(NOT_CONVERGED)

@@ -9,7 +9,7 @@ from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.result import Verdict
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
 from stepid.diagnosis.vetoes import undetermined
-from stepid.diagnosis.wording import effect_names, length, percent
+from stepid.diagnosis.wording import effect_names, length, whole_percent
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
         return inside
     said = (
         f"{_title(e.best)} leaves only noise, but does not predict: fitted to the first part of a run that was left "
-        f"out, it takes {percent(max(share, 0.0))} of the misfit's power in the rest."
+        f"out, it takes {whole_percent(max(share, 0.0))} of the misfit's power in the rest."
     )
     return Answer("unexplained", e.best, (), (said, "No effect is named."))
 
@@ -146,7 +146,7 @@ def leads(e: EvidenceRecord) -> Answer | None:
     if share < least or steady < e.criteria.steady:
         return None
     said: tuple[str, ...] = (
-        f"{_title(lead)} takes {percent(share)} of the misfit's power on runs that the fit did not see.",
+        f"{_title(lead)} takes {whole_percent(share)} of the misfit's power on runs that the fit did not see.",
     )
     state = e.refuted(lead)
     if state:

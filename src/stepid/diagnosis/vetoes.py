@@ -1,4 +1,7 @@
-"""Effects that must not be named: those with an undetermined parameter, those that a linear parameter can imitate."""
+"""Effects that must not be named: those with an undetermined parameter, those that a linear parameter can imitate.
+
+The search, the evidence and the rules of `stepid.diagnosis.verdict` ask for them; the rules say what it means.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.effects.base import Effect
 from stepid.effects.swing import Swing
-from stepid.fitting.covariance import estimates
+from stepid.fitting.covariance import effect_parameters, estimates
 from stepid.fitting.multistart import FitContext
 
 
@@ -24,7 +27,7 @@ def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
         rates=tuple(map(float, rates)),
         displacement=context.scales.displacement,
         duration=context.scales.duration,
-        resolution=max(criteria.resolution, 4 * math.pi / (shortest * slowest)),
+        resolution=max(criteria.resolution, 2 * math.tau / (shortest * slowest)),
         pitch=criteria.pitch,
         fast=criteria.fast,
         slow=criteria.slow,
@@ -48,9 +51,10 @@ def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict
 def undetermined(context: FitContext, criteria: Criteria, found: Candidate) -> tuple[str, ...]:
     """Parameters of a candidate's effects that the data do not determine, by name: those of angles do not count."""
     values, _ = estimates(found.optimum, found.effects, context.floor)
+    own = effect_parameters(found.effects)
     out = []
     for name, value in values.items():
-        if "." not in name or value.unit == "rad":
+        if name not in own or own[name].angle:
             continue
         if value.uncertainty is None or value.uncertainty > criteria.open * abs(value.value):
             out.append(name)

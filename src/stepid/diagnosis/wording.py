@@ -26,7 +26,7 @@ def digits(value: float) -> str:
     return f"{value:.{places}f}"
 
 
-def percent(share: float) -> str:
+def whole_percent(share: float) -> str:
     """Write a share in whole per cent: ``"97 %"``."""
     return f"{100 * share:.0f} %"
 
@@ -146,7 +146,7 @@ def _about_force(shape: Shape | None) -> str:
         return "too little motion to see a force in the residual"
     if shape.share < CLEAR:
         return "the residual force follows neither velocity nor position alone: look at the drive, the reading or time"
-    share = f"{percent(shape.share)} of the force that no spring or damper gives"
+    share = f"{whole_percent(shape.share)} of the force that no spring or damper gives"
     if shape.name == "sign of velocity":
         size = abs(shape.coefficient)
         like = f", like friction of {size:.2g} N either way" if shape.coefficient < 0 else ""

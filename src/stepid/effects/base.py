@@ -42,6 +42,11 @@ class Parameter(NamedTuple):
         """Whether it is a force, or a share of the weight's."""
         return self.unit == "N" or (self.unit == "" and self.length == 1)
 
+    @property
+    def angle(self) -> bool:
+        """Whether it is an angle, of which zero is as good a value as any."""
+        return self.unit == "rad"
+
 
 class Moment(NamedTuple):
     """One plant at one moment, as the law of an effect sees it.
@@ -187,7 +192,7 @@ class Effect:
     drive_order: ClassVar[int] = (
         2  # place in the chain from command to force: delay 0, dead zone, saturation, rate, lag 4
     )
-    repeats: ClassVar[bool] = False  # a sine of the position: its parameters are amplitude, pitch [m] and phase
+    repeats: ClassVar[bool] = False  # a sine of the position (amplitude, pitch [m], phase); `regressors` scan the pitch
     n_switches: ClassVar[int] = 0  # positions or states where its law changes
     n_extra: ClassVar[int] = 0  # own states with a rate in time
     n_memory: ClassVar[int] = 0  # own states that follow the displacement, not time

@@ -216,7 +216,8 @@ class Cogging(Effect):
                 lambda a: (float(np.hypot(a[0], a[1])), pitch, float(np.arctan2(a[1], a[0]))),
             )
 
-        return [at(float(part) * scales.displacement) for part in np.geomspace(0.05, 0.8, 24)]
+        # over a travel of twice the displacement, waves that are half a turn apart at its ends
+        return [at(scales.displacement / float(waves)) for waves in np.arange(1.25, 20.1, 0.25)]
 
     def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
         return "the spring" if values[1] > swing.pitch * swing.displacement else ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,7 +15,14 @@ from stepid.simulation.records import Index
 _QUIET = 5  # lags in a row without correlation that end it (Politis 2003)
 _SAME = 1e-3  # relative difference of sample times that are the same
 
-Block = tuple[slice, Index, Array]
+
+class Block(NamedTuple):
+    """One run's share of the Jacobian: rows (c, samples), and how each of its C columns follows from them, (C, c)."""
+
+    piece: slice
+    columns: Index
+    rows: Array
+    grown: Array
 
 
 def autocorrelations(optimum: Optimum, residual: Array) -> list[Array]:
@@ -78,7 +86,7 @@ def inflation(blocks: Iterable[Block], correlations: list[Array], inverse: Array
     Parameters
     ----------
     blocks : iterable
-        Of each run: samples, columns, rows of the Jacobian.
+        Of each run.
     correlations : list of array
         Of each run; see `autocorrelations`.
     inverse : array, shape (n, n)
@@ -89,7 +97,7 @@ def inflation(blocks: Iterable[Block], correlations: list[Array], inverse: Array
     if not any(own.size for own in correlations):
         return np.ones(inverse.shape[1])
     products = np.zeros((len(inverse), len(inverse)))
-    for (_, columns, rows), own in zip(blocks, correlations, strict=True):
+    for (_, columns, rows, grown), own in zip(blocks, correlations, strict=True):
         n = rows.shape[1]
         if not own.size:
             continue
@@ -97,7 +105,8 @@ def inflation(blocks: Iterable[Block], correlations: list[Array], inverse: Array
         kernel[1 : own.size + 1] = own
         kernel[-own.size :] += own[::-1]
         spectra = np.fft.rfft(rows, kernel.size, axis=1) * np.fft.rfft(kernel)
-        products[np.ix_(columns, columns)] += rows @ np.fft.irfft(spectra, kernel.size, axis=1)[:, :n].T
+        lagged = rows @ np.fft.irfft(spectra, kernel.size, axis=1)[:, :n].T
+        products[np.ix_(columns, columns)] += grown @ lagged @ grown.T
     extra = np.sum(inverse * (products @ inverse), axis=0)
     out: Array = np.maximum(1.0 + extra / np.maximum(share, 1e-9), 1.0)
     return out
@@ -118,9 +127,9 @@ def disagreement(blocks: Iterable[Block], residual: Array, inverse: Array, share
         m, of the noise.
     """
     pulls = []
-    for piece, columns, rows in blocks:
+    for piece, columns, rows, grown in blocks:
         pull = np.zeros(len(inverse))
-        pull[columns] = rows @ residual[piece]
+        pull[columns] = grown @ (rows @ residual[piece])
         pulls.append(inverse.T @ pull / level)
     runs = len(pulls)
     if runs < 2:

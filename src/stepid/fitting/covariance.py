@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -13,18 +13,23 @@ from scipy.special import chdtri
 
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
+from stepid.core.once import once
 from stepid.effects.base import Effect, Parameter
 from stepid.fitting.added_masses import WeightErrors, moved, weight_errors, with_added_masses
-from stepid.fitting.correlation import autocorrelations, disagreement, inflation
+from stepid.fitting.correlation import Block, autocorrelations, disagreement, inflation
 from stepid.fitting.levenberg_marquardt import Optimum, Problem
 from stepid.fitting.mean_of_runs import NORMAL, between_runs, centered, mean_of_runs
 from stepid.simulation.magnitudes import lengths
-from stepid.simulation.records import Index
 
 _STEPS = 6
 _BELIEVED = 4.0  # standard deviations of a weight's error
 _MISFIT = 1.2  # times the floor, beyond which what is left is not noise
 _ENOUGH = 0.01  # in 2 ln L, below which a step is not worth a simulation
+
+
+def effect_parameters(effects: tuple[Effect, ...]) -> dict[str, Parameter]:
+    """Parameters of effects by name, in the order of the fit; a label in another name may have a dot in it, too."""
+    return {f"{e.name}.{q.name}": q for e in effects for q in e.parameters}
 
 
 def parameter_names(optimum: Optimum, effects: tuple[Effect, ...]) -> tuple[tuple[str, str], ...]:
@@ -35,7 +40,7 @@ def parameter_names(optimum: Optimum, effects: tuple[Effect, ...]) -> tuple[tupl
     out += [(f"stiffness[{label}]", "N/m") for label in r.springs]
     out += [(f"damping[{label}]", "N·s/m") for label in r.dampers]
     out.append(("force_gain", "N/V"))
-    out += [(f"{e.name}.{q.name}", q.unit) for e in effects for q in e.parameters]
+    out += [(name, q.unit) for name, q in effect_parameters(effects).items()]
     return tuple(out)
 
 
@@ -70,6 +75,7 @@ class Uncertain(NamedTuple):
     excess: Array
 
 
+@once
 def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     """Covariances of the free parameters, by their causes, and how far the most likely ones are.
 
@@ -84,11 +90,12 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     prior = weight_errors(problem.records)
     n, k = int(problem.free.sum() + problem.active.sum()), prior.found.size
     square = np.zeros(n + k)
-    for _, columns, rows in _finite_blocks(optimum, prior):
-        square[columns] += np.sum(rows**2, axis=1)
+    blocks = tuple(_finite_blocks(optimum, prior))
+    for _, columns, rows, grown in blocks:
+        square[columns] += grown**2 @ np.einsum("ij,ij->i", rows, rows)
     scale = np.where(square > 0, np.sqrt(square), 1.0)
     residual = problem.residual(optimum.solved)
-    matrix, pull, left = _triangle(optimum, prior, scale, residual)
+    matrix, pull, left = _triangle(optimum, blocks, scale, residual)
     level = math.sqrt(max(floor**2, left / max(residual.size - n - k, 1)))
     precision = np.append(_precision(problem), np.ones(k))
     longer = np.hypot(1.0, level * precision / scale)  # the prior's rows are of length one at most
@@ -100,8 +107,8 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     known = level * inverse[n:]
     of_prior = known.T @ known
     share = 1.0 - np.diag(of_prior)
-    excess = inflation(_finite_blocks(optimum, prior), autocorrelations(optimum, residual), inverse, share)
-    split = disagreement(_finite_blocks(optimum, prior), residual, inverse, share, level)
+    excess = inflation(blocks, autocorrelations(optimum, residual), inverse, share)
+    split = disagreement(blocks, residual, inverse, share, level)
     if level <= _MISFIT * floor:  # what chance does not make
         split = np.where(split > _by_chance(len(problem.records.runs), split.size), split, 1.0)
     excess = np.maximum(excess, split)
@@ -145,31 +152,31 @@ def _at_bound(optimum: Optimum, more: int) -> npt.NDArray[np.bool_]:
     return np.concatenate([out, np.zeros(int(problem.active.sum()) + more, dtype=bool)])
 
 
-def _finite_blocks(optimum: Optimum, prior: WeightErrors) -> Iterator[tuple[slice, Index, Array]]:
-    """The blocks of the Jacobian, the added masses' last, zero at a runaway's edge."""
+def _finite_blocks(optimum: Optimum, prior: WeightErrors) -> Iterator[Block]:
+    """The blocks of the Jacobian, the added masses' columns last, zero at a runaway's edge."""
     problem = optimum.problem
     n, k = int(problem.free.sum() + problem.active.sum()), prior.found.size
     for run, (piece, columns, rows) in enumerate(problem.blocks(optimum.solved)):
         rows = np.nan_to_num(rows, copy=False, posinf=0.0, neginf=0.0)
-        if k:
-            mass = rows[np.flatnonzero(columns == problem.records.base[run])[0]]
-            rows = np.concatenate([rows, prior.spread[run][:, None] * mass])
-            columns = np.append(columns, n + np.arange(k))
-        yield piece, columns, rows
+        mass = (columns == problem.records.base[run]).astype(float)  # an added mass acts as the base's
+        grown = np.concatenate([np.eye(columns.size), prior.spread[run][:, None] * mass])
+        yield Block(piece, np.append(columns, n + np.arange(k)), rows, grown)
 
 
-def _triangle(optimum: Optimum, prior: WeightErrors, scale: Array, residual: Array) -> tuple[Array, Array, float]:
+def _triangle(optimum: Optimum, blocks: Sequence[Block], scale: Array, residual: Array) -> tuple[Array, Array, float]:
     """Square matrix with the products of the Jacobian, its columns scaled, the residual's share, and what is beyond.
 
     Each run's own parameters are set aside.
     """
-    n, k = int(optimum.problem.free.sum()), prior.found.size
+    n = int(optimum.problem.free.sum())
+    k = scale.size - n - int(optimum.problem.active.sum())
     shared = np.append(np.arange(n), scale.size - k + np.arange(k))
     out, pull = np.zeros((scale.size, scale.size)), np.zeros(scale.size)
     common, at = [np.zeros((n + k + 1, n + k + 1))], 0
-    for piece, columns, rows in _finite_blocks(optimum, prior):
-        scaled = np.concatenate([rows / scale[columns, None], residual[None, piece]])
-        r: Array = np.asarray(np.linalg.qr(scaled.T, mode="r"))
+    for piece, columns, rows, grown in blocks:
+        plain = np.asarray(np.linalg.qr(np.concatenate([rows, residual[None, piece]]).T, mode="r"))
+        scaled = np.column_stack([plain[:, :-1] @ grown.T / scale[columns], plain[:, -1]])
+        r: Array = np.asarray(np.linalg.qr(scaled, mode="r"))
         own = columns.size - n - k
         some = r[:own]
         out[at : at + len(some), columns], pull[at : at + len(some)] = some[:, :-1], some[:, -1]

@@ -194,6 +194,8 @@ def promised(optimum: Optimum, kinds: Iterable[Kind]) -> dict[Kind, Promise]:
 def promised_by(optimum: Optimum, columns: Array) -> tuple[Array, Array, Array]:
     """What one step along each of some changes of the reading would gain, one at a time, all else adapted.
 
+    All else are the fit's own free parameters: a step in one run is from what the other runs say.
+
     Parameters
     ----------
     optimum : Optimum

@@ -40,7 +40,7 @@ from stepid.simulation.records import Records, lay_out
 from stepid.simulation.threads import single_threaded
 
 _NOISY = 0.05  # of the cost of noise, within which a start need not be bettered
-_AGREE = 2  # further starts that end at the same cost, for it to be taken as the least
+_AGREE = 3  # starts that end at the same cost, for it to be taken as the least
 _SAME = 1e-3  # relative difference of costs that are the same
 _NOTABLE, _REACHED = 1.02, 1.05  # times the floor, before and after weights are free within their uncertainty
 _CHANCE = 2.33  # standard deviations of χ², one in a hundred
@@ -66,7 +66,7 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
     if hums:
         records, linear, floor = _begun(without_hum(screened.campaign, hums), screened.wrong, workers)
     faults = (*screened.faults, *(hum.fault for hum in hums))
-    floor, colored = colored_floor(records, records.position - linear.solved.reading)
+    floor, colored = colored_floor(records, records.position - linear.solved.reading, white=floor)
     floor = bounded_floor(records, floor, linear.rms, int(linear.problem.free.sum() + linear.problem.active.sum()))
     likely = most_likely(linear, floor) if linear.rms > _NOTABLE * floor else linear
     by_weights = likely if likely is not linear and likely.rms <= _REACHED * floor and _is_likely(likely) else None
@@ -184,7 +184,7 @@ def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | N
 def _raced(context: FitContext, effects: tuple[Effect, ...], starts: list[Start], like: Optimum) -> CandidateFit:
     """Race the starts; where the winner leaves more than noise, run them to their ends until some agree on the best."""
     best = CandidateFit(context, effects)
-    best.begin(starts, like=like)
+    best.begin(starts, like=like, keep=1)
     best.run(laps=40)
     agree = 0
     for start in starts:

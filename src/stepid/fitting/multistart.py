@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.effects.base import Effect, Motion, Scales
+from stepid.effects.base import Effect, Motion, Regressor, Scales
 from stepid.fitting.decimation import decimated, fit_coarsely, shortest_period
 from stepid.fitting.deviations import with_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
@@ -25,13 +25,15 @@ from stepid.simulation.simulator import COARSE
 
 _SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
 _SAME = 0.01  # share of what is left above the floor, by which two ends are one
+_VALLEYS = 10  # of a scan, that are tried
 _POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
 
 
 class Scored(NamedTuple):
     """A start of one effect on a fit: the part of the cost that it could remove [m²], the fit's parameters then.
 
-    `left` is the cost that would be left, m².
+    `shared` are all shared parameters of that fit, those of its own effects among them (`layout.linear`,
+    `layout.values`). `left` is the cost that would be left, m².
     """
 
     effect: Effect
@@ -42,7 +44,10 @@ class Scored(NamedTuple):
 
 
 class Start(NamedTuple):
-    """Shared parameters to start from; where runs start in motion, also how far from rest [m], if that is known."""
+    """Where a fit starts: the linear plant's shared parameters, and the values of each effect's, in their order.
+
+    Where runs start in motion, also how far from rest [m], if that is known.
+    """
 
     linear: Array
     values: tuple[tuple[float, ...], ...]
@@ -73,14 +78,17 @@ class FitContext:
         self.records, self.linear, self.floor, self.workers = records, linear, floor, workers
         self.faults, self.colored, self.by_weights, self.notes = faults, colored, by_weights, notes
         self.scales: Scales = scales(records, linear, floor)
-        self.columns: dict[Effect, list[Any]] = {}  # of `stepid.fitting.score_test`, kept for the next race
+        self._scanned: dict[Effect, list[Regressor]] = {}
+        self.columns: dict[Effect, list[Any]] = {}  # of `score_test`, kept for the next race
         self.responses: dict[tuple[Effect, tuple[float, ...]], Array | None] = {}  # to single starts, kept likewise
         self.period = period = strongest_period(records)
         self.measured: Motion = measured_motion(records, linear.shared, floor, period)
         self.motion = self.measured
         if linear.rms < 4 * floor:  # the fit is better known than the noisy velocity
             x, v = linear.solved.states[:2]
-            self.motion = self.motion._replace(x=x, v=v, sign=np.where(v < 0, -1.0, 1.0))
+            self.motion = self.motion._replace(v=v, sign=np.where(v < 0, -1.0, 1.0))
+            if linear.rms**2 < 2 * floor**2:  # it misses the position by less than the noise does
+                self.motion = self.motion._replace(x=x)
         self.decimated = decimated(records, linear, shortest_period(linear), floor)
         self.coarse_linear = fit_coarsely(self.decimated, linear)
         self.tangent = np.linalg.qr(self.coarse_linear.problem.jacobian(self.coarse_linear.solved))[0]
@@ -107,15 +115,24 @@ class FitContext:
         """Predicted decrease of the cost that no longer matters, m²."""
         return 0.05 * self.floor**2
 
+    def regressors(self, effect: Effect, scales: Scales) -> Sequence[Regressor]:
+        """What to try of an effect; of a scan the deepest valleys of what the weak form leaves, each a basin."""
+        if not effect.repeats:
+            return effect.regressors(scales, self.motion)
+        if effect not in self._scanned:
+            every = effect.regressors(scales, self.motion)
+            deepest = self.weak.valleys([regressor.forces for regressor in every])[:_VALLEYS]
+            self._scanned[effect] = [every[i] for i in sorted(deepest)]
+        return self._scanned[effect]
+
     def weak_starts(self, effect: Effect, count: int) -> list[Start]:
         """Best starts of one effect by linear least squares on the weak form."""
         found = []
-        for regressor in effect.regressors(self.scales, self.motion):
+        for regressor in self.regressors(effect, self.scales):
             solution = self.weak.solve(regressor.forces)
             if solution is None:
                 continue
-            values = regressor.values(solution.coefficients)
-            if values is not None:
+            if (values := regressor.values(solution.coefficients)) is not None:
                 found.append((solution.left, Start(solution.shared, (values,))))
         found.sort(key=lambda item: item[0])
         return [start for _, start in found[:count]]
@@ -169,7 +186,7 @@ class CandidateFit:
             local = start_phases(problem, shared, local)
         order = list(range(len(starts)))
         many = 1 if any(e.run_parameters for e in self.effects) else 3  # with their phases they can be told apart
-        if any(e.reverses or e.n_switches for e in self.effects) or (len(starts) > many and not sim.linear):
+        if any(e.reverses or e.n_switches for e in self.effects) or (len(starts) > min(many, keep) and not sim.linear):
             costs = [self._reach(reading) for reading in sim.readings(shared, local)]
             if min(costs) > like.cost - _POOR * (like.cost - self.context.noise_cost):
                 keep = 1  # none shows much
@@ -254,8 +271,7 @@ class CandidateFit:
             tolerance=max(self.context.tolerance, tolerance),
             iterations=laps,
         )
-        if found is not None:
-            self.polished = found
+        self.polished = found or self.polished
 
 
 def _less_damped(context: FitContext, effect: Effect) -> list[Array]:
@@ -276,9 +292,9 @@ def race_starts(context: FitContext, effect: Effect, scored: Sequence[Scored]) -
     starts = [Start(s.shared, (s.values,)) for s in own]
     starts += [Start(context.coarse_linear.shared, (s.values,)) for s in own[:1]]
     starts += context.weak_starts(effect, 3)
-    guesses = [tuple(v) for v in effect.starts(context.scales)]
     if not effect.linear or len(starts) < 2:
-        starts += [Start(shared, (v,)) for shared in _less_damped(context, effect) for v in guesses]
+        own_guesses = effect.starts(context.scales)
+        starts += [Start(shared, (tuple(v),)) for shared in _less_damped(context, effect) for v in own_guesses]
     if own:
         starts.append(Start(context.coarse_linear.shared, (effect.faint(own[0].values, 0.05),)))
     return starts

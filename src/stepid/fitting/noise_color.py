@@ -96,7 +96,9 @@ class _Windows(NamedTuple):
     width: int
 
 
-def colored_floor(records: Records, residual: Array | None = None) -> tuple[float, NoiseColor | None]:
+def colored_floor(
+    records: Records, residual: Array | None = None, *, white: float | None = None
+) -> tuple[float, NoiseColor | None]:
     """Noise floor with the colored part of the readings' noise, and its color.
 
     Parameters
@@ -105,6 +107,8 @@ def colored_floor(records: Records, residual: Array | None = None) -> tuple[floa
     residual : array, shape (S,), optional
         Unweighted residual of any fit, m: the better the fit, the more is seen of slow noise. The readings themselves
         where it is not given.
+    white : float, optional
+        m, noise floor of the readings, where known.
 
     Returns
     -------
@@ -118,7 +122,7 @@ def colored_floor(records: Records, residual: Array | None = None) -> tuple[floa
     jumps at random times, whose spectra fall with the sixth and fourth power of the frequency, those of noise with the
     second at most). Patterson & Thompson, Biometrika 58 (1971) 545.
     """
-    floor = noise_floor(records)
+    floor = noise_floor(records) if white is None else white
     values = records.position if residual is None else residual
     period = strongest_period(records)
     half = _windows(records, values, floor, _HALF * period)
@@ -236,7 +240,7 @@ def _oddest(windows: _Windows, inverse: Array) -> float:
     By the cube root of χ² over its freedom (Wilson & Hilferty 1931).
     """
     values, vectors = np.linalg.eigh(inverse)
-    share = values * np.einsum("ji,jk,ki->i", vectors, windows.product, vectors)
+    share = values * np.sum(vectors * (windows.product @ vectors), axis=0)
     error = 2.0 / (9.0 * windows.number)
     return float((np.cbrt(share.max()) - 1 + error) / math.sqrt(error))
 
@@ -248,7 +252,7 @@ def _best(windows: _Windows, slowest: float, only: _Shape | None = None) -> _Fou
     """
     shapes, inverse, logs = _covariances(windows.width)
     d = inverse.shape[1]
-    scale = np.einsum("gij,ji->g", inverse, windows.product) / d
+    scale = inverse.reshape(len(shapes), -1) @ windows.product.ravel() / d  # traces of products: both are symmetric
     cost = windows.number * (d * np.log(scale) + logs)
     correlation = np.array([s.correlation for s in shapes])
     white = np.array([s.share == 0 for s in shapes])

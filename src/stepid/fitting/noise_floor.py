@@ -76,8 +76,8 @@ def enough(records: Records) -> bool:
     return all(run.resolution is not None for run in records.runs) or sum(moving) >= _FEWEST
 
 
-def sensor_noise(records: Records) -> float:
-    """Standard deviation of the readings' noise, m.
+def noise_floor(records: Records) -> float:
+    """RMS that a perfect model would leave, m: the standard deviation of the readings' noise.
 
     Spread of eighth differences where the cart moves, outliers clipped, not below the resolution's share
     (resolution/√12). A robust spread of differences sees white noise and cancels the motion. Where the input changes
@@ -163,18 +163,13 @@ def repeat_notes(records: Records) -> tuple[str, ...]:
                 f"Runs {names} have the same labels and input but differ by {share:.0f} % of their motion: "
                 "a label, scale or sign is wrong."
             )
-    spread, noise = repeatability(records), sensor_noise(records)
-    if spread is not None and spread > _SCATTER * noise:
+    spread = repeatability(records)
+    if spread is not None and spread > _SCATTER * (noise := noise_floor(records)):
         out.append(
             f"Repeated runs differ by {np.format_float_positional(1e6 * spread, 3, fractional=False, trim='-')} µm, "
             f"{spread / noise:.2g} times the sensor's noise: no model of one plant leaves less."
         )
     return tuple(out)
-
-
-def noise_floor(records: Records) -> float:
-    """RMS that a perfect model would leave, m: the sensor's noise; what repeated runs differ by is modeled."""
-    return sensor_noise(records)
 
 
 def bounded_floor(records: Records, floor: float, left: float, parameters: int) -> float:

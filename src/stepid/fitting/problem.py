@@ -16,6 +16,7 @@ from stepid.simulation.simulator import FINE, Simulator
 
 _WIDTHS = (0.6, 1.0, 1.6, 0.35)  # of the strongest period, for the weak form
 _MASSES = (1.0, 0.4, 2.5)  # kg
+_ALIKE = 1e-3  # relative difference of the costs at which two starts end in one optimum
 PHASES = 12  # tried a run where the reading is not linear in their sine and cosine
 
 
@@ -161,7 +162,7 @@ def fit_linear(records: Records, *, tolerance: float = 0.0, workers: int = 1) ->
     """Fit the linear plant: weak-form starts of several widths, the best few polished."""
     problem = build(records, (), workers=workers)
     period, mass = strongest_period(records), fixes_mass(records)
-    tried: list[Optimum] = []
+    best: Optimum | None = None
     for guess in (mass,) if mass is not None else (None, *_MASSES):
         for width in _WIDTHS:
             weak = WeakForm(records, width * period, fixed_mass=guess).solve()
@@ -175,14 +176,15 @@ def fit_linear(records: Records, *, tolerance: float = 0.0, workers: int = 1) ->
                 if first is None:
                     continue
                 shared, start = first.shared, first.local
-            found = minimize(problem, shared, start, tolerance=tolerance)
-            if found is None:
+            if best is None:
+                best = minimize(problem, shared, start, tolerance=tolerance)
                 continue
-            tried.append(found)
-            costs = sorted(o.cost for o in tried)
-            if len(tried) > 1 and costs[1] < 1.001 * costs[0]:
-                return min(tried, key=lambda o: o.cost)
-    return min(tried, key=lambda o: o.cost) if tried else None
+            other = minimize(problem, shared, start, tolerance=max(tolerance, 0.1 * _ALIKE * best.cost), aim=best.cost)
+            if other is not None and other.cost < (1 - _ALIKE) * best.cost:
+                best = minimize(problem, other.shared, other.local, tolerance=tolerance) or best
+            elif other is not None and other.cost < (1 + _ALIKE) * best.cost:
+                return best
+    return best
 
 
 def scales(records: Records, linear: Optimum, floor: float) -> Scales:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.effects.base import Effect, Motion, Scales
+from stepid.effects.base import Effect, Scales
 from stepid.fitting.absent import Absent
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext, Scored, Start
@@ -119,11 +119,10 @@ def _columns(
     context: FitContext, effects: tuple[Effect, ...], scales: Scales, base: Optimum | None = None
 ) -> list[Column]:
     found: list[Column] = []
-    motion: Motion = context.motion
     forces: list[Array] = []
     pending: list[tuple[Effect, int, Callable[[Array], tuple[float, ...] | None]]] = []
     for effect in effects:
-        regressors = effect.regressors(scales, motion)
+        regressors = context.regressors(effect, scales)
         for regressor in regressors:
             pending.append((effect, len(regressor.forces), regressor.values))
             forces.extend(regressor.forces)
@@ -186,7 +185,7 @@ def _difference(context: FitContext, effect: Effect, values: tuple[float, ...]) 
 
 
 def score(context: FitContext, base: Optimum, table: list[Column], *, instead: Absent | None = None) -> list[Scored]:
-    """Score every start against the residual of a fit to the decimated records: the best few of each effect first.
+    """Score every start against the residual of a fit to the decimated records: the best few of each effect.
 
     Parameters
     ----------
@@ -195,7 +194,12 @@ def score(context: FitContext, base: Optimum, table: list[Column], *, instead: A
     table : list
         From `columns`.
     instead : Absent, optional
-        What is taken away for it.
+        What is taken away for it: then this is scored on what the fit leaves without it.
+
+    Returns
+    -------
+    list of Scored
+        Most promising first, whatever the effect; no more than three of one.
     """
     tangent = Tangent(base, instead)
     if not tangent.directed:

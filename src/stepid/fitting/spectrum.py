@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.once import once
 from stepid.simulation.records import Records
 
 _FINE = 4  # bins of the padded spectrum to one of the record's own
@@ -15,6 +16,7 @@ _HEARD = 30.0  # times the noise that a swing stands out; noise alone reaches ln
 _APART = 0.15  # of a frequency: what is nearer is the same
 
 
+@once
 def strongest_period(records: Records) -> float:
     """Period [s] of the strongest oscillation over all records.
 

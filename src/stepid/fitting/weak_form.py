@@ -6,6 +6,7 @@ Multiplying m x″ + c x′ + k x + Σ a_j g_j(x, v) = K_f u by a bump φ and in
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
@@ -84,7 +85,9 @@ class WeakForm:
 
     @staticmethod
     def _windows(values: Array, n: int, stride: int) -> Array:
-        return np.lib.stride_tricks.sliding_window_view(values, n)[::stride]
+        whole = np.ascontiguousarray(values)
+        step = whole.strides[0]
+        return np.ndarray(((whole.size - n) // stride + 1, n), whole.dtype, whole, 0, (stride * step, step))
 
     def test(self, values: Array) -> Array:
         """∫φ g for samples of g, shape (S,) to (rows,)."""
@@ -137,6 +140,17 @@ class WeakForm:
         q = np.linalg.qr(self._matrix / np.where(scale > 0, scale, 1.0))[0]
         return q, self._rhs - q @ (q.T @ self._rhs)
 
+    def valleys(self, scan: Sequence[tuple[Array, ...]]) -> list[int]:
+        """Places in a scan of forces that leave less than their neighbors do, what leaves least first."""
+        q, plain = self._plain
+        left = np.empty(len(scan))
+        for i, forces in enumerate(scan):
+            added = np.column_stack([self.test(force) for force in forces])
+            added = added - q @ (q.T @ added)
+            left[i] = np.linalg.norm(plain - added @ np.linalg.lstsq(added, plain, rcond=1e-9)[0])
+        before, after = np.append(np.inf, left[:-1]), np.append(left[1:], np.inf)
+        return sorted(map(int, np.flatnonzero((left <= before) & (left < after))), key=lambda i: float(left[i]))
+
     def left_by_run(self, forces: list[Array]) -> float:
         """Share of what the plain plant leaves that is left with forces of other strength in every run."""
         q, left = self._plain
@@ -169,8 +183,8 @@ def measured_motion(records: Records, linear: Array, floor: float, period: float
             half += 1
         window = min(2 * half + 1, y.size - 1 + y.size % 2)
         degree = min(3, window - 2)
-        rest = np.median(y[-max(8, y.size // 6) :]) if records.moving[r] else y[0]
         smooth, slope = _smoothed(y, window, degree)
+        rest = np.median(y[-max(8, y.size // 6) :]) if records.moving[r] else smooth[0]
         x[piece] = records.at_samples(r, smooth - rest)
         v[piece] = records.at_samples(r, slope / h)
     return motion_along(records, linear, x, v)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Self
 
-import numpy as np
 from pydantic import model_validator
 
 from stepid.core.base import Matrix, Model, Vector
@@ -57,8 +56,8 @@ class StackedSystem(Model):
     @property
     def row_units(self) -> tuple[str, ...]:
         """Unit of each row's terms: N/m of a frequency row, kg of a mass row."""
-        first = len(self.characteristics)  # column of a stiffness, which mass rows do not have
-        return tuple("N/m" if np.any(row[first:]) else "kg" for row in self.matrix)
+        masses = len(self.characteristics)
+        return tuple("N/m" if row[masses:].any() else "kg" for row in self.matrix)
 
     @property
     def _header(self) -> tuple[str, ...]:

@@ -106,9 +106,10 @@ def _joint(
         noise = noise_level(run.position[run.position.size // 2 :], resolution=run.resolution)
         if not noise > 0:
             return None
-        total += rows @ rows.T / noise**2
+        with np.errstate(over="ignore", invalid="ignore"):  # an input beyond all numbers is told below
+            total += rows @ rows.T / noise**2
     size = np.sqrt(np.diag(total))
-    if not (size > 0).all() or np.linalg.cond(total / size / size[:, None]) > 1e12:
+    if not (np.isfinite(total).all() and (size > 0).all()) or np.linalg.cond(total / size / size[:, None]) > 1e12:
         return None
     out: Array = np.sqrt(np.diag(np.linalg.inv(total / size / size[:, None]))) / size
     return out

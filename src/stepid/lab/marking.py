@@ -56,7 +56,7 @@ def check(
     named = {n for effects in (submission.effects, *submission.alternatives) for n in effects}
     for name in answer.parameters:
         owner = name.partition(".")[0]
-        if name not in submission.parameters and ("." not in name or owner in submission.effects):
+        if name not in submission.parameters and (owner not in answer.effects or owner in submission.effects):
             raise InputError(
                 f"the {who} lacks {name!r}", f"Give it in {units[name] or 'no unit'}, with an uncertainty."
             )

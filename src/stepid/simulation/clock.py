@@ -6,11 +6,13 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.once import once
 from stepid.core.samples import CLOSE, divided_differences, even_clock, is_even, off_even_clock
 
 _BETTER = 0.9  # times the spread on the even clock, above which the stamps' own times are no better
 
 
+@once
 def clock(experiment: Experiment) -> Array:
     """Return the time of each sample, s: the stamps, or an even clock where that makes the smoother motion.
 

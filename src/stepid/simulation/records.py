@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -75,19 +76,23 @@ class Records:
 
     def pieces(self) -> list[slice]:
         """Return each run's samples as a slice."""
-        return [slice(int(a), int(b)) for a, b in zip(self.bounds[:-1], self.bounds[1:], strict=True)]
+        return list(self._pieces)
+
+    @cached_property
+    def _pieces(self) -> tuple[slice, ...]:
+        return tuple(slice(int(a), int(b)) for a, b in pairwise(self.bounds))
 
     def evenly(self, run: int, values: Array) -> tuple[float, Array]:
         """Values at a run's samples at as many even times, by straight lines, and those times' distance, s."""
-        own, even = values[self.pieces()[run]], self._even[run]
+        own, even = values[self._pieces[run]], self._even[run]
         if even is None:
             return float(self.sample_time[run]), own
-        return float(even[1] - even[0]), np.interp(even, self.time[self.pieces()[run]], own)
+        return float(even[1] - even[0]), np.interp(even, self.time[self._pieces[run]], own)
 
     def at_samples(self, run: int, values: Array) -> Array:
         """Values at even times, as `evenly` gives them, at the run's samples."""
         even = self._even[run]
-        return values if even is None else np.interp(self.time[self.pieces()[run]], even, values)
+        return values if even is None else np.interp(self.time[self._pieces[run]], even, values)
 
     @cached_property
     def _even(self) -> tuple[Array | None, ...]:

@@ -7,6 +7,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.noise import noise_level, rms
+from stepid.core.once import once
 from stepid.core.samples import course
 
 _LEAD = 5  # samples before the first change of the input that tell rest from motion
@@ -24,6 +25,7 @@ _POOR = 0.3  # of the motion, left by a fit that says nothing about the start
 _FEWEST = 16  # samples
 
 
+@once
 def starts_in_motion(experiment: Experiment) -> bool:
     """Tell whether a record starts in motion: what `Experiment.starts` says, or with "auto" what the data show.
 

@@ -134,6 +134,24 @@ def hoped(proposal: Proposal, effort: Effort) -> float:
     return float(proposal.like.cost * min(share, 1.0) ** effort.hope)
 
 
+def hoped_of_parts(
+    proposal: Proposal, proposals: Sequence[Proposal], nodes: Mapping[Key, Node], effort: Effort
+) -> float:
+    """Cost that a set may really leave, by what it promises more than its parts of one effect less, m²; 0 without any.
+
+    Effects that were scored together promise much where one of them takes most: what such a part left once it was
+    fitted is known. The part that promises most of what the whole set does tells what the effect left out may add.
+    """
+    names, whole = proposal.key[0], max(proposal.left, 0.0)
+    parts = {
+        p.key: p
+        for p in proposals
+        if p.key in nodes and p.base == proposal.base and p.left > 0 and p.key[0] < names
+        and len(p.effects) + 1 == len(proposal.effects) and p.deviations == proposal.deviations
+    }  # fmt: skip
+    return max((nodes[key].cost * min(whole / p.left, 1.0) ** effort.hope for key, p in parts.items()), default=0.0)
+
+
 def no_answer(fit: FitContext, effects: Sequence[Effect], cost: float) -> bool:
     """Tell whether a set is none that may lead, and leaves a rest: so many effects are an answer at the floor only."""
     return len(effects) > LEADING and cost > fit.floored

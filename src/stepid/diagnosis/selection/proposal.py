@@ -124,7 +124,10 @@ class Move(Protocol):
         ...
 
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
-        """Propose sets of effects to fit next, from where a node stands; nothing is fitted here."""
+        """Propose sets of effects to fit next, from where a node stands; nothing is fitted here.
+
+        Each set once and other than the node's, of `context.effort.effects` at most.
+        """
         ...
 
 

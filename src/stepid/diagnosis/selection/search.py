@@ -214,10 +214,11 @@ class Search:
         return out[: max(self.effort.fits - self.fits, 0)]
 
     def _idle(self, proposal: Proposal) -> bool:
-        """Tell whether a set is at the noise floor already, and another promises far less than it did."""
+        """Tell whether a set is no answer by what its parts left, or promises far less than one at the noise floor."""
         least = self._least()
         if least.cost > self.fit.floored:
-            return False
+            hoped = by.hoped_of_parts(proposal, self.proposals, self.nodes, self.effort)
+            return by.no_answer(self.fit, proposal.effects, hoped)
         return by.outdone(proposal, least, self.root, self.proposals, self.effort, self.criteria.tie * self.fit.unit)
 
     def _new(self, proposal: Proposal) -> bool:

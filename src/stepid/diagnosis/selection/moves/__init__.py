@@ -13,13 +13,16 @@ from stepid.diagnosis.selection.moves.split import Split
 from stepid.diagnosis.selection.proposal import Move
 
 EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Deviate(), Split(), Drop())
-"""Moves to sets that explain more."""
+"""Moves to sets that explain more: fitted are the most promising, if they promise to leave less than their node."""
 
 TOGETHER: tuple[Move, ...] = (AddTogether(2), AddTogether(2 + 1))
 """Moves from the linear plant where no smaller set that was fitted first is enough, one after the other."""
 
 CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Exchange(), Drop(), Split())
-"""Moves to sets that may explain as much: rivals of an answer."""
+"""Moves to sets that may explain as much: rivals of an answer, fitted where they promise about what the best leaves.
+
+A move in this list and in `EXPLORING` makes rivals in both.
+"""
 
 MOVES: tuple[Move, ...] = tuple({m.name: m for m in (*EXPLORING, *TOGETHER, *CONFIRMING)}.values())
 """All of them, each once: follows from those above."""

@@ -1,0 +1,112 @@
+"""Moves to sets that may explain as much, from one small node: what they propose. Nothing is searched."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from exact_plants import EFFECTS
+from search_nodes import FRICTION, GENERAL, SIMPLE, context, node, prepared, sets, sound
+from stepid.diagnosis.selection.moves.drop import Drop
+from stepid.diagnosis.selection.moves.exchange import Exchange
+from stepid.diagnosis.selection.moves.generalize import Generalize
+from stepid.diagnosis.selection.moves.specialize import Specialize, level_within
+from stepid.diagnosis.selection.moves.split import Split
+from stepid.diagnosis.selection.proposal import Node, related, standing
+from stepid.effects import resolve
+from stepid.fitting.deviations import SCATTER
+from stepid.fitting.multistart import CandidateFit
+
+
+def test_generalize_offers_what_contains_an_effect_from_where_it_stands() -> None:
+    fit = prepared("friction")
+    one = node(fit, FRICTION)
+    found = Generalize().propose(one, context(fit))
+    sound(Generalize(), one, found)
+    assert set(sets(found)) == {(e.name,) for e in GENERAL if "coulomb_friction" in e.contains}
+    assert all(p.left <= one.cost for p in found)
+    assert Generalize().propose(node(fit), context(fit)) == []
+
+
+def test_specialize_offers_what_is_inside_at_the_same_level() -> None:
+    fit = prepared("friction")
+    uneven = node(fit, {"asymmetric_friction": {"level_forward": 0.15, "level_backward": 0.25}})
+    found = Specialize().propose(uneven, context(fit))
+    sound(Specialize(), uneven, found)
+    assert sets(found) == [("coulomb_friction",)]
+    (level,) = found[0].starts[0].values[0]
+    assert level == pytest.approx(np.mean(standing(uneven).values[0]))
+    assert Specialize().propose(node(fit, FRICTION), context(fit)) == []
+
+
+def test_a_level_inside_is_the_mean_of_those_in_its_unit() -> None:
+    uneven, coulomb, pair = resolve(["asymmetric_friction", "coulomb_friction", "free_play"])
+    assert level_within(uneven, np.array([0.1, 0.3]), coulomb) == pytest.approx(0.2)
+    assert level_within(uneven, np.array([0.1, 0.3]), pair) is None
+    assert level_within(uneven, np.array([0.1, 0.3]), uneven) is None
+
+
+def test_exchange_puts_every_other_simple_effect_in_each_place() -> None:
+    fit = prepared("friction")
+    wrong = node(fit, {"quadratic_damping": {"coefficient": 10.0}})
+    found = Exchange().propose(wrong, context(fit))
+    sound(Exchange(), wrong, found)
+    assert set(sets(found)) <= {(e.name,) for e in SIMPLE} - {("quadratic_damping",)}
+    assert min(found, key=lambda p: p.left).effects[0].dry
+    two = node(fit, {"coulomb_friction": {"level": 0.2}, "quadratic_damping": {"coefficient": 10.0}})
+    kept = sets(Exchange().propose(two, context(fit)))
+    assert all(("coulomb_friction" in names) != ("quadratic_damping" in names) for names in kept)
+    assert Exchange().propose(node(fit), context(fit)) == []
+
+
+def test_drop_takes_each_effect_away() -> None:
+    fit = prepared("friction")
+    two = node(fit, {"coulomb_friction": {"level": 0.2}, "quadratic_damping": {"coefficient": 1.0}})
+    found = Drop().propose(two, context(fit))
+    sound(Drop(), two, found)
+    assert sorted(sets(found)) == [("coulomb_friction",), ("quadratic_damping",)]
+    left = {p.effects[0].name: p.left for p in found}
+    assert left["coulomb_friction"] < 0.2 * left["quadratic_damping"]
+    assert Drop().propose(node(fit, FRICTION), context(fit)) == []
+
+
+def test_drop_takes_conditions_away_too() -> None:
+    fit = prepared("gain")
+    both = Node(CandidateFit(fit, (), frozenset({"gain", "start_time"})))
+    both.fitted.best = fit.coarse_linear
+    found = Drop().propose(both, context(fit))
+    sound(Drop(), both, found)
+    assert [p.deviations for p in found] == [frozenset({"start_time"}), frozenset({"gain"})]
+    one = Node(CandidateFit(fit, (), frozenset({"gain"})))
+    one.fitted.best = fit.coarse_linear
+    assert Drop().propose(one, context(fit)) == []  # the linear plant is at its optimum
+
+
+def test_exchange_tries_runs_that_differ_for_an_effect_that_is_free_in_every_run() -> None:
+    fit = prepared("gain")
+    sine = node(fit, {"periodic_disturbance": {"amplitude": 0.05, "frequency": 3.0}})
+    found = Exchange().propose(sine, context(fit))
+    assert [(p.effects, p.deviations) for p in found if p.deviations] == [((), frozenset(SCATTER))]
+
+
+def test_split_offers_two_laws_for_a_curved_one() -> None:
+    fit = prepared("power")
+    power = node(fit, {"power_damping": {"coefficient": 2.0, "exponent": 1.5}})
+    found = Split().propose(power, context(fit, alike=1.0))
+    for p in found:
+        assert len(p.effects) == 2
+        assert p.effects[0].name in power.effects[0].contains
+        assert not related(*p.effects)
+    assert len(found) <= 2
+    assert Split().propose(power, context(fit, alike=1e-9)) == []
+    assert Split().propose(power, context(fit, effects=1)) == []
+    assert Split().propose(node(fit, FRICTION), context(fit)) == []
+    assert Split().propose(node(fit), context(fit)) == []
+
+
+def test_split_knows_friction_and_damping_in_stribeck_friction() -> None:
+    fit = prepared("stribeck")
+    general = node(fit, {"stribeck_friction": EFFECTS["stribeck_friction"]})
+    found = Split().propose(general, context(fit, alike=1.0))
+    sound(Split(), general, found)
+    assert all(names[0] == "coulomb_friction" for names in sets(found))
