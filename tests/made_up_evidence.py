@@ -118,6 +118,7 @@ class Told:
     floored: tuple[str, ...] = ("coulomb_friction", "free_play")
     input_fault: InputFault | None = None
     other_shape: str = ""
+    still_followed: str = ""
     criteria: Criteria = field(default_factory=Criteria)
     context: object = field(default_factory=context)
 
@@ -135,6 +136,9 @@ class Told:
 
     def refuted(self, lead: Candidate) -> str:
         return self.other_shape
+
+    def followed(self, found: Candidate) -> str:
+        return self.still_followed
 
     def patchwork(self, found: Candidate) -> str:
         return self.other_shape if len(found.effects) > 2 else ""

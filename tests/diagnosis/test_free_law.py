@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hidden.campaigns import Request, make_campaigns
-from stepid.diagnosis.free_law import free_law, states_of
+from stepid.diagnosis.free_law import free_law, free_laws, states_of
 from stepid.effects import resolve
 from stepid.fitting.fit import fit_effects, prepare
 from stepid.fitting.multistart import FitContext
@@ -42,6 +42,28 @@ def test_nothing_is_left_to_it_beside_the_true_law() -> None:
     assert fitted is not None
     law = free_law(context, fitted)
     assert law.power < 1e-3 * (context.coarse_linear.cost - context.noise_cost)
+
+
+def test_of_noise_it_takes_what_chance_takes() -> None:
+    """Over many campaigns the deviates are those of a standard normal variable."""
+    made = make_campaigns([Request(seed, (), None, None, "four") for seed in range(40, 60)])
+    found = []
+    for campaign, _ in made:
+        context = prepare(campaign)
+        found += [law.beyond for law in free_laws(context, context.linear)]
+    assert abs(np.mean(found)) < 0.5
+    assert 0.7 < np.std(found) < 1.4
+    assert np.max(found) < 4.0
+
+
+def test_a_wrong_law_as_small_as_the_noise_is_seen() -> None:
+    made = make_campaigns([Request(4, (), "viscous_pad", 2.5, "four")])
+    context = prepare(made[0][0])
+    fitted = fit_effects(context, resolve(["position_dependent_damping"]))
+    assert fitted is not None
+    assert fitted.rms < 1.15 * context.floor
+    law = max(free_laws(context, fitted), key=lambda one: one.beyond)
+    assert (law.states, law.beyond > 5) == ({"position", "velocity"}, True)
 
 
 def test_a_force_of_time_is_no_law_of_a_state() -> None:

@@ -38,6 +38,7 @@ def test_the_rules_stand_in_this_order() -> None:
         "runs_differ",
         "freedom_is_untested",
         "shape_is_patched",
+        "rest_follows_the_motion",
         "complete_but_open",
         "complete",
         "leads",
@@ -163,6 +164,19 @@ def test_three_laws_of_one_state_name_none() -> None:
     assert found.verdict == "unexplained"
     assert "a law of any shape" in found.reasons[-2]
     assert ask("shape_is_patched", best=three, floored=three.names) is None
+
+
+def test_what_is_left_has_to_be_noise_and_not_only_small() -> None:
+    found = ask("rest_follows_the_motion", still_followed="velocity", lead=LINEAR)
+    assert found is not None
+    assert (found.verdict, found.shown, found.alternatives) == ("unexplained", FRICTION, ())
+    assert found.reasons[-1].endswith("what it leaves follows velocity: its law is another, or more is missing.")
+    leading = ask("rest_follows_the_motion", still_followed="velocity")
+    assert leading is not None
+    assert (leading.verdict, leading.rule) == ("named", "leads")
+    assert leading.reasons[-1] == found.reasons[-1]
+    assert ask("rest_follows_the_motion") is None
+    assert ask("rest_follows_the_motion", still_followed="velocity", floored=()) is None
 
 
 def test_a_law_of_another_shape_refutes_a_lead() -> None:

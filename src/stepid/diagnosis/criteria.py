@@ -25,8 +25,8 @@ class Criteria(Model):
         Decrease of QBIC that a further effect must bring: the catalogue offers some twenty, of which the best by
         chance gains more than one alone (2 ln 23 = 6 above `tie`).
     white : float
-        Standard deviations of block-mean χ² and of the von Neumann ratio that white noise may show; 1 in 3,000,000
-        for a normal deviate at 5.
+        Standard deviations of block-mean χ², of the von Neumann ratio and of what a law of any shape takes, that white
+        noise may show; 1 in 3,000,000 for a normal deviate at 5.
     floor : float
         Times the noise floor that a complete model may leave: the floor is estimated from a few hundred differences
         to some 3 per cent.
@@ -78,7 +78,7 @@ class Criteria(Model):
     rival: Positive = 5.0
     open: Share = 0.5
     lead: Share = 0.85
-    rough: Share = 0.01
+    rough: Share = 0.005
     sure: Share = 0.95
     steady: Share = 0.4
     first: Share = 0.4

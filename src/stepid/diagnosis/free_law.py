@@ -21,11 +21,15 @@ _PIECES = 6  # straight pieces of the law on each side of zero
 
 
 class FreeLaw(NamedTuple):
-    """What a law of any shape takes: of which state, the share of the rest, and that much power, m²."""
+    """What a law of any shape takes: of which state, the share of the rest, and that much power, m².
+
+    `beyond` is what chance does not: a normal deviate as rare as the F ratio of what the law takes to what it leaves.
+    """
 
     state: str
     share: float
     power: float
+    beyond: float = 0.0
 
     @property
     def states(self) -> frozenset[str]:
@@ -34,6 +38,11 @@ class FreeLaw(NamedTuple):
 
 
 def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
+    """Find the law of any shape that takes most of a fit's rest; see `free_laws`."""
+    return max(free_laws(context, optimum), key=lambda law: law.power)
+
+
+def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     """Find what a force of position or of velocity, or a damping by position, takes of a fit's rest.
 
     Each is piecewise linear and free in shape.
@@ -50,13 +59,13 @@ def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
 
     Returns
     -------
-    FreeLaw
-        Of the state whose law takes more; nothing is taken where the plant runs away.
+    tuple of FreeLaw
+        One for each state; nothing is taken where the plant runs away.
     """
     decimated, problem = context.decimated, optimum.problem
     coarse = replace(problem, simulator=Simulator(decimated, problem.simulator.effects, COARSE))
     solved = coarse.solve(optimum.shared, optimum.local)
-    nothing = FreeLaw("position", 0.0, 0.0)
+    nothing = (FreeLaw("position", 0.0, 0.0),)
     if solved is None:
         return nothing
     jacobian, residual = coarse.jacobian(solved), coarse.residual(solved)
@@ -65,9 +74,7 @@ def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
     own = _basis(jacobian)
     rest = residual - own @ (own.T @ residual)
     left = float(rest @ rest) - context.noise_cost
-    if left <= 0:
-        return nothing
-    count = float(effective_samples(decimated, residual).sum())
+    count = float(effective_samples(decimated, residual).sum()) - own.shape[1]
     base = replace(optimum, problem=coarse)
     found = []
     x, v = optimum.solved.states[:2]
@@ -75,13 +82,22 @@ def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
     for state, forces in laws.items():
         pushed = decimated.weighted(responses_along(base, context, forces).T).T
         pushed = pushed[:, np.isfinite(pushed).all(axis=0)]
-        pushed = pushed - own @ (own.T @ pushed)
-        free = _basis(pushed)
+        free = _basis(pushed - own @ (own.T @ pushed))
         taken = float(np.sum((free.T @ rest) ** 2))
-        chance = free.shape[1] * (float(rest @ rest) - taken) / max(count - free.shape[1], 1.0)
+        spare = max(count - free.shape[1], 1.0)
+        chance = free.shape[1] * (float(rest @ rest) - taken) / spare
         power = max(taken - chance, 0.0)
-        found.append(FreeLaw(state, min(power / left, 1.0), power))
-    return max(found, key=lambda law: law.power)
+        share = min(power / left, 1.0) if left > 0 else 0.0
+        beyond = _deviate(taken / chance, free.shape[1], spare) if chance > 0 else 0.0
+        found.append(FreeLaw(state, share, power, beyond))
+    return tuple(found)
+
+
+def _deviate(ratio: float, pieces: int, spare: float) -> float:
+    """Normal deviate that is as rare as an F ratio (Wilson and Hilferty 1931; Abramowitz and Stegun 26.6.15)."""
+    up, down = 2 / (9 * pieces), 2 / (9 * spare)
+    root = np.cbrt(ratio)
+    return float(((1 - down) * root - (1 - up)) / np.sqrt(up + down * root**2))
 
 
 def states_of(context: FitContext, effect: Effect, values: tuple[float, ...]) -> frozenset[str]:

@@ -16,7 +16,7 @@ from stepid.core.base import Array
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
-from stepid.diagnosis.free_law import free_law, states_of_all
+from stepid.diagnosis.free_law import free_law, free_laws, states_of_all
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.selection.candidate import Candidate, Deviations, includes, is_free
 from stepid.diagnosis.vetoes import imitators, undetermined
@@ -181,19 +181,26 @@ class EvidenceRecord:
     def refuted(self, lead: Candidate) -> str:
         """The state of which a law of another shape refutes a lead, '' where none does.
 
-        It takes most of the rest that a law of the same state leaves, which may be rough; two effects that are laws of
-        one state follow a shape that neither has. Or it takes as much of the whole misfit as a lead of other kind does.
+        It takes most of the rest that a law of the same state leaves, or more than chance does, and real laws may be
+        rough; two effects that are laws of one state follow a shape that neither has. Or it takes as much of the whole
+        misfit as a lead of other kind does.
         """
         states = states_of_all(self.context, lead.optimum)
         alone = free_law(self.context, self.linear.optimum)
         if not any(alone.states <= own for own in states) and alone.share >= self.leads.taken(self.linear, lead):
             return alone.state
         law = free_law(self.context, lead.optimum)
-        if law.share <= 0.5 or not any(law.states <= own for own in states):
+        takes = law.share > 0.5 or law.beyond > self.criteria.white
+        if not takes or not any(law.states <= own for own in states):
             return ""
         misfit = self.context.coarse_linear.cost - self.context.noise_cost
         patched = len(states) > 1 and set(states) == {law.states}
         return law.state if patched or law.power > self.criteria.rough * misfit else ""
+
+    def followed(self, found: Candidate) -> str:
+        """The state that what a candidate leaves follows by more than chance, '' where there is none."""
+        law = max(free_laws(self.context, found.optimum), key=lambda one: one.beyond)
+        return law.state if law.beyond > self.criteria.white else ""
 
     def patchwork(self, found: Candidate) -> str:
         """The state of which all effects of a candidate of more than two are laws, '' where there is none."""

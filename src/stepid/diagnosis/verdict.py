@@ -87,6 +87,21 @@ def shape_is_patched(e: EvidenceRecord) -> Answer | None:
     return Answer("unexplained", e.best, (), said)
 
 
+def rest_follows_the_motion(e: EvidenceRecord) -> Answer | None:
+    """What the best leaves is as small as the noise, but follows the motion: the law is another or not alone."""
+    state = e.followed(e.best) if e.at_floor(e.best) else ""
+    if not state:
+        return None
+    said = (
+        f"{_title(e.best)} leaves {length(e.best.optimum.rms)}, {e.times(e.best):.3g} times the noise floor, "
+        f"but what it leaves follows {state}: its law is another, or more is missing."
+    )
+    found = leads(e)
+    if found is None:
+        return Answer("unexplained", e.best, (), (said,))
+    return replace(found, reasons=(*found.reasons, said), rule=leads.__name__)
+
+
 def complete_but_open(e: EvidenceRecord) -> Answer | None:
     """The best leaves only noise, but a parameter of its effects is not determined: other answers are as good."""
     if not e.at_floor(e.best) or not e.undetermined:
@@ -179,6 +194,7 @@ RULES: tuple[Rule, ...] = (
     runs_differ,
     freedom_is_untested,
     shape_is_patched,
+    rest_follows_the_motion,
     complete_but_open,
     complete,
     leads,
