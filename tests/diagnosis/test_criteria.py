@@ -93,6 +93,7 @@ def rough(criteria: Criteria) -> str:
     law = FreeLaw("velocity", share=0.8, power=2.0)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(gather, "free_law", lambda *_: law)
+        patch.setattr(gather, "free_laws", lambda *_: (law,))
         patch.setattr(gather, "states_of_all", lambda *_: (frozenset({"velocity"}),))
         return EvidenceRecord(told, criteria, (candidate(),)).refuted(candidate(["quadratic_damping"], times=3.0))
 

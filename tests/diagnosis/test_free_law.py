@@ -66,6 +66,18 @@ def test_a_wrong_law_as_small_as_the_noise_is_seen() -> None:
     assert (law.states, law.beyond > 5) == ({"position", "velocity"}, True)
 
 
+@pytest.mark.parametrize(("outside", "seen"), [("square_wave", True), (None, False)])
+def test_overtones_tell_a_wave_of_another_shape(outside: str | None, seen: bool) -> None:
+    effects = () if outside else ("periodic_disturbance",)
+    made = make_campaigns([Request(4, effects, outside, 5.0, "four")])
+    context = prepare(made[0][0])
+    fitted = fit_effects(context, resolve(["periodic_disturbance"]))
+    assert fitted is not None
+    assert fitted.rms < 1.05 * context.floor
+    law = next(law for law in free_laws(context, fitted) if law.overtones)
+    assert (law.state, law.beyond > 5) == ("time", seen)
+
+
 def test_a_force_of_time_is_no_law_of_a_state() -> None:
     context = hidden(("periodic_disturbance",))
     assert free_law(context, context.linear).share < 0.5

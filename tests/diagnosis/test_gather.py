@@ -128,9 +128,43 @@ def test_two_laws_of_one_state_leave_no_rest_of_it(
     e = evidence(lead)
     e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
     slight = 0.1 * e.criteria.rough * LINEAR.optimum.cost
-    monkeypatch.setattr(gather, "free_law", lambda *_: FreeLaw("position", share, slight))
+    monkeypatch.setattr(gather, "free_law", lambda *_: FreeLaw("position", 0.0, 0.0))
+    monkeypatch.setattr(gather, "free_laws", lambda *_: (FreeLaw("position", share, slight),))
     monkeypatch.setattr(gather, "states_of_all", lambda *_: tuple(frozenset({s}) for s in states))
     assert e.refuted(lead) == told
+
+
+@pytest.mark.parametrize(
+    ("beyond", "state", "told"), [(9.0, "position", "position"), (3.0, "position", ""), (9.0, "velocity", "")]
+)
+def test_a_law_of_the_leads_own_state_takes_more_than_chance(
+    beyond: float, state: str, told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lead = candidate(["cubic_stiffness"], times=3.0)
+    e = evidence(lead)
+    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
+    much = FreeLaw(state, 0.2, 2 * e.criteria.rough * LINEAR.optimum.cost, beyond)
+    monkeypatch.setattr(gather, "free_law", lambda *_: FreeLaw("position", 0.0, 0.0))
+    monkeypatch.setattr(gather, "free_laws", lambda *_: (much, FreeLaw("velocity", 0.3, much.power)))
+    monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),))
+    assert e.refuted(lead) == told
+
+
+def test_runs_that_differ_hide_no_shape(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The law of any shape is fitted to what the lead leaves with conditions alike in all runs."""
+    lead, alike = (
+        candidate(["cubic_stiffness"], times=3.0, deviations=["gain"]),
+        candidate(["cubic_stiffness"], times=4.0),
+    )
+    e = evidence(lead)
+    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
+    asked = []
+    monkeypatch.setattr(gather, "free_law", lambda *_: FreeLaw("position", 0.0, 0.0))
+    monkeypatch.setattr(gather, "free_laws", lambda _, optimum: asked.append(optimum) or ())
+    monkeypatch.setattr(gather, "without_deviations", lambda *_: alike.optimum)
+    monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),))
+    assert e.refuted(lead) == ""
+    assert asked == [alike.optimum]
 
 
 @pytest.mark.parametrize(
@@ -150,6 +184,7 @@ def test_a_law_of_any_shape_does_as_well_as_the_lead(
     e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
     laws = {id(e.linear.optimum): FreeLaw("velocity", share, 1.0), id(lead.optimum): FreeLaw("velocity", 0.1, 0.0)}
     monkeypatch.setattr(gather, "free_law", lambda _, optimum: laws[id(optimum)])
+    monkeypatch.setattr(gather, "free_laws", lambda _, optimum: (laws[id(optimum)],))
     monkeypatch.setattr(gather, "states_of_all", lambda *_: (states,))
     assert e.refuted(lead) == told
 

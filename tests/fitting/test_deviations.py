@@ -17,6 +17,7 @@ from stepid.fitting.deviations import (
     scatter_values,
     with_deviations,
     with_fault,
+    without_deviations,
 )
 from stepid.fitting.fit import fit_effects, prepare, unpack
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
@@ -42,6 +43,13 @@ def test_start_times_are_recovered() -> None:
         np.std(JITTER, ddof=1) * SAMPLE_TIME, rel=0.05
     )
     assert set(unpack(found, ()).runs["case 3"].deviations) == {"start_time"}
+
+
+def test_without_what_differs_it_is_the_fit_from_before() -> None:
+    linear = prepare(scattered(1, late=JITTER)).linear
+    back = without_deviations(refit(linear, "start_time"), 0.0)
+    assert back.cost == pytest.approx(linear.cost, rel=1e-6)
+    assert scatter_values(back) == {}
 
 
 def test_a_model_with_start_times_simulates_as_it_was_fitted() -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.diagnosis.evidence import effective_samples
 from stepid.effects.base import Effect, Motion
+from stepid.fitting.covariance import at_bound
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.score_test import responses_along
@@ -30,6 +31,7 @@ class FreeLaw(NamedTuple):
     share: float
     power: float
     beyond: float = 0.0
+    overtones: bool = False  # of an effect of the fit
 
     @property
     def states(self) -> frozenset[str]:
@@ -45,7 +47,7 @@ def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
 def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     """Find what a force of position or of velocity, or a damping by position, takes of a fit's rest.
 
-    Each is piecewise linear and free in shape.
+    Each is piecewise linear and free in shape. Overtones of the fit's periodic effects are a law each.
 
     The fitted plant is pushed by each piece along its own trajectory; the responses, and those to the fit's own
     parameters, are fitted to the residual. A share is corrected for the number of coefficients (adjusted coefficient of
@@ -60,7 +62,7 @@ def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     Returns
     -------
     tuple of FreeLaw
-        One for each state; nothing is taken where the plant runs away.
+        One for each state, then those of overtones; nothing is taken where the plant runs away.
     """
     decimated, problem = context.decimated, optimum.problem
     coarse = replace(problem, simulator=Simulator(decimated, problem.simulator.effects, COARSE))
@@ -71,15 +73,13 @@ def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     jacobian, residual = coarse.jacobian(solved), coarse.residual(solved)
     if not np.isfinite(jacobian).all():
         return nothing
-    own = _basis(jacobian)
+    own = _basis(jacobian[:, ~at_bound(optimum)])
     rest = residual - own @ (own.T @ residual)
     left = float(rest @ rest) - context.noise_cost
     count = float(effective_samples(decimated, residual).sum()) - own.shape[1]
     base = replace(optimum, problem=coarse)
     found = []
-    x, v = optimum.solved.states[:2]
-    laws = {"position": _pieces(x), "velocity": _pieces(v), "position and velocity": [f * v for f in _pieces(x)]}
-    for state, forces in laws.items():
+    for (state, forces), overtones in _laws(context, optimum):
         pushed = decimated.weighted(responses_along(base, context, forces).T).T
         pushed = pushed[:, np.isfinite(pushed).all(axis=0)]
         free = _basis(pushed - own @ (own.T @ pushed))
@@ -89,8 +89,28 @@ def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
         power = max(taken - chance, 0.0)
         share = min(power / left, 1.0) if left > 0 else 0.0
         beyond = _deviate(taken / chance, free.shape[1], spare) if chance > 0 else 0.0
-        found.append(FreeLaw(state, share, power, beyond))
+        found.append(FreeLaw(state, share, power, beyond, overtones))
     return tuple(found)
+
+
+def _laws(context: FitContext, optimum: Optimum) -> list[tuple[tuple[str, list[Array]], bool]]:
+    """States with the forces of any law of each, and whether these are overtones."""
+    x, v = optimum.solved.states[:2]
+    free = {"position": _pieces(x), "velocity": _pieces(v), "position and velocity": [f * v for f in _pieces(x)]}
+    out = [(law, False) for law in free.items()]
+    motion, layout = context.motion._replace(x=x, v=v), optimum.problem.layout
+    for effect, place, rows in zip(layout.effects, layout.values, layout.run_values, strict=True):
+        waves: list[Array] = []
+        for r, piece in enumerate(context.records.pieces()):
+            values = (*map(float, optimum.shared[place]), *map(float, optimum.local[rows, r]))
+            within = Motion(*(field[piece] for field in motion))
+            parts = effect.overtones(values, within)
+            waves = waves or [np.zeros(x.size) for _ in parts]
+            for wave, part in zip(waves, parts, strict=True):
+                wave[piece] = part
+        if waves:
+            out.append((("time" if effect.run_parameters else "position", waves), True))
+    return out
 
 
 def _deviate(ratio: float, pieces: int, spare: float) -> float:

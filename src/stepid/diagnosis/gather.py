@@ -16,12 +16,12 @@ from stepid.core.base import Array
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
-from stepid.diagnosis.free_law import free_law, free_laws, states_of_all
+from stepid.diagnosis.free_law import FreeLaw, free_law, free_laws, states_of_all
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.selection.candidate import Candidate, Deviations, includes, is_free
 from stepid.diagnosis.vetoes import imitators, undetermined
 from stepid.fitting.cross_validation import held_out_residuals
-from stepid.fitting.deviations import with_deviations
+from stepid.fitting.deviations import with_deviations, without_deviations
 from stepid.fitting.input_fault import InputFault
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
@@ -189,13 +189,19 @@ class EvidenceRecord:
         alone = free_law(self.context, self.linear.optimum)
         if not any(alone.states <= own for own in states) and alone.share >= self.leads.taken(self.linear, lead):
             return alone.state
-        law = free_law(self.context, lead.optimum)
-        takes = law.share > 0.5 or law.beyond > self.criteria.white
-        if not takes or not any(law.states <= own for own in states):
+        own = [one for one in self._laws_left(lead) if one.overtones or any(one.states <= state for state in states)]
+        law = max(own, key=lambda one: one.power, default=None)
+        if law is None or not (law.share > 0.5 or law.beyond > self.criteria.white):
             return ""
         misfit = self.context.coarse_linear.cost - self.context.noise_cost
         patched = len(states) > 1 and set(states) == {law.states}
         return law.state if patched or law.power > self.criteria.rough * misfit else ""
+
+    def _laws_left(self, lead: Candidate) -> tuple[FreeLaw, ...]:
+        """Laws of any shape in what a lead leaves with conditions alike in all runs: scatter hides a shape."""
+        if not lead.deviations:
+            return free_laws(self.context, lead.optimum)
+        return free_laws(self.context, without_deviations(lead.optimum, self.context.tolerance))
 
     def followed(self, found: Candidate) -> str:
         """The state that what a candidate leaves follows by more than chance, '' where there is none."""

@@ -221,6 +221,10 @@ class Effect:
         """Forces on the measured motion that would be this effect, for starts by linear least squares (optional)."""
         return ()
 
+    def overtones(self, values: tuple[float, ...], m: Motion) -> Sequence[Array]:
+        """Forces that a law of the same period and of another shape holds beside it; `values` with those of a run."""
+        return ()
+
     @staticmethod
     def force(p: Values, m: Moment) -> float:
         """Force added to the plant, N, dry friction excepted."""

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from stepid.core.base import Array
 from stepid.effects.base import Effect, Moment, Motion, Parameter, Regressor, Scales, Values
 from stepid.effects.swing import Swing
 
@@ -186,6 +187,10 @@ class PeriodicDisturbance(Effect):
             return "a slow shift of the rest position"
         return "the plant's own oscillation" if swing.near(2 * math.pi * values[1]) else ""
 
+    def overtones(self, values: tuple[float, ...], m: Motion) -> Sequence[Array]:
+        angle = 2 * np.pi * values[1] * m.time + values[2]
+        return [wave(times * angle) for times in (2, 3) for wave in (np.sin, np.cos)]
+
     @staticmethod
     def force(p: Values, m: Moment) -> float:
         return p[0] * math.sin(2 * math.pi * p[1] * m.time + p[2])
@@ -221,6 +226,10 @@ class Cogging(Effect):
 
     def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
         return "the spring" if values[1] > swing.pitch * swing.displacement else ""
+
+    def overtones(self, values: tuple[float, ...], m: Motion) -> Sequence[Array]:
+        angle = 2 * np.pi * m.x / values[1]
+        return [wave(times * angle) for times in (2, 3) for wave in (np.sin, np.cos)]
 
     @staticmethod
     def force(p: Values, m: Moment) -> float:

@@ -118,7 +118,7 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     white = np.sum((inverse @ (np.diag(usable.astype(float)) - of_prior)) * inverse, axis=1)[:n] * level**2
     ratio = np.maximum(np.diag(noise)[:n] / np.where(white > 0, white, np.inf), 1.0)
     open_ = np.abs(vt.T * ~usable).max(axis=1) > 1e-3 if not usable.all() else np.zeros(s.size, dtype=bool)
-    held = _at_bound(optimum, k)
+    held = np.append(at_bound(optimum), np.zeros(k, dtype=bool))  # errors of the weights have no bounds
     target = np.concatenate([pull, np.zeros(len(rows_of_prior) - k), -level * prior.found])
     slope = np.concatenate([matrix / longer, rows_of_prior])[:, ~held]
     step = np.zeros(n + k)
@@ -144,12 +144,12 @@ def _precision(problem: Problem) -> Array:
     return np.append(shared, 2.0 / most[problem.active])
 
 
-def _at_bound(optimum: Optimum, more: int) -> npt.NDArray[np.bool_]:
-    """Free parameters that sit at a bound; `more` without bounds at the end."""
+def at_bound(optimum: Optimum) -> npt.NDArray[np.bool_]:
+    """Free parameters that sit at a bound, of the columns of the Jacobian."""
     problem = optimum.problem
     shared = optimum.shared
     out = ((shared <= problem.lower) | (shared >= problem.upper))[problem.free]
-    return np.concatenate([out, np.zeros(int(problem.active.sum()) + more, dtype=bool)])
+    return np.append(out, np.zeros(int(problem.active.sum()), dtype=bool))
 
 
 def _finite_blocks(optimum: Optimum, prior: WeightErrors) -> Iterator[Block]:

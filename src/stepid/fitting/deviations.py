@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect
-from stepid.fitting.levenberg_marquardt import Optimum, Problem
+from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.simulation.records import Records
 
 SCATTER = ("start_time", "gain", "damping", "friction")
@@ -88,6 +88,21 @@ def with_deviations(problem: Problem, kinds: Iterable[str]) -> Problem:
         active[row] |= use
         most[row] = _LATE * problem.records.sample_time if kind == "start_time" else _MOST
     return replace(problem, active=active, most=most)
+
+
+def without_deviations(optimum: Optimum, tolerance: float) -> Optimum:
+    """Fit anew with conditions alike in all runs, as far as that can be done.
+
+    Parameters
+    ----------
+    optimum : Optimum
+    tolerance : float
+        As in `stepid.fitting.levenberg_marquardt.minimize`.
+    """
+    rows = optimum.problem.layout.deviations
+    active, local = optimum.problem.active.copy(), optimum.local.copy()
+    active[rows], local[rows] = False, 0.0
+    return minimize(replace(optimum.problem, active=active), optimum.shared, local, tolerance=tolerance) or optimum
 
 
 def with_fault(problem: Problem, run: int, kind: str) -> Problem:

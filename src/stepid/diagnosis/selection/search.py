@@ -283,14 +283,15 @@ class Search:
         return self.best
 
     def _polish_leads(self) -> None:
-        """Where a rest remains, fit what may lead to all samples: the first of each size."""
+        """Where a rest remains, fit what may lead to all samples: the first of each size, with runs alike, too."""
         if self._complete(self.best):
             return
         order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
         for alike in by.of_each_size(n for n in self._nameable(order) if len(n.effects) <= LEADING):
             for node in alike[: self.effort.polish]:
-                if node.fitted.polished is None:
-                    self._polish(node)
+                for one in (node, self.nodes.get((node.key[0], frozenset()), node)):
+                    if one.fitted.polished is None:
+                        self._polish(one)
 
     def _polish(self, node: Node) -> None:
         optimum = polished(self.fit, node.fitted, self.effort, self.candidates.values())
