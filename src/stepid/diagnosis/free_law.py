@@ -1,4 +1,4 @@
-"""A law of any shape: what a force of position, of velocity, or a damping that depends on position takes of a rest."""
+"""A law of any shape: what a force of position or velocity, or a damping or a drive that depends on them, takes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
 
 
 def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
-    """Find what a force of position or of velocity, or a damping by position, takes of a fit's rest.
+    """Find what a force of position or of velocity, a damping by position, or a drive by either takes of a fit's rest.
 
     Each is piecewise linear and free in shape. Overtones of the fit's periodic effects are a law each.
 
@@ -96,7 +96,11 @@ def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
 def _laws(context: FitContext, optimum: Optimum) -> list[tuple[tuple[str, list[Array]], bool]]:
     """States with the forces of any law of each, and whether these are overtones."""
     x, v = optimum.solved.states[:2]
+    volts = context.motion.volts
     free = {"position": _pieces(x), "velocity": _pieces(v), "position and velocity": [f * v for f in _pieces(x)]}
+    if volts.any():
+        free["position and input"] = [f * volts for f in _pieces(x)]
+        free["velocity and input"] = [f * volts for f in _pieces(v)]
     out = [(law, False) for law in free.items()]
     motion, layout = context.motion._replace(x=x, v=v), optimum.problem.layout
     for effect, place, rows in zip(layout.effects, layout.values, layout.run_values, strict=True):
