@@ -199,3 +199,14 @@ def test_three_laws_of_one_state_are_a_patchwork(monkeypatch: pytest.MonkeyPatch
         found.optimum.names = found.names  # type: ignore[attr-defined]
     e = evidence(three)
     assert [e.patchwork(c) for c in (three, mixed, PLAY)] == ["position", "", ""]
+
+
+@pytest.mark.parametrize(("beyond", "parts", "told"), [(9.0, 2.0, "velocity"), (4.0, 2.0, ""), (9.0, 0.5, "")])
+def test_what_a_complete_model_leaves_follows_no_state(
+    beyond: float, parts: float, told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    e = evidence(FRICTION)
+    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
+    law = FreeLaw("velocity", 0.1, parts * e.criteria.rough * LINEAR.optimum.cost, beyond)
+    monkeypatch.setattr(gather, "free_laws", lambda *_: (FreeLaw("position", 0.9, law.power, 1.0), law))
+    assert e.followed(FRICTION) == told

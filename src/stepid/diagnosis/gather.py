@@ -193,9 +193,8 @@ class EvidenceRecord:
         law = max(own, key=lambda one: one.power, default=None)
         if law is None or not (law.share > 0.5 or law.beyond > self.criteria.white):
             return ""
-        misfit = self.context.coarse_linear.cost - self.context.noise_cost
         patched = len(states) > 1 and set(states) == {law.states}
-        return law.state if patched or law.power > self.criteria.rough * misfit else ""
+        return law.state if patched or law.power > self._rough else ""
 
     def _laws_left(self, lead: Candidate) -> tuple[FreeLaw, ...]:
         """Laws of any shape in what a lead leaves with conditions alike in all runs: scatter hides a shape."""
@@ -204,9 +203,14 @@ class EvidenceRecord:
         return free_laws(self.context, without_deviations(lead.optimum, self.context.tolerance))
 
     def followed(self, found: Candidate) -> str:
-        """The state that what a candidate leaves follows by more than chance, '' where there is none."""
+        """The state that what a candidate leaves follows by more than chance and roughness, '' where there is none."""
         law = max(free_laws(self.context, found.optimum), key=lambda one: one.beyond)
-        return law.state if law.beyond > self.criteria.white else ""
+        return law.state if law.beyond > self.criteria.white and law.power > self._rough else ""
+
+    @property
+    def _rough(self) -> float:
+        """Power that a law of another shape may take, m²: real laws are rough."""
+        return self.criteria.rough * (self.context.coarse_linear.cost - self.context.noise_cost)
 
     def patchwork(self, found: Candidate) -> str:
         """The state of which all effects of a candidate of more than two are laws, '' where there is none."""

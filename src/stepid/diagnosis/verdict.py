@@ -107,6 +107,7 @@ def complete_but_open(e: EvidenceRecord) -> Answer | None:
     if not e.at_floor(e.best) or not e.undetermined:
         return None
     sure = [c for c in e.rivals if e.at_floor(c)] or list(e.simpler)
+    sure = [c for c in sure if not e.followed(c)]
     names = ", ".join(e.undetermined)
     said = f"{_title(e.best)} leaves only noise, but the data do not determine {names}."
     if not sure:
