@@ -106,7 +106,7 @@ GAP_HEADER = (
     "final/noise",
     "explained",
     "held out: linear [µm]",
-    "final model [µm]",
+    "held out: final [µm]",
 )
 
 

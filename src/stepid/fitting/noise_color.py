@@ -234,13 +234,20 @@ def _covariances(width: int) -> tuple[tuple[_Shape, ...], Array, Array]:
     return tuple(shapes), np.linalg.inv(stack), np.linalg.slogdet(stack)[1]
 
 
-def _oddest(windows: _Windows, inverse: Array) -> float:
+@cache
+def _directions(width: int, shape: int) -> tuple[Array, Array]:
+    """Eigenvalues and eigenvectors of the inverse covariance of a model, by its place among all."""
+    values, vectors = np.linalg.eigh(_covariances(width)[1][shape])
+    return values, vectors
+
+
+def _oddest(windows: _Windows, shape: int, scale: float) -> float:
     """Standard deviations by which the strongest of all directions is above a model: a line in time is, noise is not.
 
     By the cube root of χ² over its freedom (Wilson & Hilferty 1931).
     """
-    values, vectors = np.linalg.eigh(inverse)
-    share = values * np.sum(vectors * (windows.product @ vectors), axis=0)
+    values, vectors = _directions(windows.width, shape)
+    share = values / scale * np.sum(vectors * (windows.product @ vectors), axis=0)
     error = 2.0 / (9.0 * windows.number)
     return float((np.cbrt(share.max()) - 1 + error) / math.sqrt(error))
 
@@ -254,8 +261,8 @@ def _best(windows: _Windows, slowest: float, only: _Shape | None = None) -> _Fou
     d = inverse.shape[1]
     scale = inverse.reshape(len(shapes), -1) @ windows.product.ravel() / d  # traces of products: both are symmetric
     cost = windows.number * (d * np.log(scale) + logs)
-    correlation = np.array([s.correlation for s in shapes])
-    white = np.array([s.share == 0 for s in shapes])
+    share, correlation = np.array(shapes).T
+    white = share == 0
     fast = correlation <= slowest
     if only is not None:
         asked = np.array([s == only for s in shapes])
@@ -264,7 +271,7 @@ def _best(windows: _Windows, slowest: float, only: _Shape | None = None) -> _Fou
     else:
         asked = fast
     best = int(np.argmin(np.where(asked, cost, np.inf)))
-    odd = _oddest(windows, inverse[best] / scale[best])
+    odd = _oddest(windows, best, float(scale[best]))
     gain = float(cost[white].min() - cost[best])
     better = float(cost[best] - cost.min())
     return _Found(gain if only is not None or better < _PLAINLY else 0.0, shapes[best], float(scale[best]), odd, better)
