@@ -43,6 +43,14 @@ def test_the_promise_is_what_fit_gives() -> None:
     assert stepid.fit(made).parameters[name].uncertainty == pytest.approx(float(promised), rel=0.15)
 
 
+def test_what_the_weights_leave_open_is_not_promised() -> None:
+    made = campaign(100e-6, 5e-3)
+    (note,) = stepid.identify(made).notes
+    what, promised = re.search(r"tight: ([\w ]+) within ([\d.]+) ", note).groups()  # type: ignore[union-attr]
+    name = {"base mass": "base_mass", "stiffness": "stiffness[medium]", "damping": "damping[half]"}[what]
+    assert stepid.fit(made).parameters[name].uncertainty == pytest.approx(float(promised), rel=0.15)
+
+
 def test_nothing_is_said_where_the_weights_decide() -> None:
     assert stepid.identify(campaign(1e-6, 0.02)).notes == ()
 

@@ -74,7 +74,7 @@ def init(
         return
     outside = any(target.parent.resolve() not in file.resolve().parents for file in found)
     stepid.read_campaign(target, allow_outside=outside)  # whatever is still wrong is said now
-    screen.print(f"Next: stepid diagnose {target}{' --allow-outside' * outside}", markup=False)
+    screen.print(f"Next: stepid diagnose {target}{' --allow-outside' * outside} --out results", markup=False)
 
 
 def read_records(paths: Sequence[Path], said: Said, *, allow_outside: bool = False) -> Campaign:

@@ -34,7 +34,7 @@ class CoulombFriction(_DryFriction):
     law = "−F_c sign(v)"
     formula = r"-F_c\,\mathrm{sign}(v)"
     symbols = ("F_c",)
-    seen = "straight-line envelope, dead stop off zero, c and K that rise with mass in the paper's table"
+    seen = "straight-line envelope, dead stop off zero, c and K that drift with mass in the paper's table"
     advice = "clean and align the rails, oil the bearings; keep it in the model"
     affine: ClassVar[bool] = True
 

@@ -89,8 +89,8 @@ def identify_with_system(
     found = solve(system, solver=solver)
     order = [run.name for run in campaign.experiments]
     left_out = dict(sorted(excluded.items(), key=lambda item: order.index(item[0])))
-    said = (_not_linear(campaign, used), tighter_by_fit(kept, found, campaign.weight_uncertainty))
-    notes = (*found.notes, *(note for note in said if note is not None))
+    said = _not_linear(campaign, used) or tighter_by_fit(kept, found, campaign.weight_uncertainty)
+    notes = found.notes if said is None else (*found.notes, said)
     fields = found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out, "notes": notes}
     return system, IdentifiedParameters(**fields)
 

@@ -95,8 +95,12 @@ def _joint(
     n, k = shared.size, weights.size
     total = np.zeros((n + k, n + k))
     total[n:, n:] = np.eye(k)
+    forces = [
+        found.static_gain[run.name] * found.run_stiffness(run.name) for run in runs if run.name in found.static_gain
+    ]
+    gain = float(np.mean(forces))
     for run in runs:
-        slopes = _slopes(run, found)
+        slopes = _slopes(run, found, gain)
         if slopes is None:
             return None
         rows = np.zeros((n + k, run.time.size))
@@ -115,15 +119,18 @@ def _joint(
     return out
 
 
-def _slopes(run: Experiment, found: IdentifiedParameters) -> Array | None:
-    """Derivatives of a run's response by mass, stiffness, damping and force gain, shape (4, n)."""
+def _slopes(run: Experiment, found: IdentifiedParameters, gain: float) -> Array | None:
+    """Derivatives of a run's response by mass, stiffness, damping and force gain, shape (4, n).
+
+    At the values that the runs share: those of single runs would seem to weigh the weights, as a scale of all masses,
+    stiffnesses, dampings and forces would no longer leave every response as it is.
+    """
     levels = np.concatenate([[run.input_before], run.input])
     changes = np.flatnonzero(np.diff(levels))
     if run.name not in found.static_gain or run.input_between != "held" or changes.size > _MOST_CHANGES:
         return None
-    stiffness = found.run_stiffness(run.name)
-    gain = found.static_gain[run.name] * stiffness
-    plant = np.array([found.masses[run.name], stiffness, found.damping[run.name], gain])
+    mass = found.base_mass[run.base] + run.added_mass
+    plant = np.array([mass, found.stiffness[run.spring], found.pooled_damping[run.damper], gain])
 
     def response(values: Array) -> Array:
         mass, k, c, force = values

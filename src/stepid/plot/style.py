@@ -9,6 +9,7 @@ from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
+import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 import numpy.typing as npt
@@ -50,9 +51,19 @@ STYLE: Any = {  # Any, because matplotlib's own type for it changes between vers
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Draw in the style, and leave the user's own settings as they were."""
-    with plt.rc_context(STYLE):
-        yield
+    """Draw in the style, and leave the user's own settings as they were.
+
+    The first figure of a notebook loads its backend, which turns the interactive mode on: that stays.
+    """
+    shows = plt.isinteractive()
+    try:
+        with plt.rc_context(STYLE):
+            try:
+                yield
+            finally:
+                shows = plt.isinteractive()
+    finally:
+        matplotlib.interactive(shows)
 
 
 def dress(*axes: Axes) -> None:

@@ -50,7 +50,8 @@ class HandView:
         tables = (*found_tables(hand.found), characteristics_table(hand.system), verification_table(hand.verified))
         say = quantities_of(hand.found)
         self.tables = say.result(tables, words=True)
-        self._text.object = tables_html(self.tables[:-1])
+        notes = "".join(map(note, say.result(hand.found.notes, words=True)))
+        self._text.object = notes + tables_html(self.tables[:-1])
         caption = say.result(verification(hand.verified), words=True)
         self._heading.object = f"<h3>{escape(caption.title)}</h3>{key([(a, b) for a, b in caption.key])}"
         drawn = pictures.verified(hand.verified)
