@@ -7,6 +7,7 @@ import pytest
 
 from exact_plants import EFFECTS
 from search_nodes import FRICTION, GENERAL, SIMPLE, context, node, prepared, sets, sound
+from stepid.diagnosis.selection.moves import drop
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.generalize import Generalize
@@ -68,6 +69,14 @@ def test_drop_takes_each_effect_away() -> None:
     left = {p.effects[0].name: p.left for p in found}
     assert left["coulomb_friction"] < 0.2 * left["quadratic_damping"]
     assert Drop().propose(node(fit, FRICTION), context(fit)) == []
+
+
+def test_what_cannot_be_foreseen_without_an_effect_may_cost_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An effect that the data leave open had kept the others at an end that no plant without it has."""
+    fit = prepared("friction")
+    two = node(fit, {"coulomb_friction": {"level": 0.2}, "quadratic_damping": {"coefficient": 1.0}})
+    monkeypatch.setattr(drop, "without", lambda base, own, values: (base.shared, np.inf))
+    assert {p.left for p in Drop().propose(two, context(fit))} == {two.cost}
 
 
 def test_drop_takes_conditions_away_too() -> None:

@@ -22,6 +22,7 @@ class Drop:
             own = node.best.problem.layout.values[place]
             values = tuple(float(v) for v in node.best.shared[own])
             moved, left = without(node.best, own, np.array(effect.faint(values, 0.0)))
+            left = left if np.isfinite(left) else node.cost  # not to be foreseen: it may cost nothing
             of = node.best.problem.layout
             rest = [i for i in range(len(node.effects)) if i != place]
             starts = tuple(
