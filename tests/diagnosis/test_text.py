@@ -238,3 +238,12 @@ def test_report_says_why_the_hand_method_refused() -> None:
     assert first.body == example.named().summary()
     assert second.title == "The hand method beside it"
     assert second.body == "The hand method cannot use this campaign: one mass only."
+
+
+def test_it_says_when_the_weights_rule_the_uncertainties() -> None:
+    d = example.named().model_copy(update={"data": example.campaign()})
+    assert "which are taken as known to 1 %" in d.summary()
+    sure = d.model_copy(update={"data": None})
+    assert "taken as known" not in sure.summary()
+    parts = {name: e.model_copy(update={"parts": {"noise": e.uncertainty or 0.0}}) for name, e in d.parameters.items()}
+    assert "taken as known" not in d.model_copy(update={"parameters": parts}).summary()

@@ -108,6 +108,9 @@ def test_trends_of_table_1() -> None:
     assert said["stiffness"] == ["falls", "rises", "falls"]
     assert "more mass" in str(stepid.find_trends(runs))
     assert stepid.find_trends(runs[:1]).summary() == "No two runs differ in one thing only."
+    bare = [run.model_copy(update={"spring": "spring", "damper": "damper", "base": "cart"}) for run in runs]
+    held = {trend.varies: trend.held for trend in stepid.find_trends(bare).trends}
+    assert held["mass"] == "all else alike"  # labels that nobody gave say nothing
 
 
 def release(plant: Plant, added: float, name: str) -> stepid.Experiment:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
 from stepid.core.estimate import Estimate
+from stepid.core.mass_offset import WEIGHT
 from stepid.core.tables import Rows, html_table, text_table
 from stepid.diagnosis.wording import candidate_name, chance, digits, effect_names, length, per_cent
 
@@ -70,7 +72,22 @@ def standing(d: Diagnosis) -> tuple[str, ...]:
     if d.probability is not None:
         which = "one of these answers is right" if d.alternatives else "this answer is right"
         said.append(f"The probability that {which} is {chance(d.probability)}.")
-    return tuple(said)
+    return (*said, *_of_weights(d))
+
+
+def _of_weights(d: Diagnosis) -> tuple[str, ...]:
+    """What the uncertainties come from, where it is mostly the weights, which nobody may have been asked about."""
+    base = next((e for name, e in d.parameters.items() if name.startswith("base_mass")), None)
+    if d.data is None or base is None or not base.uncertainty:
+        return ()
+    if base.parts.get("weights", 0.0) < base.uncertainty / math.sqrt(2):
+        return ()
+    known = per_cent(d.data.weight_uncertainty / WEIGHT)
+    return (
+        f"Of the base mass's uncertainty, {per_cent(base.uncertainty / base.value)}, most comes from the weights, "
+        f"which are taken as known to {known}; stiffness, damping and forces share it. The campaign's "
+        "weight_uncertainty says what they are known to.",
+    )
 
 
 def gap_rows(d: Diagnosis) -> list[tuple[str, ...]]:

@@ -156,6 +156,14 @@ def find_trends(runs: Iterable[Characteristics]) -> Trends:
     return Trends(trends=tuple(found))
 
 
+def _said(run: Characteristics, first: str, *kinds: str) -> str:
+    """What runs share, but for labels that nobody gave."""
+    given = [
+        f"{kind} {getattr(run, kind)}" for kind in kinds if getattr(run, kind) != type(run).model_fields[kind].default
+    ]
+    return ", ".join(filter(None, (first, *given))) or "all else alike"
+
+
 def _setting(varies: str, run: Characteristics) -> str:
     return {"damping": run.damper, "mass": f"{run.added_mass:g} kg", "stiffness": run.spring}[varies]
 
@@ -171,18 +179,18 @@ _KINDS: tuple[_Kind, ...] = (
         "damping",
         lambda run: (run.added_mass, run.spring, run.base),
         lambda run: run.damping_ratio,
-        lambda run: f"{run.added_mass:g} kg added, spring {run.spring}, base {run.base}",
+        lambda run: _said(run, f"{run.added_mass:g} kg added", "spring", "base"),
     ),
     (
         "mass",
         lambda run: (run.spring, run.damper, run.base),
         lambda run: run.added_mass or 0.0,
-        lambda run: f"spring {run.spring}, damper {run.damper}, base {run.base}",
+        lambda run: _said(run, "", "spring", "damper", "base"),
     ),
     (
         "stiffness",
         lambda run: (run.added_mass, run.damper, run.base),
         lambda run: run.natural_frequency,
-        lambda run: f"{run.added_mass:g} kg added, damper {run.damper}, base {run.base}",
+        lambda run: _said(run, f"{run.added_mass:g} kg added", "damper", "base"),
     ),
 )
