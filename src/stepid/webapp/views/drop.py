@@ -40,6 +40,7 @@ class DropView:
 
     def __init__(self, session: Session, changed: Callable[[], None]) -> None:
         self._session, self._changed, self._dropped = session, changed, 0
+        self._taken: dict[str, bytes] = {}
         self._files = pn.widgets.FileDropper(
             multiple=True,
             max_file_size=f"{LARGEST_UPLOAD // 1_000_000}MB",
@@ -66,10 +67,12 @@ class DropView:
         await asyncio.sleep(_PAUSE)  # several files come one by one
         if mine == self._dropped:
             files = {n: v.encode() if isinstance(v, str) else v for n, v in self._files.value.items()}
-            if files:
+            if files and files != self._taken:  # a slow page tells the same files twice: work on them goes on
+                self._taken = files
                 self._do(lambda: self._session.drop(files))
 
     def _try(self, _: object) -> None:
+        self._taken = {}
         self._do(self._session.example)
 
     def _answer(self, key: str, event: Any) -> None:
