@@ -79,7 +79,7 @@ def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     count = float(effective_samples(decimated, residual).sum()) - own.shape[1]
     base = replace(optimum, problem=coarse)
     found = []
-    for (state, forces), overtones in _laws(context, optimum):
+    for state, forces, overtones in _laws(context, optimum):
         pushed = decimated.weighted(responses_along(base, context, forces).T).T
         pushed = pushed[:, np.isfinite(pushed).all(axis=0)]
         free = _basis(pushed - own @ (own.T @ pushed))
@@ -93,7 +93,7 @@ def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     return tuple(found)
 
 
-def _laws(context: FitContext, optimum: Optimum) -> list[tuple[tuple[str, list[Array]], bool]]:
+def _laws(context: FitContext, optimum: Optimum) -> list[tuple[str, list[Array], bool]]:
     """States with the forces of any law of each, and whether these are overtones."""
     x, v = optimum.solved.states[:2]
     volts = context.motion.volts
@@ -101,7 +101,7 @@ def _laws(context: FitContext, optimum: Optimum) -> list[tuple[tuple[str, list[A
     if volts.any():
         free["position and input"] = [f * volts for f in _pieces(x)]
         free["velocity and input"] = [f * volts for f in _pieces(v)]
-    out = [(law, False) for law in free.items()]
+    out = [(state, forces, False) for state, forces in free.items()]
     motion, layout = context.motion._replace(x=x, v=v), optimum.problem.layout
     for effect, place, rows in zip(layout.effects, layout.values, layout.run_values, strict=True):
         waves: list[Array] = []
@@ -113,7 +113,7 @@ def _laws(context: FitContext, optimum: Optimum) -> list[tuple[tuple[str, list[A
             for wave, part in zip(waves, parts, strict=True):
                 wave[piece] = part
         if waves:
-            out.append((("time" if effect.run_parameters else "position", waves), True))
+            out.append(("time" if effect.run_parameters else "position", waves, True))
     return out
 
 

@@ -166,6 +166,10 @@ class ActuatorRateLimit(Effect):
         return (target,)
 
 
+def _overtones(angle: Array) -> list[Array]:
+    return [wave(times * angle) for times in (2, 3) for wave in (np.sin, np.cos)]
+
+
 class PeriodicDisturbance(Effect):
     """A sinusoidal force in time, one frequency for the campaign, a phase for each run."""
 
@@ -188,8 +192,7 @@ class PeriodicDisturbance(Effect):
         return "the plant's own oscillation" if swing.near(2 * math.pi * values[1]) else ""
 
     def overtones(self, values: tuple[float, ...], m: Motion) -> Sequence[Array]:
-        angle = 2 * np.pi * values[1] * m.time + values[2]
-        return [wave(times * angle) for times in (2, 3) for wave in (np.sin, np.cos)]
+        return _overtones(2 * np.pi * values[1] * m.time + values[2])
 
     @staticmethod
     def force(p: Values, m: Moment) -> float:
@@ -228,8 +231,7 @@ class Cogging(Effect):
         return "the spring" if values[1] > swing.pitch * swing.displacement else ""
 
     def overtones(self, values: tuple[float, ...], m: Motion) -> Sequence[Array]:
-        angle = 2 * np.pi * m.x / values[1]
-        return [wave(times * angle) for times in (2, 3) for wave in (np.sin, np.cos)]
+        return _overtones(2 * np.pi * m.x / values[1])
 
     @staticmethod
     def force(p: Values, m: Moment) -> float:

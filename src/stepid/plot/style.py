@@ -9,7 +9,6 @@ from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
-import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 import numpy.typing as npt
@@ -55,15 +54,12 @@ def styled() -> Iterator[None]:
 
     The first figure of a notebook loads its backend, which turns the interactive mode on: that stays.
     """
-    shows = plt.isinteractive()
+    own = {key: plt.rcParams[key] for key in STYLE}
+    plt.rcParams.update(STYLE)
     try:
-        with plt.rc_context(STYLE):
-            try:
-                yield
-            finally:
-                shows = plt.isinteractive()
+        yield
     finally:
-        matplotlib.interactive(shows)
+        plt.rcParams.update(own)
 
 
 def dress(*axes: Axes) -> None:
