@@ -10,6 +10,8 @@ import numpy as np
 
 import score
 import stepid
+from stepid.effects import resolve
+from stepid.fitting.fit import fit_effects, prepare
 
 Case = tuple[str, stepid.Campaign, dict[str, Any]]
 SEVERAL = ("pairs-all", "triples")
@@ -32,6 +34,8 @@ def diagnose_case(case: Case, *, twins: bool = True) -> dict[str, Any]:
     if twins and record["truth"] and truth["r0"] >= 2 and not (score.first_right(record) and d.verdict == "named"):
         record["twins"] = find_twins(campaign, truth, record)
         record["inseparable"] = bool(record["twins"])
+    if twins and record["outside"] and record["effects"]:  # whatever the name, it is wrong: how wrong
+        record["outside_twins"] = find_twins(campaign, truth, record)
     if twins and which in SEVERAL:
         record["costs"] = leaving_out(campaign, truth)
     return record
@@ -141,6 +145,7 @@ def _samples(campaign: stepid.Campaign) -> int:
 
 def _left(campaign: stepid.Campaign, effects: Sequence[str]) -> float | None:
     try:
-        return float(stepid.fit(campaign, effects=tuple(effects)).rms)
+        fitted = fit_effects(prepare(campaign), resolve(effects))  # no intervals: on exact data they take long
     except Exception:  # what cannot be fitted is no twin, and loses no other case
         return None
+    return None if fitted is None else float(fitted.rms)

@@ -92,7 +92,6 @@ def rough(criteria: Criteria) -> str:
     told.coarse_linear, told.noise_cost = SimpleNamespace(cost=101.0), 1.0
     law = FreeLaw("velocity", share=0.8, power=2.0)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(gather, "free_law", lambda *_: law)
         patch.setattr(gather, "free_laws", lambda *_: (law,))
         patch.setattr(gather, "states_of_all", lambda *_: (frozenset({"velocity"}),))
         return EvidenceRecord(told, criteria, (candidate(),)).refuted(candidate(["quadratic_damping"], times=3.0))

@@ -8,15 +8,21 @@ import numpy as np
 import pytest
 
 from hidden.campaigns import Request, make_campaigns
-from stepid.diagnosis.free_law import free_law, free_laws, states_of
+from stepid.diagnosis.free_law import FreeLaw, free_laws, states_of
 from stepid.effects import resolve
 from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 
 
 def hidden(effects: tuple[str, ...], outside: str | None = None, seed: int = 3) -> FitContext:
     made = make_campaigns([Request(seed, effects, outside, 8.0 if effects else None, "four")])
     return prepare(made[0][0])
+
+
+def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
+    """The law that takes most."""
+    return max(free_laws(context, optimum), key=lambda law: law.power)
 
 
 @pytest.mark.parametrize(
@@ -30,7 +36,8 @@ def hidden(effects: tuple[str, ...], outside: str | None = None, seed: int = 3) 
 )
 def test_it_takes_what_a_law_of_its_state_makes(effect: str, state: str) -> None:
     context = hidden((effect,))
-    alone = [law for law in free_laws(context, context.linear) if "input" not in law.states]  # alike in steps of a size
+    every = free_laws(context, context.linear)  # of input or time one is alike in steps of a size
+    alone = [law for law in every if not {"input", "time"} & law.states]
     law = max(alone, key=lambda one: one.power)
     assert law.state == state
     assert law.share > 0.6  # one linearized step
@@ -92,13 +99,38 @@ def test_it_sees_that_a_spring_has_another_shape() -> None:
     assert (law.state, law.share > 0.5) == ("position", True)
 
 
-def test_it_sees_that_the_drive_changes_along_the_way() -> None:
+def test_beside_the_law_that_is_there_nothing_is_left_of_what_stood_in_for_it() -> None:
     context = hidden((), "fringe_field")
     fitted = fit_effects(context, resolve(["cubic_stiffness"]))
     assert fitted is not None
-    alone = free_law(context, context.linear)
-    assert alone.states == {"position", "input"}
-    assert alone.share > 1.0 - (fitted.rms / context.linear.rms) ** 2  # more than a bent spring
+    law = free_law(context, fitted)
+    assert law.states == {"position", "input"}
+    assert law.share > 0.9
+    assert law.changes == pytest.approx((-1.0,), abs=0.2)
+
+
+def test_beside_a_law_that_is_there_an_effect_that_is_there_stays() -> None:
+    made = make_campaigns([Request(5, ("coulomb_friction",), "log_spring", 20.0, "four")])
+    context = prepare(made[0][0])
+    fitted = fit_effects(context, resolve(["coulomb_friction"]))
+    assert fitted is not None
+    law = next(law for law in free_laws(context, fitted) if law.state == "position")
+    assert law.beyond > 5
+    assert law.changes == pytest.approx((0.0,), abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("outside", "states"),
+    [
+        ("thermal_spring", {"position", "time"}),
+        ("fading_drive", {"input", "time"}),
+        ("damper_warming", {"velocity", "time"}),
+    ],
+)
+def test_it_sees_what_changes_in_time(outside: str, states: set[str]) -> None:
+    context = hidden((), outside)
+    law = free_law(context, context.linear)
+    assert (law.states, law.share > 0.8) == (states, True)
 
 
 def test_it_sees_that_a_damping_changes_otherwise_along_the_way() -> None:

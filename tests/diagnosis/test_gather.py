@@ -128,7 +128,6 @@ def test_two_laws_of_one_state_leave_no_rest_of_it(
     e = evidence(lead)
     e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
     slight = 0.1 * e.criteria.rough * LINEAR.optimum.cost
-    monkeypatch.setattr(gather, "free_law", lambda *_: FreeLaw("position", 0.0, 0.0))
     monkeypatch.setattr(gather, "free_laws", lambda *_: (FreeLaw("position", share, slight),))
     monkeypatch.setattr(gather, "states_of_all", lambda *_: tuple(frozenset({s}) for s in states))
     assert e.refuted(lead) == told
@@ -143,9 +142,8 @@ def test_a_law_of_the_leads_own_state_takes_more_than_chance(
     lead = candidate(["cubic_stiffness"], times=3.0)
     e = evidence(lead)
     e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
-    much = FreeLaw(state, 0.2, 2 * e.criteria.rough * LINEAR.optimum.cost, beyond)
-    monkeypatch.setattr(gather, "free_law", lambda *_: FreeLaw("position", 0.0, 0.0))
-    monkeypatch.setattr(gather, "free_laws", lambda *_: (much, FreeLaw("velocity", 0.3, much.power)))
+    much = FreeLaw(state, 0.2, 2 * e.criteria.rough * LINEAR.optimum.cost, beyond, changes=(0.0,))
+    monkeypatch.setattr(gather, "free_laws", lambda *_: (much, FreeLaw("velocity", 0.3, much.power, changes=(0.0,))))
     monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),))
     assert e.refuted(lead) == told
 
@@ -159,7 +157,6 @@ def test_runs_that_differ_hide_no_shape(monkeypatch: pytest.MonkeyPatch) -> None
     e = evidence(lead)
     e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
     asked = []
-    monkeypatch.setattr(gather, "free_law", lambda *_: FreeLaw("position", 0.0, 0.0))
     monkeypatch.setattr(gather, "free_laws", lambda _, optimum: asked.append(optimum) or ())
     monkeypatch.setattr(gather, "without_deviations", lambda *_: alike.optimum)
     monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),))
@@ -168,23 +165,23 @@ def test_runs_that_differ_hide_no_shape(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 @pytest.mark.parametrize(
-    ("share", "states", "told"),
+    ("change", "parts", "states", "told"),
     [
-        (0.995, frozenset(), "velocity"),  # a law of any shape does without the memory that the lead has
-        (0.9, frozenset(), ""),
-        (0.995, frozenset({"velocity"}), ""),  # the lead is such a law
+        (-0.98, 2.0, frozenset(), "velocity"),  # a law of any shape does without the memory that the lead has
+        (1.5, 2.0, frozenset({"position"}), "velocity"),  # what doubles is not there either
+        (-0.2, 2.0, frozenset(), ""),  # more is missing, and the lead stays what it is
+        (-0.98, 0.5, frozenset(), ""),  # of too little
+        (-0.98, 0.5, frozenset({"velocity"}), ""),  # the law can be the lead
     ],
 )
-def test_a_law_of_any_shape_does_as_well_as_the_lead(
-    share: float, states: frozenset[str], told: str, monkeypatch: pytest.MonkeyPatch
+def test_an_effect_stays_what_it_is_beside_a_law_of_another_state(
+    change: float, parts: float, states: frozenset[str], told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     lead = candidate(["viscoelastic_spring"], times=3.0)
-    e = evidence(lead)  # it takes 0.98 of what the linear plant leaves
-    assert 0.9 < e.leads.taken(e.linear, lead) < 0.995
+    e = evidence(lead)
     e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
-    laws = {id(e.linear.optimum): FreeLaw("velocity", share, 1.0), id(lead.optimum): FreeLaw("velocity", 0.1, 0.0)}
-    monkeypatch.setattr(gather, "free_law", lambda _, optimum: laws[id(optimum)])
-    monkeypatch.setattr(gather, "free_laws", lambda _, optimum: (laws[id(optimum)],))
+    law = FreeLaw("velocity", 0.8, parts * e.criteria.rough * LINEAR.optimum.cost, 9.0, changes=(change,))
+    monkeypatch.setattr(gather, "free_laws", lambda *_: (law,))
     monkeypatch.setattr(gather, "states_of_all", lambda *_: (states,))
     assert e.refuted(lead) == told
 

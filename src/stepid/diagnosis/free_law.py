@@ -1,4 +1,4 @@
-"""A law of any shape: what a force of position or velocity, or a damping or a drive that depends on them, takes."""
+"""A law of any shape: what a force of position or velocity, or a spring, damping or drive that changes, takes."""
 
 from __future__ import annotations
 
@@ -15,16 +15,19 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.score_test import responses_along
 from stepid.fitting.weak_form import force_along
+from stepid.simulation.records import Index
 from stepid.simulation.simulator import COARSE, Simulator
 
 _SEEN = 200  # samples of the motion that tell what a force depends on
 _PIECES = 6  # straight pieces of the law on each side of zero
+_OPEN = 1e-6  # singular value of a direction that the data leave open
 
 
 class FreeLaw(NamedTuple):
     """What a law of any shape takes: of which state, the share of the rest, and that much power, m².
 
     `beyond` is what chance does not: a normal deviate as rare as the F ratio of what the law takes to what it leaves.
+    `changes` says by which share of it each effect's size, its first parameter, changes where the law stands beside it.
     """
 
     state: str
@@ -32,6 +35,7 @@ class FreeLaw(NamedTuple):
     power: float
     beyond: float = 0.0
     overtones: bool = False  # of an effect of the fit
+    changes: tuple[float, ...] = ()
 
     @property
     def states(self) -> frozenset[str]:
@@ -39,15 +43,11 @@ class FreeLaw(NamedTuple):
         return frozenset(self.state.split(" and "))
 
 
-def free_law(context: FitContext, optimum: Optimum) -> FreeLaw:
-    """Find the law of any shape that takes most of a fit's rest; see `free_laws`."""
-    return max(free_laws(context, optimum), key=lambda law: law.power)
-
-
 def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
-    """Find what a force of position or of velocity, a damping by position, or a drive by either takes of a fit's rest.
+    """Find what laws of any shape take of a fit's rest, each piecewise linear and free.
 
-    Each is piecewise linear and free in shape. Overtones of the fit's periodic effects are a law each.
+    A force of position or of velocity; a damping that depends on position or time; a spring that does on time; a drive
+    that does on position, velocity or time. Overtones of the fit's periodic effects are a law each.
 
     The fitted plant is pushed by each piece along its own trajectory; the responses, and those to the fit's own
     parameters, are fitted to the residual. A share is corrected for the number of coefficients (adjusted coefficient of
@@ -73,7 +73,10 @@ def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     jacobian, residual = coarse.jacobian(solved), coarse.residual(solved)
     if not np.isfinite(jacobian).all():
         return nothing
-    own = _basis(jacobian[:, ~at_bound(optimum)])
+    free = ~at_bound(optimum)
+    jacobian, place = jacobian[:, free], np.flatnonzero(problem.free)
+    place = place[free[: place.size]]
+    own = _basis(jacobian)
     rest = residual - own @ (own.T @ residual)
     left = float(rest @ rest) - context.noise_cost
     count = float(effective_samples(decimated, residual).sum()) - own.shape[1]
@@ -82,15 +85,29 @@ def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     for state, forces, overtones in _laws(context, optimum):
         pushed = decimated.weighted(responses_along(base, context, forces).T).T
         pushed = pushed[:, np.isfinite(pushed).all(axis=0)]
-        free = _basis(pushed - own @ (own.T @ pushed))
-        taken = float(np.sum((free.T @ rest) ** 2))
-        spare = max(count - free.shape[1], 1.0)
-        chance = free.shape[1] * (float(rest @ rest) - taken) / spare
+        law = _basis(pushed - own @ (own.T @ pushed))
+        taken = float(np.sum((law.T @ rest) ** 2))
+        spare = max(count - law.shape[1], 1.0)
+        chance = law.shape[1] * (float(rest @ rest) - taken) / spare
         power = max(taken - chance, 0.0)
         share = min(power / left, 1.0) if left > 0 else 0.0
-        beyond = _deviate(taken / chance, free.shape[1], spare) if chance > 0 else 0.0
-        found.append(FreeLaw(state, share, power, beyond, overtones))
+        beyond = _deviate(taken / chance, law.shape[1], spare) if chance > 0 else 0.0
+        changes = _changes(optimum, place, np.hstack([jacobian, pushed]), residual)
+        found.append(FreeLaw(state, share, power, beyond, overtones, changes))
     return tuple(found)
+
+
+def _changes(optimum: Optimum, place: Index, columns: Array, residual: Array) -> tuple[float, ...]:
+    """Change of each effect's first parameter in one linearized step, as a share of it.
+
+    `place` are the global parameters that the first columns belong to.
+    """
+    size = np.linalg.norm(columns, axis=0)
+    size[size == 0] = np.inf
+    step = np.linalg.lstsq(columns / size, residual, rcond=_OPEN)[0] / size
+    of = optimum.problem.layout
+    moved = dict(zip(place.tolist(), step, strict=False))
+    return tuple(float(moved.get(v.start, 0.0) / (optimum.shared[v.start] or np.inf)) for v in of.values)
 
 
 def _laws(context: FitContext, optimum: Optimum) -> list[tuple[str, list[Array], bool]]:
@@ -98,7 +115,10 @@ def _laws(context: FitContext, optimum: Optimum) -> list[tuple[str, list[Array],
     x, v = optimum.solved.states[:2]
     volts = context.motion.volts
     free = {"position": _pieces(x), "velocity": _pieces(v), "position and velocity": [f * v for f in _pieces(x)]}
+    when = _pieces(context.motion.time)
+    free |= {"position and time": [f * x for f in when], "velocity and time": [f * v for f in when]}
     if volts.any():
+        free["input and time"] = [f * volts for f in when]
         free["position and input"] = [f * volts for f in _pieces(x)]
         free["velocity and input"] = [f * volts for f in _pieces(v)]
     out = [(state, forces, False) for state, forces in free.items()]
@@ -179,5 +199,5 @@ def _basis(columns: Array) -> Array:
     size = np.linalg.norm(columns, axis=0)
     columns = columns[:, size > 0] / size[size > 0]
     left, values, _ = np.linalg.svd(columns, full_matrices=False)
-    out: Array = left[:, values > 1e-6 * values[:1].max(initial=0.0)] if values.size else left
+    out: Array = left[:, values > _OPEN * values[:1].max(initial=0.0)] if values.size else left
     return out

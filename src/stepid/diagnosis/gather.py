@@ -16,7 +16,7 @@ from stepid.core.base import Array
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
-from stepid.diagnosis.free_law import FreeLaw, free_law, free_laws, states_of_all
+from stepid.diagnosis.free_law import FreeLaw, free_laws, states_of_all
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.selection.candidate import Candidate, Deviations, includes, is_free
 from stepid.diagnosis.vetoes import imitators, undetermined
@@ -181,20 +181,24 @@ class EvidenceRecord:
     def refuted(self, lead: Candidate) -> str:
         """The state of which a law of another shape refutes a lead, '' where none does.
 
-        It takes most of the rest that a law of the same state leaves, or more than chance does, and real laws may be
-        rough; two effects that are laws of one state follow a shape that neither has. Or it takes as much of the whole
-        misfit as a lead of other kind does.
+        It takes most of the rest, or more than chance does, and more than real laws are rough. Of the lead's own state
+        it shows another shape; two effects that are laws of one state follow a shape that neither has. Beside a law of
+        another state an effect must stay what it is: where its size changes, it stands in for that law.
         """
         states = states_of_all(self.context, lead.optimum)
-        alone = free_law(self.context, self.linear.optimum)
-        if not any(alone.states <= own for own in states) and alone.share >= self.leads.taken(self.linear, lead):
-            return alone.state
-        own = [one for one in self._laws_left(lead) if one.overtones or any(one.states <= state for state in states)]
-        law = max(own, key=lambda one: one.power, default=None)
-        if law is None or not (law.share > 0.5 or law.beyond > self.criteria.white):
-            return ""
-        patched = len(states) > 1 and set(states) == {law.states}
-        return law.state if patched or law.power > self._rough else ""
+        for law in sorted(self._laws_left(lead), key=lambda one: -one.power):
+            if not (law.share > 0.5 or law.beyond > self.criteria.white):
+                continue
+            own = law.overtones or any(law.states <= state for state in states)
+            patched = own and len(states) > 1 and set(states) == {law.states}
+            if patched or (law.power > self._rough and (own or self._replaces(law, states))):
+                return law.state
+        return ""
+
+    def _replaces(self, law: FreeLaw, states: tuple[frozenset[str], ...]) -> bool:
+        """Tell whether a law of any shape leaves an effect of another state not what it is."""
+        changes = zip(states, law.changes, strict=True)
+        return any(state != law.states and abs(change) > self.criteria.open for state, change in changes)
 
     def _laws_left(self, lead: Candidate) -> tuple[FreeLaw, ...]:
         """Laws of any shape in what a lead leaves with conditions alike in all runs: scatter hides a shape."""
