@@ -41,6 +41,15 @@ def diagnose_case(case: Case, *, twins: bool = True) -> dict[str, Any]:
     return record
 
 
+def with_efforts(campaign: stepid.Campaign) -> dict[str, list[Any]]:
+    """Verdict and names with half and with twice the effort."""
+    out = {}
+    for name, effort in (("quick", stepid.Effort.quick()), ("doubled", stepid.Effort().scaled(2))):
+        d = stepid.diagnose(campaign, effort=effort)
+        out[name] = [d.verdict, sorted(d.effects)]
+    return out
+
+
 def hidden(which: str, campaign: stepid.Campaign, truth: dict[str, Any]) -> dict[str, Any]:
     """What the simulator put into the campaign."""
     number = truth.get("number")

@@ -37,6 +37,13 @@ def needed(record: Record) -> bool:
     return bool(costs) and all(c is not None and c >= LEAST_COST for c in costs)
 
 
+def untold(what: str, records: Sequence[Record]) -> Line:
+    """Of the wrong names those that fit data made from the truth, without noise, with Δχ² below 10."""
+    wrong = [r for r in records if judge.wrong_name(r)]
+    alike = sum(r["effects"] in r.get("outside_twins", []) for r in wrong)
+    return Line(f"{what}: of these, not told from the truth by any data", "–", float(alike), len(wrong), None)
+
+
 def clean(by: dict[str, list[Record]]) -> list[Line]:
     single, none = by["single-all"] + by["single"] + by["new"], by["none"]
     clear = [r for r in single if visible(r)]
@@ -58,6 +65,7 @@ def clean(by: dict[str, list[Record]]) -> list[Line]:
         share("pairs that need both: both named", "≥ 95 %", 0.95, pairs, judge.right_or_twin),
         share("triples that need all: all named", "≥ 80 %", 0.8, triples, judge.right_or_twin),
         count("outside the catalogue: wrong names", 6, outside, judge.wrong_name),
+        untold("outside the catalogue", outside),
     ]
 
 
@@ -73,6 +81,7 @@ def perturbed(by: dict[str, list[Record]], seen: str) -> list[Line]:
         share(f"perturbed{words}, one effect: named", "≥ 90 %", 0.9, single, judge.named_right),
         share(f"perturbed{words}, one effect: other name", "≤ 2 %", 0.02, single, judge.wrong_name, at_most=True),
         count(f"perturbed{words}, outside: wrong names", 8, outside, judge.wrong_name),
+        untold(f"perturbed{words}, outside", outside),
     ]
     return [x for x in lines if x.count]
 
@@ -110,6 +119,19 @@ def times(records: Sequence[Record]) -> list[Line]:
     return lines
 
 
+def efforts(records: Sequence[Record]) -> list[Line]:
+    """Answers that another effort changes."""
+    some = [r for r in records if "efforts" in r]
+
+    def changed(name: str) -> Callable[[Record], bool]:
+        return lambda r: r["efforts"][name] != [r["verdict"], sorted(r["effects"])]
+
+    return [
+        count("twice the effort: another answer", 3, some, changed("doubled")),
+        share("quick: another answer", "≤ 4 %", 0.04, some, changed("quick"), at_most=True),
+    ]
+
+
 def calibration(records: Iterable[Record]) -> list[dict[str, float | bool | None]]:
     """Bins of `probability`: how many answers, their mean, the share that is right, and whether that is near enough."""
     given = [r for r in records if r.get("probability") is not None and misnamed(r)]
@@ -135,6 +157,7 @@ def score(records: Sequence[Record]) -> list[Line]:
     fine = [r for r in done if "perturbations" not in r and r["truth"] and first_right(r)]
     rough = [r for r in done if "perturbations" in r and r["truth"] and misnamed(r) and judge.acceptable(r)]
     lines += [*coverage("clean", 0.92, 0.98, fine), *coverage("perturbed", 0.88, 0.99, rough), *times(done)]
+    lines += efforts(done)
     lines.append(share("ended in an error", "≤ 0 %", 0.0, records, lambda r: "error" in r, at_most=True))
     return [x for x in lines if x.value is not None]
 

@@ -96,6 +96,21 @@ def test_triples_count_where_each_effect_is_needed() -> None:
     assert value([full, part, twin, hidden], "triples that need all: all named") == pytest.approx(2 / 3)
 
 
+def test_a_wrong_name_that_no_data_tell_from_the_truth_is_counted_apart() -> None:
+    outside = {"set": "outside-all", "outside": "bump", "verdict": "named", "perturbations": {}}
+    alike = record(**outside, effects=["cogging"], outside_twins=[["cogging"]])
+    other = record(**outside, effects=["cogging"], outside_twins=[["end_stop"]])
+    assert value([alike, other], "outside the catalogue: wrong names") == 2
+    assert value([alike, other], "outside the catalogue: of these, not told from the truth by any data") == 1
+
+
+def test_answers_that_another_effort_changes() -> None:
+    same, more = ["adequate", []], ["named", ["cogging"]]
+    some = [record(efforts={"quick": quick, "doubled": same}) for quick in (same, same, same, more)]
+    assert value([*some, record()], "quick: another answer") == 0.25
+    assert value([*some, record()], "twice the effort: another answer") == 0
+
+
 def test_probability_is_compared_with_what_is_right() -> None:
     single = {"set": "single-all", "truth": ["end_stop"], "verdict": "named", "perturbations": {}}
     right, wrong = (record(**single, probability=0.92, effects=[e]) for e in ("end_stop", "cogging"))

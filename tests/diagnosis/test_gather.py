@@ -82,6 +82,21 @@ def test_the_weight_of_a_law_holds_that_of_the_laws_that_contain_it(monkeypatch:
     assert e.weight(general) < e.weight(simple)
 
 
+def test_what_may_not_be_named_takes_no_weight_however_much_it_explains(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        gather, "imitators", lambda *told: {"cogging": "the spring"} if "cogging" in told[2].names else {}
+    )
+    imitator, better, worse = (
+        candidate([name], times=times)
+        for name, times in (("cogging", 1.0), ("free_play", 7.0), ("coulomb_friction", 9.0))
+    )
+    e = evidence(imitator, better, worse)
+    losses = [w.loss for w in e.weighed]
+    assert losses[1] > 1400  # beyond the smallest weight beside the imitator's
+    assert losses[2] - losses[1] > 20
+    assert e.weight(better) == pytest.approx(1.0, abs=1e-4)
+
+
 def test_a_share_is_of_what_repeats(monkeypatch: pytest.MonkeyPatch) -> None:
     e = evidence(FRICTION)
     before = {i: np.full(100, 10 * FLOOR) for i in range(RUNS)}

@@ -225,12 +225,10 @@ class EvidenceRecord:
     def weight(self, *found: Candidate) -> float:
         """Weight of all candidates that hold the effects of one of some, or effects that contain them."""
         able = [w for w in self.weighed if not self.imitators(w.candidate)]
-        total = math.fsum(w.weight for w in able)
-        if total <= 0:
-            able = [w._replace(weight=math.exp(-0.5 * (w.loss - able[0].loss))) for w in able]
-            total = math.fsum(w.weight for w in able)
-        held = [w.weight for w in able if any(includes(w.candidate.effects, c.effects) for c in found)]
-        return math.fsum(held) / total
+        # beside those that may not be named, which can outweigh by far, all others would be alike
+        raw = [math.exp(-0.5 * (w.loss - able[0].loss)) for w in able]
+        held = [any(includes(w.candidate.effects, c.effects) for c in found) for w in able]
+        return math.fsum(one for one, has in zip(raw, held, strict=True) if has) / math.fsum(raw)
 
     def held_out(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
         """Residuals of runs left out, linear plant with the same conditions free and candidate; see docs/evidence.md.
