@@ -15,8 +15,9 @@ from markupsafe import Markup, escape
 from plotly.offline import get_plotlyjs
 
 from stepid.core.quantities import quantities_of
+from stepid.diagnosis.headline import advice_beside, answer, found_sizes
 from stepid.diagnosis.result import Diagnosis
-from stepid.diagnosis.text import answer, found_sizes, standing
+from stepid.diagnosis.text import standing
 from stepid.diagnosis.wording import digits, effect_names, length
 from stepid.report.axes import run_line
 from stepid.report.equation import equation, numbers
@@ -57,6 +58,7 @@ def html_page(d: Diagnosis, hand: Hand, provenance: Provenance, stills: Mapping[
     page = environment.get_template("page.html.j2").render(
         d=d,
         answer=answer(d),
+        advice=advice_beside(d),
         reasons=(*d.reasons, *standing(d)),
         equation=equation(d),
         numbers=numbers(d),

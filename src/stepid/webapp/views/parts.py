@@ -128,6 +128,11 @@ def typeset(text: str) -> str:
     return re.sub(r"(?<=\d) (?=(?:µm|mm|kg|ms|s|V|N|%)(?:\W|$))", "\u00a0", escape(text))
 
 
+def symbols(text: str) -> str:
+    """Escape, and set K_f with a low f."""
+    return re.sub(r"_(\w)\b", r"<sub>\1</sub>", typeset(text))
+
+
 def tables_html(tables: Sequence[Table]) -> str:
     """Tables of a report as HTML."""
     return f'<div class="tables">{"".join(map(_table, tables))}</div>' if tables else ""
