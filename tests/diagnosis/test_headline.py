@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+import re
+
+import numpy as np
+
 import diagnosis_example as example
 from diagnosis_example import changed
 from stepid.core.estimate import Estimate
+from stepid.diagnosis.experiment_design import next_experiment
 from stepid.diagnosis.headline import advice_beside, answer, found_sizes
+from stepid.effects import resolve
+from stepid.fitting.levenberg_marquardt import minimize
+from stepid.fitting.problem import build, fit_linear, start_local
+from stepid.simulation.records import lay_out
 
 
 def test_an_open_choice_begins_with_what_is_most_likely_and_its_size() -> None:
@@ -60,3 +69,27 @@ def test_advice_stands_beside_open_choices_only() -> None:
     d = changed(example.named(), next_experiment="record a step the other way")
     assert advice_beside(d) == ""
     assert advice_beside(changed(d, verdict="ambiguous")) == "Record a step the other way."
+
+
+def test_the_run_that_would_tell_is_named_in_whole_sentences() -> None:
+    measured = example.campaign()
+    records = lay_out(measured)
+    linear = fit_linear(records)
+    assert linear is not None
+    problem = build(records, resolve(["coulomb_friction"]))
+    friction = minimize(problem, np.append(linear.shared, example.LEVEL), start_local(problem, linear))
+    assert friction is not None
+    names = {id(linear): "a linear plant", id(friction): "Coulomb friction"}
+
+    def told(floor: float) -> str:
+        return next_experiment(measured, friction, [linear], floor=floor, tell=lambda one: names[id(one)])
+
+    assert re.fullmatch(
+        r"To tell Coulomb friction from a linear plant, record a step of .*\. "
+        r"There the models differ by [\d.]+ [µm]m RMS, [\d.e+]+ times the noise\.",
+        told(1e-5),
+    )
+    assert told(1.0) == (
+        "None of the usual extra runs would tell Coulomb friction from a linear plant: in all of them the models "
+        "differ by less than half the noise. Lower the noise, or sample faster."
+    )
