@@ -174,12 +174,19 @@ def test_each_verdict_says_its_answer() -> None:
 
 
 def test_parameters_and_promises_are_words_in_sentences() -> None:
-    names = ("coulomb_friction.level", "stribeck_friction.static_level", "stiffness[1.5 mm]", "base_mass")
+    names = (
+        "coulomb_friction.level",
+        "stribeck_friction.static_level",
+        "stiffness[1.5 mm]",
+        "base_mass",
+        "input_delay.delay",
+    )
     assert [parameter_words(name) for name in names] == [
         "the level of Coulomb friction",
         "the static level of Stribeck friction",
         "stiffness (1.5 mm)",
         "base mass",
+        "input delay",
     ]
     said = "the most promising may explain {} of the remaining misfit"
     assert [promised(share) for share in (0.004, 0.4, 1.0)] == ["", said.format("40 %"), said.format("nearly all")]

@@ -84,8 +84,9 @@ def promised(share: float) -> str:
 def parameter_words(name: str) -> str:
     """Write a parameter's name within a sentence: ``"the level of Coulomb friction"``, ``"stiffness (medium)"``."""
     effect, dot, parameter = name.partition(".")
-    own = dot and "[" not in effect  # a label may have a dot, too
-    return f"the {parameter_name(parameter)} of {effect_names((effect,))}" if own else parameter_name(name)
+    said = parameter_name(name)
+    own = dot and "[" not in effect and "," in said  # a label may have a dot, too
+    return f"the {parameter_name(parameter)} of {effect_names((effect,))}" if own else said
 
 
 def chance(probability: float) -> str:

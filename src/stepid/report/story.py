@@ -223,7 +223,9 @@ def _in_words(rows: Sequence[tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
 def _next(d: Diagnosis) -> Chapter:
     steps = next_steps(d)
     lead = "" if steps else "There is nothing to advise."
-    title = "What to measure next" if d.next_experiment and not d.advice else "What to do next"
+    title = (
+        "What to measure next" if d.next_experiment and not (d.advice and d.verdict == "named") else "What to do next"
+    )
     return Chapter(name="next", title=title, lead=lead, points=steps)
 
 

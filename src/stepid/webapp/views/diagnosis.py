@@ -24,7 +24,7 @@ from stepid.webapp.views.parts import INPUT, button, card, column, folded, html,
 from stepid.webapp.work import Status
 
 _EFFORTS = {"quick": Effort.quick, "default": Effort, "thorough": Effort.thorough}
-_SHOWN = ("parameters", "missing", "gap", "next")
+_SHOWN = ("missing", "parameters", "gap", "next")
 _FOLDED = ("where", "notes")  # what is in neither stands above
 _LEAD = (
     "Is a linear model adequate, and if not, which effect is missing? The effects of the catalogue are tried, alone "
@@ -95,6 +95,7 @@ class DiagnosisView:
         drawn = pictures(d, ())
         places = {run.name: i for i, run in enumerate(d.runs)}
         told = {one.name: one for one in tell(d, hand, of_diagnosis(d)) if _says(one.lead, one.points)}
+        told["parameters"] = told["parameters"].model_copy(update={"points": ()})  # the equation stands above
         self._found[:] = [
             html(_headline(d)),
             *(chapter(told[name], drawn, places) for name in _SHOWN if name in told),
