@@ -48,6 +48,8 @@ from .identification.trends import find_trends as find_trends
 from .io.campaign_files import read_campaign as read_campaign
 from .io.campaign_files import write_campaign as write_campaign
 from .io.ecp import read_ecp as read_ecp
+from .io.guess.campaign_draft import CampaignDraft as CampaignDraft
+from .io.recordings import draft_campaign as draft_campaign
 from .io.step_input import StepInput as StepInput
 from .io.table import read_table as read_table
 from .io.tables import read_tables as read_tables

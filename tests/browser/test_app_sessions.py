@@ -126,7 +126,11 @@ def test_progress_is_told_every_second_and_cancel_ends_it(at: Any, monkeypatch: 
     page.page.get_by_role("button", name="Diagnose").click()
     told = page.page.locator("dl.progress dd")
     told.filter(has_text="power damping").wait_for()  # the first second says only that it starts
-    assert told.all_text_contents()[:3] == ["power damping", "Coulomb friction", "7, may take 20 % of the rest"]
+    assert told.all_text_contents()[:3] == [
+        "power damping",
+        "Coulomb friction",
+        "7; the most promising may explain 20 % of the remaining misfit",
+    ]
     seconds = {told.last.text_content() for _ in range(30) if not page.page.wait_for_timeout(100)}
     assert len(seconds) >= 3
     page.page.get_by_role("button", name="Cancel").click()

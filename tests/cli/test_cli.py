@@ -33,8 +33,14 @@ def test_paper_prints_table_2_beside_the_printed_one(capsys: pytest.CaptureFixtu
     out, err = capsys.readouterr()
     assert err == ""
     (row,) = [line.split() for line in out.splitlines() if line.startswith("case 6  ")][:1]
-    assert row == ["case", "6", "2.4356", "2.4357", "15.42", "15.42", "15.42", "3.698", "3.698"]
-    for phrase in ("Eq. 15, case 7", "0.01385 (0.001385: misprint)", "<TransferFunction>: case 4", "(ζ₁² − 1)"):
+    assert row == ["case", "6", "2.4356", "2.4357", "15.42", "15.42", "15.42", "0.03698", "0.03698"]
+    for phrase in (
+        "Eq. 15, case 7",
+        "0.01385 (0.001385: misprint)",
+        "<TransferFunction>: case 4",
+        "3.618 there is 0.03618 m/V here",
+        "(ζ₁² − 1)",
+    ):
         assert phrase in out
     assert "\x1b[" not in out  # no colors in a pipe
 

@@ -135,7 +135,8 @@ def test_effort_is_handed_on(name: str, manifest: Path, monkeypatch: pytest.Monk
 def test_progress_tells_the_best_answer_and_what_is_left() -> None:
     assert stage_line(stepid.Progress("linear fit")) == "linear fit"
     first = stepid.Progress("cubic_stiffness", left=12, promise=0.4)
-    said = "cubic stiffness | best so far: linear model | 12 left to try, may take 40 % of the rest"
+    said = "cubic stiffness | best so far: linear model | 12 left to try"
+    said += "; the most promising may explain 40 % of the remaining misfit"
     assert stage_line(first) == said
     last = stepid.Progress("runs held out", best=("coulomb_friction",))
     assert stage_line(last) == "runs held out | best so far: Coulomb friction"

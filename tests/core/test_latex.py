@@ -67,4 +67,5 @@ def test_text_prints_as_it_is() -> None:
     assert escaped("a_b\\c{ } ~ ω_d² 5 %\n\n$x$") == (
         r"a\_b\textbackslash{}c\{ \} \textasciitilde{} $\omega_d$$^2$ 5 \% \$x\$"
     )
+    assert parameter_name("input_delay.delay") == "input delay"
     assert parameter_name("damping_from_stiffness[case 4]") == "damping from stiffness (case 4)"

@@ -36,6 +36,16 @@ def test_a_column_that_says_it_is_not_in_meters(tmp_path, name, scale):
     assert run.position[1] == pytest.approx(float(scale) * np.sin(0.1), abs=1e-6 * float(scale))
 
 
+def test_all_scales_that_names_belie_are_named_at_once(tmp_path):
+    file = write(tmp_path / "run.csv", text(1000 * T, CM, U, mark=",", head="t_ms,x_cm,u"))
+    with pytest.raises(InputError) as caught:
+        read_table(file, time="t_ms", position="x_cm", input="u")
+    for said in ("'x_cm' is in cm by its name, but position_scale is 1; ", "'t_ms' is in ms by its name"):
+        assert said in caught.value.cause
+    assert "position_scale = 0.01 (meters" in caught.value.remedy
+    assert "time_scale = 0.001 (seconds per unit)." in caught.value.remedy
+
+
 @pytest.mark.parametrize(
     ("name", "scale", "factor", "message"),
     [

@@ -11,6 +11,6 @@ def test_every_block_runs_and_says_what_it_prints(tmp_path, monkeypatch, capsys)
     code = "\n".join(re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL))
     exec(compile(code, PAGE.name, "exec"), {})
     promised = re.findall(r"^\s*print\(.*\)\s+# (.+)$", code, re.MULTILINE)
-    assert len(promised) == 4
+    assert len(promised) == 5
     printed = capsys.readouterr().out.splitlines()
     assert printed[: len(promised)] == promised

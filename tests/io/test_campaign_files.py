@@ -136,6 +136,11 @@ BAD = {
     "mass is missing": ("added_mass = 0\n", "", r"run 'case 4': the key 'added_mass' is missing"),
     "name is missing": ('name = "case 5"\n', "", r"experiment 2: the key 'name' is missing"),
     "file is missing": ('file = "case4.txt"\n', "", r"run 'case 4': the key 'file' is missing"),
+    "two are missing": (
+        'name = "case 5"\nfile = "sub/case5.txt"\nadded_mass = 0.5\n',
+        'file = "sub/case5.txt"\n',
+        r"experiment 2: the keys 'name', 'added_mass' are missing. Add name = …, added_mass = …",
+    ),
     "position is missing": ("position = 0\n", "", r"run 'a table': the key 'position' is missing"),
     "empty label": ('spring = "medium"', 'spring = ""', "spring is ''. It must be text that is not empty"),
     "no scale": ("counts_per_meter = 56000\n", "", r"run 'case 4': counts_per_meter is missing"),

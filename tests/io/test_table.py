@@ -193,9 +193,43 @@ def test_a_missing_position_lists_the_columns(tmp_path):
     with pytest.raises(
         InputError, match=r"run.csv: nothing says which column is the position \(t, x, u\). Give position="
     ):
-        read_table(file)
+        read_table(file, time="t", input="u")
     with pytest.raises(InputError, match=r"the position \(no header; columns count from 0 to 2\)"):
         read_table(write(tmp_path / "bare.csv", text(T, X, U)), time=0)
+
+
+def test_all_that_nobody_said_is_named_at_once(tmp_path):
+    rows = text(T, 10 * CM, U, 0 * T, mark=",", head="time_s,pos_mm,volts,note")
+    file = write(tmp_path / "run.csv", rows)
+    with pytest.raises(InputError) as caught:
+        read_table(file)
+    error = caught.value
+    asked = "nothing says which column is the position, nor when the rows were taken, nor what the input is"
+    assert error.cause == f"{file}: {asked} (time_s, pos_mm, volts, note)"
+    assert error.remedy.startswith("Give position=…, time=… or sample_time=… (s), and input=… or StepInput(level=…)")
+    told = "position='pos_mm', position_scale=0.001, time='time_s', input='volts'"
+    assert error.remedy.endswith(f"By the names of the columns: {told}.")
+    read = eval(f"read_table(file, {told})", {"read_table": read_table, "file": file})  # as it stands
+    np.testing.assert_allclose(read.position, CM / 100, rtol=1e-12)
+    np.testing.assert_array_equal(read.input, U)
+    with pytest.raises(InputError, match="nor what the input is") as caught:
+        read_table(file, position=1, position_scale=-0.001)
+    assert caught.value.remedy.endswith("By the names of the columns: time='time_s', input='volts'.")
+    still = write(tmp_path / "still.csv", text(T, X, mark=",", head="t,x"))
+    with pytest.raises(InputError, match=r"position, nor when the rows were taken \(t, x\)"):
+        read_table(still)
+    with pytest.raises(InputError, match=r"which column is the position \(t, x\)\. Give position=…\. By the names"):
+        read_table(still, sample_time=0.005)
+
+
+def test_names_that_suggest_nothing_or_two_things_suggest_nothing(tmp_path):
+    file = write(tmp_path / "run.csv", text(T, X, X, mark=",", head="t,x1,x2"))
+    with pytest.raises(InputError, match=r"By the names of the columns: time='t'\.$"):
+        read_table(file)
+    with pytest.raises(
+        InputError, match=r"count from 0 to 1\)\. Give position=…, and time=… or sample_time=… \(s\)\.$"
+    ):
+        read_table(write(tmp_path / "bare.csv", text(T, X)))
 
 
 def test_time_and_input_in_units_of_their_own(tmp_path):

@@ -14,6 +14,7 @@ from matplotlib.colors import to_hex
 import diagnosis_example as example
 from diagnosis_example import changed
 from stepid import plot
+from stepid.diagnosis.headline import answer
 from stepid.diagnosis.result import Diagnosis, Gap
 from stepid.diagnosis.wording import digits, per_cent
 from stepid.errors import InputError
@@ -188,7 +189,7 @@ def test_page_holds_every_panel(make: type[Diagnosis]) -> None:
     assert len(shown) == 3
     (figure,) = {one.figure for one in drawn.values()}
     assert figure.get_size_inches()[0] == pytest.approx(7.2)
-    assert " ".join(figure.get_suptitle().split()).startswith("cases 4 to 7: A linear model is")
+    assert " ".join(figure.get_suptitle().split()) == f"cases 4 to 7: {answer(d)}"
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels[:2] == ["measured", "linear model"]
     assert labels[-1] == "noise, ±2σ"

@@ -48,6 +48,14 @@ def test_every_part_is_filled(kind: str) -> None:
     assert "\n\n\n\n" not in text
 
 
+@pytest.mark.parametrize("kind", [".md", ".tex"])
+def test_the_discussion_says_what_would_close_an_open_choice(kind: str) -> None:
+    text = filled(example.ambiguous(), kind)
+    discussion = text[text.index("Discussion") :]
+    assert re.search(r"not tell it from load proportional friction\.\s+Record with more mass\.\s", discussion)
+    assert "\n\n\n\n" not in text
+
+
 def test_latex_is_balanced_and_nothing_breaks_it() -> None:
     d = changed(example.named(), campaign=EVIL, notes=(EVIL,), reasons=("[z] first", EVIL))
     text = filled(d, ".tex")

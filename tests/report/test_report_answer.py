@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from html import unescape
+from pathlib import Path
 
 import matplotlib as mpl
+import pytest
 
 import diagnosis_example as example
 import report_example
@@ -13,6 +15,7 @@ from diagnosis_example import changed
 from page_text import Tags
 from stepid.report import provenance
 from stepid.report.equation import equation, numbers
+from stepid.report.page import Still
 from stepid.report.story import tell
 
 
@@ -29,6 +32,20 @@ def test_the_answer_stands_first_with_its_equation_and_reasons() -> None:
     assert "coulomb_friction.level" not in Tags(page).text
     folded = re.findall(r'<section id="([\w-]+)"[^>]*>\s*<details>', page)
     assert folded == ["runs", "by-hand", "verification", "provenance"]
+
+
+def test_what_would_close_an_open_choice_stands_beside_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    mpl.use("Agg")
+    monkeypatch.setattr("stepid.plot.book.save_all", lambda drawn, *_, **__: dict.fromkeys(drawn, 1.0))
+    monkeypatch.setattr("stepid.report.page.inlined", lambda widths, _: dict.fromkeys(widths, Still("data:,", 96)))
+    d = example.ambiguous()
+    page = d.to_html(tmp_path / "report.html").read_text(encoding="utf-8")
+    head = page.split('<dl class="tiles">')[0].replace("\u00a0", " ")
+    level = d.parameters["coulomb_friction.level"]
+    assert re.search(rf'<p class="verdict ambiguous">Most likely Coulomb friction, {re.escape(str(level))}; ', head)
+    assert '</p>\n<p class="advice">Record with more mass.</p>' in head
+    assert "<dt>Coulomb friction, level</dt>" in page
+    assert 'class="advice"' not in report_example.page().read_text(encoding="utf-8")
 
 
 def test_laws_that_are_no_force_stand_beside_the_equation() -> None:

@@ -45,6 +45,14 @@ def test_the_same_story_with_pictures_beside_it(tmp_path: Path) -> None:
     assert all((tmp_path / name).read_bytes().startswith(b"\x89PNG") for name in linked)
 
 
+def test_what_would_close_an_open_choice_stands_below_it() -> None:
+    d = example.ambiguous()
+    head = markdown(d, None, of_data(d), {}).split("\n\n")[1:3]
+    level = d.parameters["coulomb_friction.level"]
+    assert head[0].startswith(f"**Most likely Coulomb friction, {level}; these data do not tell it from load")
+    assert head[1] == "Record with more mass."
+
+
 def test_every_table_is_whole() -> None:
     d = example.named()
     found = tables(markdown(d, hand_of(d), of_data(d), {}))

@@ -20,8 +20,8 @@ from diagnosis_example import changed
 from page_text import Tags, packed
 from stepid.core.estimate import Estimate
 from stepid.core.latex import parameter_name
+from stepid.diagnosis.headline import found_sizes
 from stepid.diagnosis.result import Diagnosis, Gap, RunGap
-from stepid.diagnosis.text import found_sizes
 from stepid.diagnosis.wording import length
 from stepid.report import captions, provenance
 from stepid.report.hand import HandMethod
@@ -87,7 +87,7 @@ def test_what_the_named_effect_measures_stands_on_a_card_and_in_the_story(page: 
     assert abs(float(number) - example.LEVEL) < 0.01
     assert f"<div><dt>Coulomb friction, level</dt><dd>{number} N<small>± {spread} N</small></dd></div>" in page
     assert f"Coulomb friction is missing. Coulomb friction: level {level}." in Tags(page).text
-    assert found_sizes(example.adequate()) == found_sizes(example.ambiguous()) == []
+    assert found_sizes(example.adequate()) == []
     tiny = changed(d, parameters=d.parameters | {"coulomb_friction.level": Estimate(value=3e-11, uncertainty=2e-12)})
     open_ = changed(d, parameters=d.parameters | {"coulomb_friction.level": Estimate(value=3.0, unit="N")})
     assert _tiles(tiny)[0][1:] == ("(3.00 ± 0.20)e-11", "")

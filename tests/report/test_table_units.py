@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 
+import matplotlib as mpl
 import pytest
+from matplotlib import pyplot as plt
 
 import diagnosis_example as example
 import stepid
@@ -13,6 +15,7 @@ from stepid.report import provenance
 from stepid.report.chapter import Table
 from stepid.report.hand import HandMethod, by_hand
 from stepid.report.story import tell
+from stepid.report.tables import characteristics_table
 
 BARE = re.compile(r"[+−-]?\d[\d.]*( ± [\d.]+)?(e-?\d+)?")
 PURE = {"samples", "damping ratio", "final/noise", "version"}
@@ -45,6 +48,30 @@ def test_every_number_of_a_report_has_a_unit(motion: str) -> None:
     assert {table.caption: bare for table in tables if (bare := bare_columns(table))} == {}
     said = " ".join(cell for table in tables for cell in (*table.header, *(c for row in table.rows for c in row)))
     assert ("kg·m²" in said) == ("N·m/rad" in said) == ("µrad" in said) == (motion == "rotation")
+
+
+@pytest.mark.parametrize(("motion", "unit"), [("translation", "m/V"), ("rotation", "rad/V")])
+def test_the_static_gain_is_one_number_in_one_unit_everywhere(motion: str, unit: str) -> None:
+    mpl.use("Agg")
+    campaign = example.campaign().model_copy(update={"motion": motion})
+    hand = by_hand(campaign)
+    assert isinstance(hand, HandMethod)
+    told = quantities_of(campaign).result(characteristics_table(hand.system), words=True)
+    title = f"static gain [{unit}]"
+    in_report = {row[0]: row[told.header.index(title)] for row in told.rows}
+    assert set(in_report) == set(example.RUNS)
+    summary = hand.found.summary()
+    latex = hand.found.to_latex()
+    assert title in re.split(r"\s{2,}", summary.splitlines()[1])
+    for run in hand.system.characteristics:
+        value = in_report[run.name]
+        assert float(value.split(" ± ")[0]) == pytest.approx(hand.found.static_gain[run.name], rel=1e-3)
+        assert re.search(rf"^{run.name} .*  {re.escape(value)}$", summary, re.MULTILINE)
+        assert re.search(rf"^static gain +{re.escape(value)} +{unit}$", run.summary(), re.MULTILINE)
+        assert rf"static gain ({run.name}) & \num{{{value.replace('±', '+-')}}} & \unit{{" in latex
+    drawn = stepid.plot.trend(stepid.find_trends(hand.system.characteristics).trends[0])
+    assert title in [axes.get_ylabel() for axes in drawn]
+    plt.close("all")
 
 
 def test_a_number_without_a_unit_is_seen() -> None:

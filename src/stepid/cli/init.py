@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,10 +21,6 @@ if TYPE_CHECKING:
     from stepid.core.experiment import Campaign
     from stepid.io.guess.answers import Question
     from stepid.io.guess.draft import Draft
-
-_KINDS = (".csv", ".txt", ".xlsx", ".tsv", ".dat", ".m", ".lvm", ".asc")
-_FLAGS = {"position": "--position", "input_unit": "--input-unit"}
-_MANY = 500  # files
 
 
 @taking_answers
@@ -79,41 +74,22 @@ def init(
 
 def read_records(paths: Sequence[Path], said: Said, *, allow_outside: bool = False) -> Campaign:
     """Read a campaign from its manifest, or from recordings without one; InputError where something is not known."""
+    from stepid.io.guess.files import looks_like_records
+    from stepid.io.guess.read import campaign_of_drafts
+
     first = paths[0]
     manifest = len(paths) == 1 and (first.suffix == ".toml" or (first / "campaign.toml").is_file())
-    if manifest or (len(paths) == 1 and not first.is_dir() and not _looks_like_records(first)):
+    if manifest or (len(paths) == 1 and not first.is_dir() and not looks_like_records(first)):
         if said.given:
             raise InputError(f"{flag(said.given[0])} is for recordings", f"Say it in {first}.")
         return stepid.read_campaign(first, allow_outside=allow_outside)
     files, _ = _files(paths, said)
-    return campaign_of_files(files, said)
-
-
-def campaign_of_files(files: Sequence[Path], said: Said) -> Campaign:
-    """Read recordings as a campaign; InputError names what they do not say, and the options that do."""
-    from stepid.io.campaign_files import read_as
-    from stepid.io.guess.answers import open_questions
-    from stepid.io.guess.manifest_text import manifest_text
-
-    drafts = _drafts(files, said)
-    if questions := open_questions(drafts):
-        flags = ", ".join(flag(question.key) for question in questions)
-        asked = " ".join(question.text for question in questions)
-        raise InputError(
-            f"the recordings do not say all: {asked}", f"Give {flags}, or let stepid init write a campaign.toml."
-        )
-    where = Path("the recordings")
-    folder = Path(os.path.commonpath([file.resolve().parent for file in files]))
-    return read_as(manifest_text(drafts, folder.name or "recordings", Path()), where)
+    return campaign_of_drafts(_drafts(files, said), call=flag, otherwise="let stepid init write a campaign.toml")
 
 
 def flag(key: str) -> str:
     """The option that answers a question."""
     return {"input_column": "--input"}.get(key, f"--{key.replace('_', '-')}")
-
-
-def _looks_like_records(path: Path) -> bool:
-    return path.suffix.lower() in _KINDS
 
 
 def _drafts(files: Sequence[Path], said: Said) -> tuple[Draft, ...]:
@@ -124,38 +100,9 @@ def _drafts(files: Sequence[Path], said: Said) -> tuple[Draft, ...]:
 
 
 def _files(paths: Sequence[Path], said: Said) -> tuple[list[Path], tuple[str, ...]]:
-    """Files, and those of folders, in order; and why some that hold no table are left out."""
-    from stepid.io.guess.file_names import natural
-    from stepid.io.guess.understand import recordings
+    from stepid.io.guess.files import files_of
 
-    out: list[Path] = []
-    for path in paths:
-        inside = [file for file in path.iterdir() if _looks_like_records(file)] if path.is_dir() else [path]
-        out += sorted(inside, key=natural) if path.is_dir() else inside
-    if not out:
-        raise InputError(f"{paths[0]}: holds no recordings ({', '.join(_KINDS)})", "Name the files.")
-    if len(out) > _MANY:
-        raise InputError(f"{len(out)} files are more than a campaign has", "Name those of one campaign.")
-    if values := said.each:
-        _check_order(out, values)
-    files = sorted(out, key=natural) if not values and len({file.parent for file in out}) == 1 else out
-    taken, refused = recordings(files) if len(files) > 1 else (files, ())
-    return (taken, refused) if taken else (files, ())
-
-
-def _check_order(files: Sequence[Path], values: Sequence[str]) -> None:
-    """Refuse values a run for files in the order of a shell's pattern, where their numbers have another."""
-    from stepid.io.guess.file_names import natural
-
-    numbered = sorted(files, key=natural)
-    shells = (str, lambda file: re.sub(r"[\W_]", "", str(file)).casefold())  # by bytes, or as a locale has it
-    if numbered != list(files) and any(list(files) == sorted(files, key=key) for key in shells):
-        given, meant = (" ".join(file.name for file in order) for order in (files, numbered))
-        flags = " and ".join(flag(key) for key in values)
-        raise InputError(
-            f"{flags}: it is not clear which value is whose, as the files came in the order {given}",
-            f"Name the files one by one in the order of the values, such as {meant}.",
-        )
+    return files_of(paths, said.each, call=flag)
 
 
 def _target(files: Sequence[Path], out: Path | None, *, force: bool) -> Path:

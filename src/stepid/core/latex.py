@@ -94,8 +94,11 @@ def _power(part: str, before: str) -> str | None:
 
 
 def parameter_name(name: str) -> str:
-    """Write a parameter's name in words: ``"Coulomb friction, level"``, ``"stiffness (medium)"``."""
+    """Write a parameter's name in words: ``"Coulomb friction, level"``, ``"stiffness (medium)"``, ``"input delay"``."""
     stem, bracket, label = name.partition("[")
+    effect, dot, own = stem.partition(".")
+    if dot and effect.endswith(f"_{own}"):  # a delay has its delay
+        stem = effect
     words = stem.replace("_", " ").replace(".", ", ")
     words = words.replace("coulomb", "Coulomb").replace("stribeck", "Stribeck")
     return f"{words} ({label.removesuffix(']')})" if bracket else words

@@ -44,17 +44,11 @@ def small_unit(role: str, column: object) -> tuple[str, str] | None:
     return (named[1], units[named[1]]) if named else None
 
 
-def check_scale(role: str, column: object, scale: float, where: str) -> None:
-    """Refuse a scale of zero, time that runs back, and one that is not below 1 for a column called "…_mm"."""
+def check_scale(role: str, scale: float, where: str) -> None:
+    """Refuse a scale of zero, and time that runs back."""
     if scale == 0 or (scale < 0 and role == "time"):
         size = "zero" if scale == 0 else f"{scale:g}"
         raise InputError(f"{where}: {role}_scale is {size}", f"Give {_SI[role]}.")
-    named = small_unit(role, column)
-    if named and abs(scale) >= 1.0:
-        raise InputError(
-            f"{where}: the column {column!r} is in {named[0]} by its name, but {role}_scale is {scale:g}",
-            f"Give {role}_scale = {named[1]} ({_SI[role]}).",
-        )
 
 
 def check_numbers(where: str, **values: object) -> None:
@@ -69,11 +63,19 @@ def check_numbers(where: str, **values: object) -> None:
 
 
 def check_scales(columns: Mapping[str, object], scales: Mapping[str, float], where: str) -> None:
-    """Refuse scales, by role, that are no finite numbers, or that their columns cannot have."""
+    """Refuse scales, by role, that are no finite numbers, or that their columns cannot have: all of these at once."""
     for role, scale in scales.items():
         taken(where, f"{role}_scale", scale, number())
     for role, scale in scales.items():
-        check_scale(role, columns[role], scale, where)
+        check_scale(role, scale, where)
+    wrong = {role: unit for role in scales if (unit := small_unit(role, columns[role])) and abs(scales[role]) >= 1.0}
+    if wrong:
+        causes = [
+            f"the column {columns[role]!r} is in {unit} by its name, but {role}_scale is {scales[role]:g}"
+            for role, (unit, _) in wrong.items()
+        ]
+        remedies = [f"{role}_scale = {factor} ({_SI[role]})" for role, (_, factor) in wrong.items()]
+        raise InputError(f"{where}: {'; '.join(causes)}", f"Give {', '.join(remedies)}.")
 
 
 def in_si(role: str, values: Array, scale: float, where: str) -> Array:
@@ -116,9 +118,17 @@ def check_speed(meters: Array, sample_time: float, who: str) -> None:
 
 def check_release(names: Sequence[str], values: Array, used: Sequence[object], where: str) -> None:
     """Refuse to take for a free release what has an input by the name of a column that is not `used`."""
+    name = input_not_said(names, values, used)
+    if name is not None:
+        raise InputError(
+            f"{where}: no input is named, so this would be a free release, but the column {name!r} is not zero",
+            f"Give input = {name!r}, or {NO_COLUMN}.",
+        )
+
+
+def input_not_said(names: Sequence[str], values: Array, used: Sequence[object]) -> str | None:
+    """Return the first column that is not `used`, is an input by its name and not zero; None where there is none."""
     for i, name in enumerate(names):
         if name not in used and i not in used and _INPUT.match(name) and np.any(values[:, i]):
-            raise InputError(
-                f"{where}: no input is named, so this would be a free release, but the column {name!r} is not zero",
-                f"Give input = {name!r}, or {NO_COLUMN}.",
-            )
+            return name
+    return None

@@ -83,14 +83,13 @@ def next_experiment(
             gaps = [float(np.sqrt(np.mean(a[piece] ** 2))) for a in apart if np.isfinite(a[piece]).all()]
             if gaps and min(gaps) > best[0]:
                 best = (min(gaps), words)
-    names = ", ".join(tell(r) for r in rivals)
+    names = " or ".join(tell(r) for r in rivals)
     if best[0] < 0.5 * floor:
         return (
-            f"To tell {tell(chosen)} from {names}: none of the usual extra runs would (they differ by less than half "
-            "the noise); lower the noise or sample faster."
+            f"None of the usual extra runs would tell {tell(chosen)} from {names}: in all of them the models differ by "
+            "less than half the noise. Lower the noise, or sample faster."
         )
     return (
-        f"To tell {tell(chosen)} from {names}: record {best[1]}; "
-        f"there the models differ by {length(best[0])} RMS, "
+        f"To tell {tell(chosen)} from {names}, record {best[1]}. There the models differ by {length(best[0])} RMS, "
         f"{best[0] / floor:.2g} times the noise."
     )

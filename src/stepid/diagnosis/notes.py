@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.diagnosis.wording import parameter_words
 from stepid.effects.base import Effect
 from stepid.fitting.covariance import effect_parameters, estimates
 from stepid.fitting.fit import NOT_CONVERGED
@@ -39,9 +40,9 @@ def notes_on(context: FitContext, final: Optimum, effects: tuple[Effect, ...]) -
     own = effect_parameters(effects)
     for name, value in values.items():
         if value.uncertainty is None and not (name == "base_mass" and fixes_mass(records) is not None):
-            out.append(f"The data do not determine {name}.")
+            out.append(f"The data do not determine {parameter_words(name)}.")
         elif name in own and value.uncertainty is not None and value.uncertainty > 0.5 * abs(value.value):
-            out.append(f"{name} is undetermined: {value}.")
+            out.append(f"The data hardly determine {parameter_words(name)}: {value}.")
     if not final.converged:
         out.append(NOT_CONVERGED)
     return tuple(out)

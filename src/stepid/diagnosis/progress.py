@@ -7,9 +7,7 @@ from contextlib import contextmanager
 
 from stepid.core.bar import notebook_bar
 from stepid.core.takes import WantedError, caller
-from stepid.diagnosis.wording import effect_names
-
-_WORTH = 0.01  # share of the rest, below which a promise is not told
+from stepid.diagnosis.wording import effect_names, promised
 
 
 class Progress(str):
@@ -76,6 +74,5 @@ def stage_line(stage: Progress) -> str:
     if stage.best or stage.left:
         parts.append(f"best so far: {effect_names(stage.best) or 'linear model'}")
     if stage.left:
-        promise = f", may take {100 * stage.promise:.0f} % of the rest" if stage.promise >= _WORTH else ""
-        parts.append(f"{stage.left} left to try{promise}")
+        parts.append("; ".join(filter(None, (f"{stage.left} left to try", promised(stage.promise)))))
     return " | ".join(parts)

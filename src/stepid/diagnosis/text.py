@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from stepid.core.estimate import Estimate
 from stepid.core.mass_offset import WEIGHT
 from stepid.core.tables import Rows, html_table, text_table
+from stepid.diagnosis.headline import advice_beside, answer
 from stepid.diagnosis.wording import candidate_name, chance, digits, effect_names, length, per_cent
 
 if TYPE_CHECKING:
@@ -33,33 +34,6 @@ def one_line(d: Diagnosis) -> str:
     if d.effects:
         gap += f" → {length(d.gap.after)}"
     return f"Diagnosis({d.campaign!r}, {d.verdict}{what}, {gap}, noise {length(d.gap.noise)})"
-
-
-def answer(d: Diagnosis) -> str:
-    """The verdict as a sentence."""
-    if d.verdict == "adequate":
-        return "A linear model is adequate."
-    if d.verdict == "named":
-        verb = "is" if len(d.effects) == 1 else "are"
-        return f"A linear model is not adequate: {effect_names(d.effects)} {verb} missing."
-    if d.verdict == "ambiguous":
-        sets = " or ".join(effect_names(names) for names in (d.effects, *d.alternatives))
-        if not d.alternatives:
-            return f"{sets[0].upper()}{sets[1:]} explains the misfit, but errors of the added masses would, too."
-        return f"A linear model is not adequate; what is missing is {sets}, these data cannot tell which."
-    return "A linear model is not adequate, and nothing in the catalogue explains why."
-
-
-def found_sizes(d: Diagnosis) -> list[tuple[str, str, str]]:
-    """What the named effects measure: effect and parameter in words, value ± standard uncertainty with its unit."""
-    if d.verdict != "named":
-        return []
-    own = [(name.partition("."), found) for name, found in d.parameters.items() if "." in name]
-    return [
-        (effect_names((effect,)), parameter.replace("_", " "), str(found))
-        for (effect, _, parameter), found in own
-        if effect in d.effects
-    ]
 
 
 def standing(d: Diagnosis) -> tuple[str, ...]:
@@ -200,7 +174,8 @@ def _answers(d: Diagnosis, table: _Table) -> tuple[tuple[Sequence[str], Sequence
 
 def as_text(d: Diagnosis) -> str:
     """What `summary` returns."""
-    parts = [f"Diagnosis of campaign {d.campaign!r}: {d.verdict}\n{answer(d)}"]
+    head = [f"Diagnosis of campaign {d.campaign!r}: {d.verdict}", answer(d), advice_beside(d)]
+    parts = ["\n".join(filter(None, head))]
     for question, (said, tables) in zip(QUESTIONS, _answers(d, text_table), strict=True):
         lines = [f"   - {sentence}" for sentence in said] or ([] if tables else ["   - nothing to say"])
         parts.append("\n".join([question, *lines]))
@@ -210,7 +185,8 @@ def as_text(d: Diagnosis) -> str:
 
 def as_html(d: Diagnosis) -> str:
     """The same for notebooks."""
-    parts = [f"<p><b>Diagnosis of campaign {escape(repr(d.campaign))}: {d.verdict}</b><br>{escape(answer(d))}</p>"]
+    head = "<br>".join(map(escape, filter(None, (answer(d), advice_beside(d)))))
+    parts = [f"<p><b>Diagnosis of campaign {escape(repr(d.campaign))}: {d.verdict}</b><br>{head}</p>"]
     for question, (said, tables) in zip(QUESTIONS, _answers(d, html_table), strict=True):
         parts.append(f"<p><b>{escape(question)}</b></p>")
         if said:

@@ -9,7 +9,7 @@ from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.result import Verdict
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
 from stepid.diagnosis.vetoes import undetermined
-from stepid.diagnosis.wording import effect_names, length, whole_percent
+from stepid.diagnosis.wording import effect_names, length, parameter_words, whole_percent
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def complete_but_open(e: EvidenceRecord) -> Answer | None:
         return None
     sure = [c for c in e.rivals if e.at_floor(c)] or list(e.simpler)
     sure = [c for c in sure if not e.followed(c)]
-    names = ", ".join(e.undetermined)
+    names = ", ".join(map(parameter_words, e.undetermined))
     said = f"{_title(e.best)} leaves only noise, but the data do not determine {names}."
     if not sure:
         inside = _inside(e)

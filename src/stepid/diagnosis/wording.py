@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from stepid.core.latex import parameter_name
 from stepid.diagnosis.residual_force import CLEAR, Shape
 
 _CLEAR_TREND = 0.7  # correlation
 _DIFFER = 1.5  # ratio of two RMS values that differ
 _AT_FLOOR = 1.1  # times the noise floor
+_WORTH = 0.01  # share of the misfit, below which a promise is not told
+_NEARLY = 0.95  # share, from which it is nearly all
 
 
 def length(meters: float) -> str:
@@ -68,6 +71,22 @@ def per_cent(share: float) -> str:
     if value >= 0.95:
         return f"{value:.2g} %"
     return f"{value:.1g} %" if value >= 0.05 else "0 %"
+
+
+def promised(share: float) -> str:
+    """Write what the most promising of some proposals may explain of the misfit left: empty below one per cent."""
+    if share < _WORTH:
+        return ""
+    part = "nearly all" if share >= _NEARLY else whole_percent(share)
+    return f"the most promising may explain {part} of the remaining misfit"
+
+
+def parameter_words(name: str) -> str:
+    """Write a parameter's name within a sentence: ``"the level of Coulomb friction"``, ``"stiffness (medium)"``."""
+    effect, dot, parameter = name.partition(".")
+    said = parameter_name(name)
+    own = dot and "[" not in effect and "," in said  # a label may have a dot, too
+    return f"the {parameter_name(parameter)} of {effect_names((effect,))}" if own else said
 
 
 def chance(probability: float) -> str:

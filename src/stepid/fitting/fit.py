@@ -9,6 +9,7 @@ import numpy as np
 
 from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.experiment import Campaign
+from stepid.core.latex import parameter_name
 from stepid.core.noise import rms
 from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
@@ -150,8 +151,9 @@ def fit(
     context = prepare(campaign, workers=as_workers(workers))
     optimum = fit_effects(context, wanted)
     if optimum is None:
+        names = " and ".join(parameter_name(e.name) for e in wanted)
         raise ConvergenceError(
-            f"campaign {campaign.name!r}: no start of {', '.join(e.name for e in wanted)} leads to a stable plant; the "
+            f"campaign {campaign.name!r}: no start of {names} leads to a stable plant; the "
             f"linear fit leaves {context.linear.rms * 1e6:.3g} µm",
             "Try fewer effects, or look at the records for what the model cannot say.",
         )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from stepid.core.base import Matrix, Model, NonNegative
 from stepid.core.estimate import Estimate, format_value, prefixed
 from stepid.core.frames import Row, parameter_frame
-from stepid.core.latex import parameter_table
+from stepid.core.latex import parameter_name, parameter_table
 from stepid.core.quantities import InputUnit, Motion
 from stepid.core.tables import html_table, text_table
 from stepid.simulation.model import PlantModel
@@ -82,7 +82,7 @@ class Fit(Model):
         return html_table(*self._table(), title=self._title()) + notes
 
     def _title(self) -> str:
-        named = ", ".join(effect.name.replace("_", " ") for effect in self.model.effects)
+        named = ", ".join(parameter_name(effect.name) for effect in self.model.effects)
         plant = f"Linear plant with {named}" if named else "Linear plant"
         return f"{plant}: {1e6 * self.rms:.4g} µm are left, the noise is {1e6 * self.noise:.4g} µm"
 

@@ -204,6 +204,11 @@ def _checked(
     missing = [key for key in required if key not in result]
     if missing:
         place = "; above the first [[experiment]] it is for all runs" if missing[0] not in OWN else ""
+        if len(missing) > 1:
+            several = ", ".join(map(repr, missing))
+            raise InputError(
+                f"{who}: the keys {several} are missing", f"Add {', '.join(f'{key} = …' for key in missing)}."
+            )
         raise InputError(f"{who}: the key {missing[0]!r} is missing", f"Add {missing[0]} = …{place}.")
     return result
 

@@ -20,6 +20,7 @@ from stepid.io.delimited import Layout, Table, join_tables, parse_table
 from stepid.io.ecp import FEWEST
 from stepid.io.step_input import InputValues, sample_input
 from stepid.io.textfile import as_path
+from stepid.io.unsaid import check_said
 
 Column = str | int
 
@@ -123,12 +124,12 @@ def read_table(
     where = str(files[0]) if len(files) == 1 else f"{files[0]} … {files[-1].name}"
     check_numbers(where, sample_time=sample_time, counts_per_meter=counts_per_meter, input_before=input_before)
     scales = {"position": position_scale, "time": time_scale, "input": input_scale}
-    check_scales({"position": position, "time": time, "input": input}, scales, where)
+    columns = {"position": position, "time": time, "input": input}
+    check_scales(columns, scales, where)
     layout = Layout(delimiter, decimal, skiprows, (time, position, input), encoding, sheet)
     layout.check(where)
     table = _kept(files, layout, start, stop, where)
-    if position is None:
-        raise InputError(f"{where}: nothing says which column is the position ({table.listed})", "Give position=….")
+    check_said(table, columns, scales=scales, sample_time=sample_time, where=where)
     clock = _time(table, time, time_scale, sample_time, start, where)
     if input is None:
         check_release(table.names, table.values, (time, position), where)

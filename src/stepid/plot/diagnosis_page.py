@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from stepid.core.takes import a, each, optional, takes, text
+from stepid.diagnosis.headline import answer
 from stepid.diagnosis.result import Diagnosis
-from stepid.diagnosis.text import answer
 from stepid.errors import InputError
 from stepid.plot.causes import candidates, force_against_position, force_against_velocity, phase_bars
 from stepid.plot.gap import a_diagnosis, gap_bars, gap_residual, gap_response

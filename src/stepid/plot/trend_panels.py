@@ -10,7 +10,6 @@ import numpy.typing as npt
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 
-from stepid.core.quantities import quantities_of
 from stepid.core.takes import a, takes
 from stepid.identification.trends import Trend, Trends
 from stepid.plot.layout import new_figure
@@ -20,7 +19,7 @@ _QUANTITIES = (  # field, label, factor from SI
     ("peak_time", "peak time [s]", 1.0),
     ("overshoot", "overshoot [%]", 100.0),
     ("settling_time", "settling time [s]", 1.0),
-    ("static_gain", "static gain [cm/V]", 100.0),
+    ("static_gain", "static gain [m/V]", 1.0),
 )
 _ROOM = 24  # letters that fit below one axes
 
@@ -52,8 +51,6 @@ def trend(one: Trend, *, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
     with styled():
         for ax, (field, label, factor) in zip(axes, _QUANTITIES, strict=True):
             dress(ax)
-            if "cm" in label and quantities_of(one).motion == "rotation":
-                label, factor = label.replace("cm", "mm"), 1e3  # no one says a hundredth of a radian
             values = [getattr(run, field) for run in one.runs]
             spread = [getattr(run.uncertainty, field) or 0.0 for run in one.runs]
             known = [i for i, value in enumerate(values) if value is not None]

@@ -11,8 +11,8 @@ from jinja2.sandbox import SandboxedEnvironment
 
 from stepid.core.latex import escaped
 from stepid.core.quantities import quantities_of
+from stepid.diagnosis.headline import advice_beside, answer
 from stepid.diagnosis.result import Diagnosis
-from stepid.diagnosis.text import answer
 from stepid.diagnosis.wording import effect_names
 from stepid.effects import CATALOGUE
 from stepid.errors import InputError
@@ -96,6 +96,7 @@ def _values(d: Diagnosis, hand: Hand, provenance: Provenance, files: Mapping[str
         "d": d,
         "campaign": d.campaign,
         "answer": own.text(answer(d)),
+        "advice": own.text(advice_beside(d)),
         "say": lambda words: _Typeset(own.text(words)),
         "formula": lambda latex: _Typeset(own.formula(latex)),
         "effects": effect_names(d.effects),

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from urllib.parse import quote
 
 from stepid.core.quantities import quantities_of
+from stepid.diagnosis.headline import advice_beside, answer
 from stepid.diagnosis.result import Diagnosis
-from stepid.diagnosis.text import answer
 from stepid.report.chapter import Chapter, Table
 from stepid.report.hand import Hand
 from stepid.report.provenance import Provenance
@@ -33,7 +33,10 @@ def markdown(d: Diagnosis, hand: Hand, provenance: Provenance, files: Mapping[st
     -------
     str
     """
-    parts = [f"# {plain(d.campaign)}: diagnosis", f"**{plain(quantities_of(d).text(answer(d)))}**"]
+    say = quantities_of(d).text
+    parts = [f"# {plain(d.campaign)}: diagnosis", f"**{plain(say(answer(d)))}**"]
+    if advice := advice_beside(d):
+        parts.append(plain(say(advice)))
     for number, chapter in enumerate(tell(d, hand, provenance), 1):
         parts.append(f"## {number}. {plain(chapter.title)}")
         parts += _body(chapter, files)

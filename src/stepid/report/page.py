@@ -15,8 +15,9 @@ from markupsafe import Markup, escape
 from plotly.offline import get_plotlyjs
 
 from stepid.core.quantities import quantities_of
+from stepid.diagnosis.headline import advice_beside, answer, found_sizes
 from stepid.diagnosis.result import Diagnosis
-from stepid.diagnosis.text import answer, found_sizes, standing
+from stepid.diagnosis.text import standing
 from stepid.diagnosis.wording import digits, effect_names, length
 from stepid.report.axes import run_line
 from stepid.report.equation import equation, numbers
@@ -57,6 +58,7 @@ def html_page(d: Diagnosis, hand: Hand, provenance: Provenance, stills: Mapping[
     page = environment.get_template("page.html.j2").render(
         d=d,
         answer=answer(d),
+        advice=advice_beside(d),
         reasons=(*d.reasons, *standing(d)),
         equation=equation(d),
         numbers=numbers(d),
@@ -73,9 +75,9 @@ def html_page(d: Diagnosis, hand: Hand, provenance: Provenance, stills: Mapping[
 
 
 def _typeset(text: str) -> Markup:
-    """Escape, keep a number and its unit on one line, and set ω_d with a low d."""
+    """Escape, keep a number, its uncertainty and its unit on one line, and set ω_d with a low d."""
     kept = re.sub(r"(?<=\d) (?=(?:µm|mm|µrad|mrad|rad|kg|ms|s|V|A|N|%)(?:\W|$))", "\u00a0", str(escape(text)))
-    return Markup(kept.replace("ω_d", "ω<sub>d</sub>"))
+    return Markup(kept.replace(" ± ", "\u00a0±\u00a0").replace("ω_d", "ω<sub>d</sub>"))
 
 
 def _symbols(text: str) -> Markup:
@@ -123,13 +125,19 @@ def _parted(value: str) -> tuple[str, str]:
     return f"{number} {unit}".rstrip(), f"± {spread} {unit}".rstrip()
 
 
+def _of(effect: str, parameter: str) -> str:
+    """A parameter of an effect, by its effect alone where that says it."""
+    title = effect if effect.endswith(f" {parameter}") else f"{effect}, {parameter}"
+    return title[0].upper() + title[1:]
+
+
 def _tiles(d: Diagnosis) -> list[tuple[str, str, str]]:
     """The figures to remember: what, how much, and beside what."""
 
     def times(rms: float) -> str:
         return f"{digits(rms / d.gap.noise)} × noise" if d.gap.noise else ""
 
-    sizes = [(f"{effect}, {parameter}", *_parted(value)) for effect, parameter, value in found_sizes(d)[:_SIZES]]
+    sizes = [(_of(effect, parameter), *_parted(value)) for effect, parameter, value in found_sizes(d)[:_SIZES]]
     tiles = [*sizes, ("Gap, linear model", length(d.gap.before), times(d.gap.before))]
     if d.effects:
         tiles.append((f"Gap, with {effect_names(d.effects)}", length(d.gap.after), times(d.gap.after)))

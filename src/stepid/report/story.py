@@ -6,12 +6,11 @@ from collections.abc import Sequence
 
 from stepid.core.latex import parameter_name
 from stepid.core.quantities import quantities_of
+from stepid.diagnosis.headline import answer, found_sizes
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.text import (
     GAP_HEADER,
     RANKING_HEADER,
-    answer,
-    found_sizes,
     gap_rows,
     next_steps,
     parameter_header,
@@ -150,10 +149,12 @@ def _sentence(words: str) -> str:
 
 def _missing(d: Diagnosis) -> Chapter:
     ranking = Table(caption="Candidates, best first", header=RANKING_HEADER, rows=tuple(ranking_rows(d)))
+    said = answer(d)
+    sizes = (f"{effect}: {name} {size}." for effect, name, size in found_sizes(d) if size not in said)
     return Chapter(
         name="missing",
         title="What is missing",
-        lead=" ".join([answer(d), *(f"{effect}: {name} {size}." for effect, name, size in found_sizes(d))]),
+        lead=" ".join([said, *sizes]),
         points=(*d.reasons, *standing(d)),
         pictures=(captions.candidates(d),) if d.ranking else (),
         tables=(ranking,) if d.ranking else (),
@@ -222,7 +223,9 @@ def _in_words(rows: Sequence[tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
 def _next(d: Diagnosis) -> Chapter:
     steps = next_steps(d)
     lead = "" if steps else "There is nothing to advise."
-    title = "What to measure next" if d.next_experiment and not d.advice else "What to do next"
+    title = (
+        "What to measure next" if d.next_experiment and not (d.advice and d.verdict == "named") else "What to do next"
+    )
     return Chapter(name="next", title=title, lead=lead, points=steps)
 
 

@@ -65,10 +65,10 @@ def characteristics_table(system: StackedSystem) -> Table:
                 "–" if run.overshoot is None else format_value(100 * run.overshoot, 100 * (u.overshoot or 0.0)),
                 format_value(run.damping_ratio, u.damping_ratio),
                 format_value(run.damped_frequency, u.damped_frequency),
-                "–" if run.static_gain is None else format_value(1e3 * run.static_gain, 1e3 * (u.static_gain or 0.0)),
+                "–" if run.static_gain is None else format_value(run.static_gain, u.static_gain),
             )
         )
-    header = ("run", "peak time [s]", "overshoot [%]", "damping ratio", "ω_d [rad/s]", "static gain [mm/V]")
+    header = ("run", "peak time [s]", "overshoot [%]", "damping ratio", "ω_d [rad/s]", "static gain [m/V]")
     return Table(caption="Read from each record (Eqs. 7 and 8)", header=header, rows=tuple(rows))
 
 

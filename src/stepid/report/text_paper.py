@@ -10,8 +10,6 @@ from stepid.datasets.replication import PRINTED_STIFFNESS, PaperRebuild
 from stepid.identification.transfer import transfer_function
 from stepid.report.section import Section
 
-CM = 100.0  # per meter: the paper's static gain is in cm/V
-
 
 def paper_report(paper: PaperRebuild) -> tuple[Section, ...]:
     """Write the paper's result, rebuilt beside printed.
@@ -51,8 +49,8 @@ def _table_2(paper: PaperRebuild) -> str:
             f"{found.damping[case.name]:.2f}",
             f"{found.damping_from_stiffness[case.name]:.2f}",
             f"{case.damping:.2f}",
-            f"{found.static_gain[case.name] * CM:.3f}",
-            f"{case.static_gain * CM:.3f}",
+            f"{found.static_gain[case.name]:.5f}",
+            f"{case.static_gain:.5f}",
         )
         for case in paper.printed
     ]
@@ -63,11 +61,12 @@ def _table_2(paper: PaperRebuild) -> str:
         "2ζmω_d/√(1−ζ²) [N·s/m]",
         "2ζk√(1−ζ²)/ω_d [N·s/m]",
         "printed [N·s/m]",
-        "K [cm/V]",
-        "printed [cm/V]",
+        "K [m/V]",
+        "printed [m/V]",
     )
     (stiffness,) = found.stiffness.values()
-    return f"{text_table(header, rows)}\n\nstiffness {stiffness:.2f} N/m, printed {PRINTED_STIFFNESS:.1f} N/m"
+    stiff = f"stiffness {stiffness:.2f} N/m, printed {PRINTED_STIFFNESS:.1f} N/m"
+    return f"{text_table(header, rows)}\n\n{stiff}\nThe paper prints K in cm/V: 3.618 there is 0.03618 m/V here."
 
 
 def _transfer_functions(paper: PaperRebuild) -> str:
@@ -80,7 +79,6 @@ def _transfer_functions(paper: PaperRebuild) -> str:
             (
                 f"{case.equation}, {case.name}",
                 f"{gain:.5f}",
-                f"{gain * CM:.3f}",
                 f"{second:.6f}",
                 f"{case.second_order_corrected:g}{note}",
                 f"{first:.5f}",
@@ -88,7 +86,7 @@ def _transfer_functions(paper: PaperRebuild) -> str:
             )
         )
         drawn.append(_indent(str(system)))
-    header = ("", "K [m/V]", "K [cm/V]", "m/k [s²]", "printed [s²]", "c/k [s]", "printed [s]")
+    header = ("", "K [m/V]", "m/k [s²]", "printed [s²]", "c/k [s]", "printed [s]")
     return "\n\n".join([text_table(header, rows), "As python-control systems, from V to m:", *drawn])
 
 

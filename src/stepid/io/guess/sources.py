@@ -6,7 +6,46 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stepid.io.guess.draft import Draft
+from stepid.core.base import Array
+from stepid.io.guess.draft import Draft, quantities_of_drafts
+from stepid.io.guess.file_names import plain_name
+
+_BARS = "▁▂▃▄▅▆▇█"
+_WIDE = 16  # characters of a sparkline
+
+
+def understood(drafts: Sequence[Draft]) -> dict[str, list[str]]:
+    """Columns of a table in the words of the plant, a row a draft; what all runs have by default is left out."""
+    columns: dict[str, list[str]] = {
+        "run": [draft.name for draft in drafts],
+        **sources(drafts),
+        "added mass": [mass_of(draft) for draft in drafts],
+        "spring": [draft.spring.value for draft in drafts],
+        "damper": [draft.damper.value for draft in drafts],
+        "record": [sparkline(draft.readings.get("position", np.zeros(0))) for draft in drafts],
+    }
+    if all(draft.name == plain_name(draft.file.stem) for draft in drafts):
+        del columns["run"]
+    for label in ("spring", "damper"):
+        if all(getattr(draft, label).assumed for draft in drafts):
+            del columns[label]
+    say = quantities_of_drafts(drafts).text
+    return {say(title): list(map(say, cells)) for title, cells in columns.items()}
+
+
+def is_unsure(drafts: Sequence[Draft]) -> bool:
+    """Say whether anything is taken by its size alone, or as usual: it ends in ``?``."""
+    return any(found.assumed for draft in drafts for found in (*draft.units.values(), draft.mass) if found is not None)
+
+
+def sparkline(values: Array, *, width: int = _WIDE) -> str:
+    """Draw readings, shape (n,), as a line of bars."""
+    if values.size == 0:
+        return ""
+    drawn = np.array([part.mean() for part in np.array_split(values, min(width, values.size))])
+    span = float(np.ptp(drawn))
+    levels = np.zeros(drawn.size) if span == 0 else (drawn - drawn.min()) / span * (len(_BARS) - 1)
+    return "".join(_BARS[int(level)] for level in np.rint(levels))
 
 
 def sources(drafts: Sequence[Draft]) -> dict[str, list[str]]:

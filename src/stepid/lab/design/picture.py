@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from stepid.core.latex import parameter_name
 from stepid.core.quantities import quantities_of
 from stepid.errors import InputError
 from stepid.lab.design.separation import NEEDED
@@ -24,7 +25,7 @@ def draw(plan: Plan, axes: Drawn | None) -> Drawn:
     first = next(iter(plan.wanted), "")
     panels = {
         name: Panel(
-            title=say(name.partition("[")[0].replace("_", " ")),
+            title=say(parameter_name(name.partition("[")[0])),
             label="standard uncertainty [%]" if name == first else "",
             values=[100 * plan.relative(design, name) for design in plan.designs],
             wanted=100 * limit,

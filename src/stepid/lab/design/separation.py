@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.latex import parameter_name
 from stepid.effects.base import Effect, Scales
 from stepid.errors import ConvergenceError
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
@@ -171,7 +172,7 @@ def nearest(records: Records, effects: tuple[Effect, ...], starts: Sequence[Arra
 
 
 def _runaway(effects: tuple[Effect, ...]) -> ConvergenceError:
-    names = ", ".join(effect.name for effect in effects)
+    names = " and ".join(parameter_name(effect.name) for effect in effects)
     return ConvergenceError(f"no plant with {names} follows these steps", "Give smaller levels, or another pair.")
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from stepid.core.mass_offset import WEIGHT
 from stepid.core.tables import Rows, html_table, text_table
-from stepid.diagnosis.wording import effect_names
+from stepid.diagnosis.wording import effect_names, parameter_words
 from stepid.lab.design.candidate import Design
 from stepid.lab.design.separation import NEEDED, VISIBLE
 
@@ -86,7 +86,9 @@ def _sampling(design: Design) -> str:
 
 def _parameter(plan: Plan, design: Design, name: str, limit: float) -> str:
     share = plan.relative(design, name)
-    told = f"{name}: {per_cent(share)}, wanted {per_cent(limit)}"
+    said = parameter_words(name)
+    reach = "is not determined" if math.isinf(share) else f"within {per_cent(share)}"
+    told = f"{said[0].upper()}{said[1:]} {reach}, wanted {per_cent(limit)}"
     parts = design.from_noise[name], design.from_weights[name]
     if math.isfinite(share) and parts[0] is not None and parts[1] is not None:
         size = abs(plan.values[name])
@@ -111,7 +113,7 @@ def _remedies(plan: Plan, design: Design) -> list[str]:
         weights, size = design.from_weights[name], abs(plan.values[name])
         if weights is not None and size and weights / size > limit:
             out.append(
-                f"The weights alone leave {per_cent(weights / size)} of {name}: know them better than "
+                f"The weights alone leave {per_cent(weights / size)} of {parameter_words(name)}. Know them better than "
                 f"{plan.weight_uncertainty:.2g} kg in {WEIGHT:g} kg, or add more."
             )
     if not out:

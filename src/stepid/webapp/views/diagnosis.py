@@ -8,23 +8,24 @@ from html import escape
 import panel as pn
 
 from stepid.core.quantities import quantities_of
+from stepid.diagnosis.headline import advice_beside, answer
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
-from stepid.diagnosis.text import answer
-from stepid.diagnosis.wording import effect_names
+from stepid.diagnosis.wording import effect_names, promised
 from stepid.errors import StepidError
+from stepid.report.equation import equation, numbers
 from stepid.report.hand import Hand
 from stepid.report.pictures import pictures
 from stepid.report.provenance import of_diagnosis
 from stepid.report.story import tell
 from stepid.webapp.session import Session
 from stepid.webapp.views.chapter import chapter
-from stepid.webapp.views.parts import INPUT, button, card, column, folded, html, note, row, said
+from stepid.webapp.views.parts import INPUT, button, card, column, folded, html, note, row, said, symbols, typeset
 from stepid.webapp.work import Status
 
 _EFFORTS = {"quick": Effort.quick, "default": Effort, "thorough": Effort.thorough}
-_SHOWN = ("missing", "gap", "next")
-_FOLDED = ("where", "parameters", "notes")  # what is in neither stands above
+_SHOWN = ("missing", "parameters", "gap", "next")
+_FOLDED = ("where", "notes")  # what is in neither stands above
 _LEAD = (
     "Is a linear model adequate, and if not, which effect is missing? The effects of the catalogue are tried, alone "
     "and together, until none promises more."
@@ -77,8 +78,7 @@ class DiagnosisView:
         rows = {
             "trying": self._session.say.text(effect_names((stage,))),
             "best answer so far": effect_names(stage.best) or "linear model",
-            "left to try": f"{stage.left}"
-            + f", may take {100 * stage.promise:.0f} % of the rest" * bool(stage.promise),
+            "left to try": "; ".join(filter(None, (f"{stage.left}", promised(stage.promise)))),
             "time": f"{status.seconds:.0f} s",
         }
         told = "".join(f"<dt>{name}</dt><dd>{escape(value)}</dd>" for name, value in rows.items())
@@ -95,8 +95,9 @@ class DiagnosisView:
         drawn = pictures(d, ())
         places = {run.name: i for i, run in enumerate(d.runs)}
         told = {one.name: one for one in tell(d, hand, of_diagnosis(d)) if _says(one.lead, one.points)}
+        told["parameters"] = told["parameters"].model_copy(update={"points": ()})  # the equation stands above
         self._found[:] = [
-            html(f'<p class="answer" data-verdict="{d.verdict}">{escape(quantities_of(d).text(answer(d)))}</p>'),
+            html(_headline(d)),
             *(chapter(told[name], drawn, places) for name in _SHOWN if name in told),
             *(
                 folded(told[name].title, chapter(told[name], drawn, places, titled=False))
@@ -108,6 +109,17 @@ class DiagnosisView:
                 html(f'<div class="scroll" tabindex="0"><pre>{escape(d.summary())}</pre></div>'),
             ),
         ]
+
+
+def _headline(d: Diagnosis) -> str:
+    """The answer, what would close an open choice, and the equation of motion with its numbers."""
+    say = quantities_of(d).text
+    advice = note(say(advice_beside(d)))
+    found = "".join(f"<div><dt>{symbols(name)}</dt><dd>{typeset(value)}</dd></div>" for name, value in numbers(d))
+    return (
+        f'<p class="answer" data-verdict="{d.verdict}">{typeset(say(answer(d)))}</p>{advice}'
+        f'<p class="equation">{"<br>".join(map(symbols, equation(d)))}</p><dl class="numbers">{found}</dl>'
+    )
 
 
 def _says(lead: str, points: tuple[str, ...]) -> bool:

@@ -124,8 +124,14 @@ def points(sentences: Iterable[str]) -> str:
 
 
 def typeset(text: str) -> str:
-    """Escape, and keep a number and its unit on one line."""
-    return re.sub(r"(?<=\d) (?=(?:µm|mm|kg|ms|s|V|N|%)(?:\W|$))", "\u00a0", escape(text))
+    """Escape, keep a number, its uncertainty and its unit on one line, and set ω_d with a low d."""
+    kept = re.sub(r"(?<=\d) (?=(?:µm|mm|µrad|mrad|rad|kg|ms|s|V|A|N|%)(?:\W|$))", "\u00a0", escape(text))
+    return kept.replace(" ± ", "\u00a0±\u00a0").replace("ω_d", "ω<sub>d</sub>")
+
+
+def symbols(text: str) -> str:
+    """Escape, and set letters such as K_f with a low f."""
+    return re.sub(r"_(\w)\b", r"<sub>\1</sub>", typeset(text))
 
 
 def tables_html(tables: Sequence[Table]) -> str:

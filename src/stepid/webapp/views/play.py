@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from html import escape
 from typing import Any
 
 import panel as pn
@@ -16,7 +15,7 @@ from stepid.webapp import pictures, play
 from stepid.webapp.play import NONE, Bench
 from stepid.webapp.views.chapter import key
 from stepid.webapp.views.knob import Knob, knob
-from stepid.webapp.views.parts import INPUT, button, card, grid, html, note, row, said
+from stepid.webapp.views.parts import INPUT, button, card, grid, html, note, row, said, symbols
 from stepid.webapp.views.picture import picture
 from stepid.webapp.work import Work
 
@@ -109,7 +108,7 @@ class PlayView:
             return
         effect, say = self._effect.value, quantities_of(self._bench.campaign)
         self._fit.disabled = effect == NONE
-        self._seen.object = "" if effect == NONE else f'<p class="soft">{escape(_described(effect, say))}</p>'
+        self._seen.object = "" if effect == NONE else f'<p class="soft">{symbols(_described(effect, say))}</p>'
         self._sliders = {k.key: self._slider(k) for k in play.knobs(self._bench, self._run.value, effect)}
         self._knobs[:] = list(self._sliders.values())
         self._draw()

@@ -64,7 +64,10 @@ class RecordsView:
             sortable=False,
             selectable=False,
             layout="fit_columns",
-            configuration={"keybindings": {"navNext": False, "navPrev": False}},  # Tab leaves the table in the end
+            configuration={
+                "columnDefaults": {"headerWordWrap": True},
+                "keybindings": {"navNext": False, "navPrev": False},
+            },  # Tab leaves the table in the end
             theme="simple",
             stylesheets=[_TABLE],
             sizing_mode="stretch_width",

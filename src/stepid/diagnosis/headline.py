@@ -1,0 +1,88 @@
+"""The answer of a diagnosis in a sentence or two: what is missing, how large it is, and what would tell it apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from stepid.diagnosis.wording import candidate_name, effect_names
+
+if TYPE_CHECKING:
+    from stepid.diagnosis.result import Diagnosis
+
+_MOST = 4  # sizes that a sentence bears
+
+
+def answer(d: Diagnosis) -> str:
+    """The verdict as a sentence; an open choice begins with what is most likely, and its size."""
+    if d.verdict == "adequate":
+        return "A linear model is adequate."
+    if d.verdict == "named":
+        verb = "is" if len(d.effects) == 1 else "are"
+        return f"A linear model is not adequate: {effect_names(d.effects)} {verb} missing."
+    if d.verdict == "ambiguous":
+        return _open_choice(d)
+    return "A linear model is not adequate, and nothing in the catalogue explains why."
+
+
+def found_sizes(d: Diagnosis) -> list[tuple[str, str, str]]:
+    """What the effects of the answer measure: effect and parameter in words, value ± standard uncertainty, its unit."""
+    if d.verdict not in ("named", "ambiguous"):
+        return []
+    own = [(name.partition("."), found) for name, found in d.parameters.items() if "." in name]
+    return [
+        (effect_names((effect,)), parameter.replace("_", " "), str(found))
+        for (effect, _, parameter), found in own
+        if effect in d.effects
+    ]
+
+
+def advice_beside(d: Diagnosis) -> str:
+    """What to measure to close an open choice, to stand beside it; empty where nothing is known to."""
+    if d.verdict != "ambiguous" or d.next_experiment is None:
+        return ""
+    return d.next_experiment[:1].upper() + d.next_experiment[1:].rstrip(".") + "."
+
+
+def _open_choice(d: Diagnosis) -> str:
+    found, one = _sized(d), len(d.effects) == 1
+    if not d.alternatives:
+        verb, comma = ("explains", ",") if one and "," in found else ("explains" if one else "explain", "")
+        return (
+            f"{found[:1].upper()}{found[1:]}{comma} {verb} the misfit; errors of the added masses within their "
+            "uncertainty would, too."
+        )
+    likely = "Most likely" if _is_likeliest(d) else "Possibly"
+    others = [candidate_name(names) for names in d.alternatives]
+    return f"{likely} {found}; these data do not tell {'it' if one else 'them'} from {_either(others)}."
+
+
+def _sized(d: Diagnosis) -> str:
+    """The effects of the answer, each with its sizes, as far as they are few."""
+    sizes = found_sizes(d)
+    if len(d.effects) == len(sizes) == 1:
+        return f"{effect_names(d.effects)}, {sizes[0][2]}"
+    return " and ".join(_with_sizes(effect_names((name,)), sizes) for name in d.effects)
+
+
+def _with_sizes(effect: str, sizes: Sequence[tuple[str, str, str]]) -> str:
+    own = [(parameter, size) for of, parameter, size in sizes if of == effect]
+    if not own or len(sizes) > _MOST:
+        return effect
+    told = [size for _, size in own] if len(own) == 1 else [f"{parameter} {size}" for parameter, size in own]
+    return f"{effect} ({', '.join(told)})"
+
+
+def _is_likeliest(d: Diagnosis) -> bool:
+    """Whether the evidence is for the answer more than for any of its alternatives."""
+
+    def loss(names: Sequence[str]) -> float | None:
+        return min((one.evidence for one in d.ranking if set(one.effects) == set(names)), default=None)
+
+    own = loss(d.effects)
+    others = [found for names in d.alternatives if (found := loss(names)) is not None]
+    return own is not None and own <= min(others, default=own)
+
+
+def _either(names: Sequence[str]) -> str:
+    return " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
