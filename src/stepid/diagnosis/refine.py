@@ -45,7 +45,7 @@ def _again(
         workers=context.workers,
         faults=(*context.faults, *faults),
         colored=context.colored,
-        by_weights=context.by_weights,
+        first=context.first,
         notes=context.notes,
     )
 

@@ -15,7 +15,8 @@ from stepid.diagnosis.selection.proposal import (
 )
 from stepid.effects.base import Effect
 from stepid.fitting.decimation import full_residual
-from stepid.fitting.multistart import Scored, Start, race_starts
+from stepid.fitting.multistart import Scored, Start
+from stepid.fitting.multistart_race import race_starts
 from stepid.fitting.score_test import columns, score
 from stepid.fitting.spectrum import resonances
 

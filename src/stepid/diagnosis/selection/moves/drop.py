@@ -6,7 +6,8 @@ import numpy as np
 
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, standing
 from stepid.fitting.absent import without
-from stepid.fitting.multistart import Start, race_starts
+from stepid.fitting.multistart import Start
+from stepid.fitting.multistart_race import race_starts
 from stepid.fitting.score_test import columns, score
 
 
