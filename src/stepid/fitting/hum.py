@@ -51,7 +51,7 @@ def find_hum(records: Records, linear: Optimum) -> tuple[Hum, ...]:
     A hum has the same amplitude whatever the mass, a force's answer does not; it is there from a run's beginning to its
     end, what a blow sets ringing is not; and it is far above the plant's own frequency.
     """
-    residual = records.centered(records.position - linear.solved.reading)
+    residual = linear.residual
     own = _own_frequency(linear)
     found: list[Hum] = []
     while len(found) < _MOST:
