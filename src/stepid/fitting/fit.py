@@ -145,13 +145,13 @@ def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | N
     if not effects:
         return context.linear
     starts = well_starts(context, effects[0])
-    starts += race_starts(context, effects[0], score(context, context.coarse_linear, columns(context, effects[:1])))
+    starts += race_starts(context, effects[0], score(context.coarse_linear, columns(context, effects[:1])))
     fitted = _raced(context, effects[:1], starts, context.coarse_linear)
     for count in range(2, len(effects) + 1):
         if fitted.best is None:
             return None
         n = fitted.best.problem.layout.linear.stop
-        scored = score(context, fitted.best, columns(context, (effects[count - 1],)))
+        scored = score(fitted.best, columns(context, (effects[count - 1],)))
         guesses = [s.values for s in scored[:3]]
         guesses += [tuple(v) for v in effects[count - 1].starts(context.scales)]
         linear, values = fitted.best.shared[:n], fitted.best.shared[n:]

@@ -81,8 +81,7 @@ def without_hum(campaign: Campaign, hums: tuple[Hum, ...]) -> Campaign:
 def _constants(linear: Optimum) -> tuple[Array, Array, Array]:
     """Mass, stiffness and damping of each run."""
     of, records, shared = linear.problem.layout, linear.problem.records, linear.shared
-    mass = shared[of.base_mass][records.base] + records.added_mass
-    return mass, shared[of.stiffness][records.spring], shared[of.damping][records.damper]
+    return of.mass(shared), shared[of.stiffness][records.spring], shared[of.damping][records.damper]
 
 
 def _own_frequency(linear: Optimum) -> float:
