@@ -2,6 +2,7 @@
 
     python benchmarks/diagnosis.py --page docs/diagnosis-benchmark.md        the whole benchmark, and its page
     python benchmarks/diagnosis.py --single 40 --none 20 --pairs 5 --outside 5      a smoke run
+    python benchmarks/diagnosis.py --catalogue old --json FILE             the same with the 20 effects of the old sets
     python benchmarks/diagnosis.py --practice FOLDER                       campaigns in files, answers.json beside them
     python benchmarks/diagnosis.py --set triples=60 --set perturbed-none=300 --salt HASH --lines FILE
                                                      any sets, one at a time; then benchmarks/score_perturbed.py FILE
@@ -22,7 +23,7 @@ import argparse
 import json
 import pickle
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from functools import partial
@@ -37,10 +38,12 @@ import page  # noqa: E402
 import practice  # noqa: E402
 import score  # noqa: E402
 import score_perturbed  # noqa: E402
+from hidden.plant import NEW  # noqa: E402
 from hidden.sets import LEGACY, cached  # noqa: E402
 from record import Case, diagnose_case  # noqa: E402
 
 COUNTS = {"single": 400, "none": 200, "pairs": 100, "outside": 56, "new": 0}
+CATALOGUES: dict[str, tuple[str, ...]] = {"all": (), "old": NEW}  # effects that are left out
 FIRST = {"pairs": 460}  # those before were developed against
 
 
@@ -65,12 +68,13 @@ def _tell(what: str, total: int, done: int) -> None:
     print(f"\r{what}: {done} of {total}  ", end="\n" if done == total else "", file=sys.stderr, flush=True)
 
 
-def run(cases: list[Case], jobs: int) -> Iterator[dict[str, Any]]:
+def run(cases: list[Case], jobs: int, without: Sequence[str] = ()) -> Iterator[dict[str, Any]]:
+    work = partial(diagnose_case, without=without)
     if jobs == 1:
-        yield from map(diagnose_case, cases)
+        yield from map(work, cases)
         return
     with ProcessPoolExecutor(jobs) as executor:
-        yield from executor.map(diagnose_case, cases, chunksize=1)
+        yield from executor.map(work, cases, chunksize=1)
 
 
 def collect(results: Iterable[dict[str, Any]], total: int) -> list[dict[str, Any]]:
@@ -99,8 +103,13 @@ def main() -> None:
     parser.add_argument(
         "--lines", type=Path, help="a JSON line for each campaign of --set; what is in it is not run again"
     )
+    parser.add_argument(
+        "--catalogue", choices=CATALOGUES, default="all", help="candidates: every effect, or the 20 of the old sets"
+    )
     args = parser.parse_args()
     if args.set:
+        if args.catalogue != "all":
+            parser.error("--set tries every effect: lines of a file do not say which were candidates")
         tasks = [(which, args.first + i, args.salt) for which, count in args.set for i in range(count)]
         told = partial(_tell, "diagnosing", len(tasks))
         print(score_perturbed.report(one_by_one.run(tasks, args.lines, args.jobs, told)))
@@ -108,7 +117,7 @@ def main() -> None:
     cases = [c for c in gather(args) if not args.only or args.only in c[1].name]
     if cases:  # imports and caches are not the diagnosis's time
         diagnose_case(cases[0], twins=False)
-    records = collect(run(cases, args.jobs), len(cases))
+    records = collect(run(cases, args.jobs, CATALOGUES[args.catalogue]), len(cases))
     lines = score.score(records)
     print(page.report(lines, records))
     print(page.failures(lines))

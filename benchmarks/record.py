@@ -10,22 +10,22 @@ import numpy as np
 
 import score
 import stepid
-from stepid.effects import resolve
+from stepid.effects import CATALOGUE, resolve
 from stepid.fitting.fit import fit_effects, prepare
 
 Case = tuple[str, stepid.Campaign, dict[str, Any]]
 SEVERAL = ("pairs-all", "triples")
 
 
-def diagnose_case(case: Case, *, twins: bool = True) -> dict[str, Any]:
-    """Truth, answer, gap, parameters, time; an error is an answer, too."""
+def diagnose_case(case: Case, *, twins: bool = True, without: Sequence[str] = ()) -> dict[str, Any]:
+    """Truth, answer, gap, parameters, time; an error is an answer. Effects in `without` are no candidates."""
     which, campaign, truth = case
     record = hidden(which, campaign, truth)
     start, cpu = time.perf_counter(), time.process_time()
     try:
         if truth.get("refused"):
             raise ValueError(truth["refused"])
-        d = stepid.diagnose(campaign)
+        d = stepid.diagnose(campaign, catalogue=tuple(e for e in CATALOGUE if e.name not in without))
     except Exception as error:  # the benchmark reports every failure, also those that nobody foresaw
         record |= {"seconds": time.process_time() - cpu, "waited": time.perf_counter() - start}
         return record | {"error": f"{type(error).__name__}: {error}"}

@@ -54,7 +54,7 @@ def test_what_a_pair_leaves_is_the_least_squares_solution(two: FitContext) -> No
 def test_a_pair_leaves_no_more_than_either_alone(two: FitContext) -> None:
     of_any_sign = resolve(["cubic_stiffness", "quadratic_stiffness", "position_dependent_damping", "sensor_drift"])
     alone: dict[str, float] = {}
-    for one in score(two, two.coarse_linear, columns(two, of_any_sign)):
+    for one in score(two.coarse_linear, columns(two, of_any_sign)):
         alone[one.effect.name] = min(one.left, alone.get(one.effect.name, np.inf))
     pairs = scored(two, 2, of_any_sign, count=1)
     assert len(pairs) == 6

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.once import once
+
+if TYPE_CHECKING:
+    from stepid.core.experiment import Experiment
 
 STILL = 2.5  # counts, less is no motion
 _CLIP = 3.5  # standard deviations, beyond which kinks, jumps and outliers do not count
@@ -51,6 +56,12 @@ def noise_level(position: Array, *, resolution: float | None = None) -> float:
     differences = np.diff(position, order)
     spread = 1.4826 * float(np.median(np.abs(differences))) / math.sqrt(math.comb(2 * order, order))
     return max(spread, floor)
+
+
+@once
+def record_noise(experiment: Experiment) -> float:
+    """`noise_level` of all readings of a record, m."""
+    return noise_level(experiment.position, resolution=experiment.resolution)
 
 
 def clipped_spread(values: Array) -> float:

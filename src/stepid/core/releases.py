@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.core.noise import noise_level
+from stepid.core.noise import record_noise
 from stepid.core.once import once
 from stepid.core.quantities import in_own_quantities
 from stepid.core.takes import described
@@ -118,7 +118,7 @@ def _swings_through(experiment: Experiment, first: int) -> bool:
     if carried is None:
         return False
     y, (off, back) = experiment.position, carried
-    noise = noise_level(y, resolution=experiment.resolution)
+    noise = record_noise(experiment)
     covariance = noise**2 * (np.eye(first) + back @ back.T) + (_NEAR * float(np.ptp(y))) ** 2 * np.eye(first)
     chance = first + _CHANCE * np.sqrt(2.0 * first)
     return bool(off @ np.linalg.solve(covariance, off) <= chance)
@@ -130,7 +130,7 @@ def _rests(experiment: Experiment, first: int) -> bool:
     if carried is None:
         return False
     y, off = experiment.position[:first], carried[0]
-    noise = noise_level(experiment.position, resolution=experiment.resolution)
+    noise = record_noise(experiment)
     small = max(_SEEN * noise, experiment.resolution or 0.0)
     away = np.abs(y - y[0]) > small
     still = int(np.argmax(away)) if away.any() else y.size
@@ -183,7 +183,7 @@ def _hands(experiment: Experiment) -> list[tuple[int, int]]:
     """Last free sample before each time that a hand takes a cart that was let go, and first of what follows."""
     y = experiment.position
     away = y - _rest_between(y)
-    noise = noise_level(y, resolution=experiment.resolution)
+    noise = record_noise(experiment)
     largest = float(np.abs(away).max())
     quiet = max(_QUIET * noise, _SEEN * (experiment.resolution or 0.0), _FAINT * largest)
     lobes, half = _lobes(away, quiet)

@@ -29,7 +29,7 @@ def refined(context: FitContext, best: Candidate) -> FitContext | None:
 
 
 def _again(
-    context: FitContext, best: Candidate, floor: float, weight: np.ndarray, faults: tuple[RecordFault, ...] = ()
+    context: FitContext, floor: float, weight: np.ndarray, faults: tuple[RecordFault, ...] = ()
 ) -> FitContext | None:
     records = context.records if weight is context.records.weight else context.records.reweighted(weight)
     linear = context.linear
@@ -45,7 +45,7 @@ def _again(
         workers=context.workers,
         faults=(*context.faults, *faults),
         colored=context.colored,
-        by_weights=context.by_weights,
+        first=context.first,
         notes=context.notes,
     )
 
@@ -65,7 +65,7 @@ def _without_outliers(context: FitContext, best: Candidate) -> FitContext | None
             f"Run {run.name!r}: {int(mask.sum())} readings stand out by up to {1e6 * size:.3g} µm. They are left out."
         )
         faults.append(RecordFault(run=run.name, kind="outliers", size=size, unit="m", words=words))
-    return _again(context, best, context.floor, weight, tuple(faults)) if faults else None
+    return _again(context, context.floor, weight, tuple(faults)) if faults else None
 
 
 def _with_color(context: FitContext, best: Candidate) -> FitContext | None:
@@ -74,7 +74,7 @@ def _with_color(context: FitContext, best: Candidate) -> FitContext | None:
     floor, colored = colored_floor(context.records, best.optimum.residual)
     if colored is None or floor <= context.floor:
         return None
-    found = _again(context, best, floor, context.records.weight)
+    found = _again(context, floor, context.records.weight)
     if found is not None:
         found.colored = colored
     return found
@@ -89,4 +89,4 @@ def _with_lower_floor(context: FitContext, best: Candidate) -> FitContext | None
     floor = floor_from_residual(best.optimum.residual, parameters=count, resolution=max(steps, default=None))
     if floor >= _BELOW * context.floor:
         return None
-    return _again(context, best, floor, context.records.weight)
+    return _again(context, floor, context.records.weight)

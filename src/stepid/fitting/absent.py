@@ -64,8 +64,9 @@ def linearized(base: Optimum, absent: Absent | None) -> tuple[Array, Array, Inde
     if absent.row is not None:
         local[absent.row] = 0.0
     else:
-        shared[absent.own] = absent.values
-        held = (place >= absent.own.start) & (place < absent.own.stop)
+        own = absent.own
+        shared[own] = np.clip(absent.values, problem.lower[own], problem.upper[own])  # a law may divide by some
+        held = (place >= own.start) & (place < own.stop)
     reading = problem.simulator.readings(shared[None], local[None])[0]
     if not np.isfinite(reading).all():
         return residual, np.full_like(jacobian, np.nan), place

@@ -10,6 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.spectrum import fast_length
 from stepid.simulation.records import Index
 
 _QUIET = 5  # lags in a row without correlation that end it (Politis 2003)
@@ -69,8 +70,9 @@ def _faded(parts: list[Array], longest: int) -> Array:
         return np.zeros(0)
     total = np.zeros(lags + 1)
     for y in parts:
-        spectrum = np.fft.rfft(y, y.size + lags)
-        seen = np.fft.irfft(np.abs(spectrum) ** 2, y.size + lags)[: lags + 1]
+        length = fast_length(y.size + lags)
+        spectrum = np.fft.rfft(y, length)
+        seen = np.fft.irfft(np.abs(spectrum) ** 2, length)[: lags + 1]
         total[: min(y.size, lags + 1)] += seen[: min(y.size, lags + 1)]
     correlation = total[1:] / square
     loud = np.abs(correlation) > 2 * math.sqrt(math.log10(max(size, 10)) / size)
@@ -101,7 +103,7 @@ def inflation(blocks: Iterable[Block], correlations: list[Array], inverse: Array
         n = rows.shape[1]
         if not own.size:
             continue
-        kernel = np.zeros(n + own.size)
+        kernel = np.zeros(fast_length(n + own.size))
         kernel[1 : own.size + 1] = own
         kernel[-own.size :] += own[::-1]
         spectra = np.fft.rfft(rows, kernel.size, axis=1) * np.fft.rfft(kernel)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -15,7 +14,6 @@ from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
-from stepid.fitting.added_masses import weight_errors
 from stepid.fitting.covariance import estimates, most_likely
 from stepid.fitting.eccentricity import find_eccentricity
 from stepid.fitting.fit_result import Fit as Fit
@@ -24,8 +22,9 @@ from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.left_over import left_over
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import centered
-from stepid.fitting.multistart import CandidateFit, FitContext, Start, race_starts
+from stepid.fitting.multistart import CandidateFit, FitContext, Start
 from stepid.fitting.multistart_cogging import well_starts
+from stepid.fitting.multistart_race import race_starts
 from stepid.fitting.noise_color import colored_floor
 from stepid.fitting.noise_floor import bounded_floor, enough, noise_floor, repeat_notes, weights
 from stepid.fitting.problem import fit_linear
@@ -43,8 +42,6 @@ from stepid.simulation.threads import single_threaded
 _NOISY = 0.05  # of the cost of noise, within which a start need not be bettered
 _AGREE = 3  # starts that end at the same cost, for it to be taken as the least
 _SAME = 1e-3  # relative difference of costs that are the same
-_NOTABLE, _REACHED = 1.02, 1.05  # times the floor, before and after weights are free within their uncertainty
-_CHANCE = 2.33  # standard deviations of χ², one in a hundred
 _MISFIT = 1.1  # times the floor, beyond which a run may be to blame
 NOT_CONVERGED = "The fit did not converge; what is shown is the best so far."
 
@@ -69,24 +66,7 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
     faults = (*screened.faults, *(hum.fault for hum in hums))
     floor, colored = colored_floor(records, records.position - linear.solved.reading, white=floor)
     floor = bounded_floor(records, floor, linear.rms, int(linear.problem.free.sum() + linear.problem.active.sum()))
-    likely = most_likely(linear, floor) if linear.rms > _NOTABLE * floor else linear
-    by_weights = likely if likely is not linear and likely.rms <= _REACHED * floor and _is_likely(likely) else None
-    return FitContext(
-        records,
-        linear,
-        floor,
-        workers=workers,
-        faults=faults,
-        colored=colored,
-        by_weights=by_weights,
-        notes=screened.notes,
-    )
-
-
-def _is_likely(linear: Optimum) -> bool:
-    """Tell whether errors of the weights are such as their uncertainty makes, by χ²."""
-    found = weight_errors(linear.problem.records).found
-    return float(found @ found) <= found.size + _CHANCE * math.sqrt(2.0 * found.size)
+    return FitContext(records, linear, floor, workers=workers, faults=faults, colored=colored, notes=screened.notes)
 
 
 def _begun(campaign: Campaign, wrong: Mapping[str, Mask], workers: int) -> tuple[Records, Optimum, float]:
@@ -167,13 +147,13 @@ def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | N
     if not effects:
         return context.linear
     starts = well_starts(context, effects[0])
-    starts += race_starts(context, effects[0], score(context, context.coarse_linear, columns(context, effects[:1])))
+    starts += race_starts(context, effects[0], score(context.coarse_linear, columns(context, effects[:1])))
     fitted = _raced(context, effects[:1], starts, context.coarse_linear)
     for count in range(2, len(effects) + 1):
         if fitted.best is None:
             return None
         n = fitted.best.problem.layout.linear.stop
-        scored = score(context, fitted.best, columns(context, (effects[count - 1],)))
+        scored = score(fitted.best, columns(context, (effects[count - 1],)))
         guesses = [s.values for s in scored[:3]]
         guesses += [tuple(v) for v in effects[count - 1].starts(context.scales)]
         linear, values = fitted.best.shared[:n], fitted.best.shared[n:]

@@ -51,7 +51,7 @@ def find_hum(records: Records, linear: Optimum) -> tuple[Hum, ...]:
     A hum has the same amplitude whatever the mass, a force's answer does not; it is there from a run's beginning to its
     end, what a blow sets ringing is not; and it is far above the plant's own frequency.
     """
-    residual = records.centered(records.position - linear.solved.reading)
+    residual = linear.residual
     own = _own_frequency(linear)
     found: list[Hum] = []
     while len(found) < _MOST:
@@ -81,8 +81,7 @@ def without_hum(campaign: Campaign, hums: tuple[Hum, ...]) -> Campaign:
 def _constants(linear: Optimum) -> tuple[Array, Array, Array]:
     """Mass, stiffness and damping of each run."""
     of, records, shared = linear.problem.layout, linear.problem.records, linear.shared
-    mass = shared[of.base_mass][records.base] + records.added_mass
-    return mass, shared[of.stiffness][records.spring], shared[of.damping][records.damper]
+    return of.mass(shared), shared[of.stiffness][records.spring], shared[of.damping][records.damper]
 
 
 def _own_frequency(linear: Optimum) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 import numpy.typing as npt
@@ -101,13 +101,15 @@ class Optimum:
     converged: bool
     iterations: int
 
-    @property
+    @cached_property
     def residual(self) -> Array:
         """Measured minus simulated, unweighted, m, shape (S,)."""
         r = self.problem.records
-        return r.centered(r.position - self.solved.reading)
+        out = r.centered(r.position - self.solved.reading)
+        out.setflags(write=False)
+        return out
 
-    @property
+    @cached_property
     def rms(self) -> float:
         """Root mean square of the unweighted residual, m, of the readings that count."""
         return float(np.sqrt(np.mean(self.residual[self.problem.records.trusted] ** 2)))

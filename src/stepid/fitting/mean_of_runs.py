@@ -70,8 +70,11 @@ def _changed(problem: Problem, kind: str) -> tuple[int, ...]:
 
 def centered(optimum: Optimum) -> Optimum:
     """The same fit with the deviations about their mean: one run had stood for the plant, whose mean all runs are."""
+    groups = common(optimum.problem)
+    if not groups:
+        return optimum
     shared, local = optimum.shared.copy(), optimum.local.copy()
-    for own in common(optimum.problem):
+    for own in groups:
         row = optimum.problem.layout.deviation(own.kind)
         mean = float(local[row, own.runs].mean())
         shared[list(own.parameters)] += mean * own.slopes(optimum)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Motion, Regressor, Scales
+from stepid.fitting.covariance import by_weights
 from stepid.fitting.decimation import decimated, fit_coarsely, shortest_period
 from stepid.fitting.deviations import with_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
@@ -58,9 +60,8 @@ class FitContext:
     """What every search on one campaign shares: records, linear fit, scales, the weak form, the measured motion.
 
     Candidates race on `decimated`, a part of the samples; `coarse_linear` is the linear plant there. `faults` of the
-    readings are removed already; `colored` is set where their noise is not white. `by_weights` is the linear plant with
-    the most likely added masses, where errors within their uncertainty are enough for it to leave only noise; `notes`
-    say what was left out of the records.
+    readings are removed already; `colored` is set where their noise is not white; `notes` say what was left out of the
+    records. `first` are linear fit and floor before the residual of an answer said more of the readings.
     """
 
     def __init__(
@@ -72,11 +73,11 @@ class FitContext:
         workers: int = 1,
         faults: tuple[RecordFault, ...] = (),
         colored: NoiseColor | None = None,
-        by_weights: Optimum | None = None,
+        first: tuple[Optimum, float] | None = None,
         notes: tuple[str, ...] = (),
     ) -> None:
         self.records, self.linear, self.floor, self.workers = records, linear, floor, workers
-        self.faults, self.colored, self.by_weights, self.notes = faults, colored, by_weights, notes
+        self.faults, self.colored, self.first, self.notes = faults, colored, first or (linear, floor), notes
         self.scales: Scales = scales(records, linear, floor)
         self._scanned: dict[Effect, list[Regressor]] = {}
         self.columns: dict[Effect, list[Any]] = {}  # of `score_test`, kept for the next race
@@ -93,6 +94,11 @@ class FitContext:
         self.coarse_linear = fit_coarsely(self.decimated, linear)
         self.tangent = np.linalg.qr(self.coarse_linear.problem.jacobian(self.coarse_linear.solved))[0]
         self.weak = WeakForm(records, 0.6 * period, fixed_mass=fixes_mass(records))
+
+    @cached_property
+    def by_weights(self) -> Optimum | None:
+        """The linear plant with the most likely added masses, where errors of these leave only noise."""
+        return by_weights(*self.first)
 
     @property
     def noise_cost(self) -> float:
@@ -272,29 +278,3 @@ class CandidateFit:
             iterations=laps,
         )
         self.polished = found or self.polished
-
-
-def _less_damped(context: FitContext, effect: Effect) -> list[Array]:
-    """The linear optimum; for dry friction, also with less damping, which stood in for the friction."""
-    out = [context.coarse_linear.shared]
-    if effect.dry:
-        damping = context.coarse_linear.problem.layout.damping
-        for share in (0.65, 0.35):
-            lighter = context.coarse_linear.shared.copy()
-            lighter[damping] *= share
-            out.append(lighter)
-    return out
-
-
-def race_starts(context: FitContext, effect: Effect, scored: Sequence[Scored]) -> list[Start]:
-    """Starts of one effect: its best scores, the weak form's best, its own guesses where it is hard to score."""
-    own = [s for s in scored if s.effect is effect][:2]
-    starts = [Start(s.shared, (s.values,)) for s in own]
-    starts += [Start(context.coarse_linear.shared, (s.values,)) for s in own[:1]]
-    starts += context.weak_starts(effect, 3)
-    if not effect.linear or len(starts) < 2:
-        own_guesses = effect.starts(context.scales)
-        starts += [Start(shared, (tuple(v),)) for shared in _less_damped(context, effect) for v in own_guesses]
-    if own:
-        starts.append(Start(context.coarse_linear.shared, (effect.faint(own[0].values, 0.05),)))
-    return starts

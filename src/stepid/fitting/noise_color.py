@@ -89,11 +89,16 @@ class _Found(NamedTuple):
 
 
 class _Windows(NamedTuple):
-    """Mean product of the contrasts of windows, shape (d, d) [m²]; how many that are independent; their samples."""
+    """Mean product of the contrasts of windows, shape (d, d) [m²]; how many that are independent; their samples.
+
+    Also what each model of the noise makes of them, shape (G,): its variance [m²] and −2 ln L.
+    """
 
     product: Array
     number: float
     width: int
+    scale: Array
+    cost: Array
 
 
 def colored_floor(
@@ -186,7 +191,12 @@ def _windows(records: Records, values: Array, floor: float, length: float) -> _W
         return None
     energy = np.sum(z**2, axis=1)
     z = z[energy <= _KINK * np.median(energy)]
-    return _Windows(z.T @ z / z.shape[0], 0.5 * z.shape[0], width)
+    product, number = z.T @ z / z.shape[0], 0.5 * z.shape[0]
+    _, inverse, logs = _covariances(width)
+    d = len(product)
+    both = product + np.tril(product, -1)  # of symmetric matrices one half tells all
+    scale = inverse @ both[np.tril_indices(d)] / d  # traces of products
+    return _Windows(product, number, width, scale, number * (d * np.log(scale) + logs))
 
 
 def _cut(values: npt.NDArray[Any], width: int) -> npt.NDArray[Any]:
@@ -211,7 +221,7 @@ def _correlation(lag: Array, correlation: float) -> Array:
 
 @cache
 def _covariances(width: int) -> tuple[tuple[_Shape, ...], Array, Array]:
-    """All models of the noise, their covariances' inverses (G, d, d) and logarithms of determinants (G,)."""
+    """All models of the noise, their covariances' inverses (G, d (d + 1) / 2) and logarithms of determinants (G,)."""
     basis = _contrasts(width)
     d = basis.shape[1]
     lag = np.abs(np.subtract.outer(np.arange(width), np.arange(width))).astype(float)
@@ -231,13 +241,23 @@ def _covariances(width: int) -> tuple[tuple[_Shape, ...], Array, Array]:
                     shapes.append(_Shape(share, rho))
                     out.append(noise + amount * np.trace(noise) / d * smooth)
     stack = np.array(out)
-    return tuple(shapes), np.linalg.inv(stack), np.linalg.slogdet(stack)[1]
+    lower = np.linalg.inv(stack)[:, *np.tril_indices(d)]
+    return tuple(shapes), lower, np.linalg.slogdet(stack)[1]
+
+
+@cache
+def _places(width: int) -> Array:
+    """Shares and correlations of all models, shape (2, G)."""
+    return np.array(_covariances(width)[0]).T
 
 
 @cache
 def _directions(width: int, shape: int) -> tuple[Array, Array]:
     """Eigenvalues and eigenvectors of the inverse covariance of a model, by its place among all."""
-    values, vectors = np.linalg.eigh(_covariances(width)[1][shape])
+    d = _contrasts(width).shape[1]
+    inverse = np.zeros((d, d))
+    inverse[np.tril_indices(d)] = _covariances(width)[1][shape]
+    values, vectors = np.linalg.eigh(inverse)  # of the lower half
     return values, vectors
 
 
@@ -257,11 +277,9 @@ def _best(windows: _Windows, slowest: float, only: _Shape | None = None) -> _Fou
 
     What is slower than correlation `slowest` is a misfit: where it is plainly better there is no gain.
     """
-    shapes, inverse, logs = _covariances(windows.width)
-    d = inverse.shape[1]
-    scale = inverse.reshape(len(shapes), -1) @ windows.product.ravel() / d  # traces of products: both are symmetric
-    cost = windows.number * (d * np.log(scale) + logs)
-    share, correlation = np.array(shapes).T
+    shapes = _covariances(windows.width)[0]
+    scale, cost = windows.scale, windows.cost
+    share, correlation = _places(windows.width)
     white = share == 0
     fast = correlation <= slowest
     if only is not None:

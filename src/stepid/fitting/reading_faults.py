@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.noise import apparent_resolution, noise_level
+from stepid.core.noise import apparent_resolution, record_noise
 from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.records import Records
 
@@ -145,7 +145,7 @@ def mend(run: Experiment) -> Mended:
         return Mended(run, nothing, ())
     y = np.array(run.position)
     resolution = run.resolution or apparent_resolution(y)
-    noise = max(noise_level(y, resolution=resolution), 1e-7 * float(np.ptp(y)), 1e-15)
+    noise = max(record_noise(run), (resolution or 0.0) / math.sqrt(12), 1e-7 * float(np.ptp(y)), 1e-15)
     least = _COUNTS * (resolution or 0.0)
     stuck, out = nothing.copy(), nothing.copy()
     for _ in range(_PASSES):

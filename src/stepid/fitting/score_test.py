@@ -184,12 +184,11 @@ def _difference(context: FitContext, effect: Effect, values: tuple[float, ...]) 
     return np.concatenate(parts, axis=1)
 
 
-def score(context: FitContext, base: Optimum, table: list[Column], *, instead: Absent | None = None) -> list[Scored]:
+def score(base: Optimum, table: list[Column], *, instead: Absent | None = None) -> list[Scored]:
     """Score every start against the residual of a fit to the decimated records: the best few of each effect.
 
     Parameters
     ----------
-    context : FitContext
     base : Optimum
     table : list
         From `columns`.

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.experiment import Campaign, Experiment
-from stepid.core.noise import noise_level
+from stepid.core.noise import record_noise
 from stepid.core.releases import release_index, split_releases
 from stepid.core.units import UNIT, check_speed, check_travel
 from stepid.errors import InputError
@@ -132,7 +132,7 @@ def split_campaign(campaign: Campaign) -> tuple[Campaign, tuple[str, ...]]:
 
 def _quiet(run: Experiment) -> float:
     """Largest travel that noise and rounding make of a cart at rest, m."""
-    return max(3.0 * (run.resolution or 0.0), 8.0 * noise_level(run.position, resolution=run.resolution))
+    return max(3.0 * (run.resolution or 0.0), 8.0 * record_noise(run))
 
 
 def _still(run: Experiment) -> bool:
@@ -140,7 +140,7 @@ def _still(run: Experiment) -> bool:
     if travel <= 3.0 * (run.resolution or 0.0):
         return True
     # noise alone: no swing, nor a new rest, behind it
-    return float(np.std(run.position)) < 1.2 * noise_level(run.position, resolution=run.resolution)
+    return float(np.std(run.position)) < 1.2 * record_noise(run)
 
 
 def _why_still(run: Experiment) -> str:

@@ -121,21 +121,27 @@ class ParameterLayout:
 
     def plants(self, shared: Array, local: Array) -> Array:
         """Values of C plants on every run, as the kernel takes them: shape (C, R, values)."""
-        r = self.records
-        runs = len(r.runs)
-        columns = [
-            self.mass(shared),
-            shared[:, self.stiffness][:, r.spring],
-            shared[:, self.damping][:, r.damper],
-            np.repeat(shared[:, self.force_gain, None], runs, axis=1),
-        ]
-        for values, own in zip(self.values, self.run_values, strict=True):
-            columns += [np.repeat(column[:, None], runs, axis=1) for column in shared[:, values].T]
-            columns += list(local[:, own].swapaxes(0, 1))
-        out = np.stack(columns, axis=-1)
+        places, own = self._columns
+        out: Array = np.take(shared, places, axis=1)
+        out[..., 0] += self.records.added_mass
+        for column, row in own:
+            out[..., column] = local[:, row]
         if local[:, self.deviations].any():
             self._deviate(out, local)
         return out
+
+    @cached_property
+    def _columns(self) -> tuple[Index, tuple[tuple[int, int], ...]]:
+        """Which global parameter each value of each run is, shape (R, values), and which values are a run's own."""
+        r = self.records
+        plain = np.full(len(r.runs), self.force_gain)
+        columns = [r.base, self.stiffness.start + r.spring, self.damping.start + r.damper, plain]
+        own: list[tuple[int, int]] = []
+        for values, rows in zip(self.values, self.run_values, strict=True):
+            columns += [np.full(len(r.runs), at) for at in range(values.start, values.stop)]
+            own += [(len(columns) + i, row) for i, row in enumerate(range(rows.start, rows.stop))]
+            columns += [plain] * (rows.stop - rows.start)
+        return np.stack(columns, axis=1), tuple(own)
 
     def _deviate(self, plants: Array, local: Array) -> None:
         """Change plants, as `plants` gives them, by what is different in each run."""

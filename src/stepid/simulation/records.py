@@ -22,7 +22,7 @@ Index = npt.NDArray[np.intp]
 _NONE = 1e-4  # square-root weight of a reading that is left out
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Records:
     """Samples of all runs end to end: S samples, R runs.
 

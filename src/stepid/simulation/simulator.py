@@ -13,7 +13,6 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect
-from stepid.errors import InputError
 from stepid.simulation.layout import ParameterLayout
 from stepid.simulation.magnitudes import exponents, magnitudes
 from stepid.simulation.records import Records
@@ -80,6 +79,8 @@ class Simulator:
         workers: int = 1,
         patience: int | None = None,
     ) -> None:
+        from stepid.simulation.work import check_size
+
         check_size(effects)
         self.records, self.effects, self.tolerance = records, effects, tolerance
         self.workers = workers
@@ -91,26 +92,35 @@ class Simulator:
         self.scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), _STILL)
         self._powers = exponents(tuple(q for e in effects for q in e.parameters))
         self._planned: tuple[bytes, tuple[Index, Index, Index]] | None = None
+        self._tiled: tuple[int, Index, Index] | None = None
 
     # ---- magnitudes -----------------------------------------------------------------------------------------------
 
     def steps(self, shared: Array) -> Array:
         """Finite-difference steps of the global and the per-run parameters, shape (P + Q,)."""
+        typical = self.typical(shared)
+        local = self._local_steps.copy()
+        local[self.layout.deviation("added_mass")] *= typical[self.layout.base_mass.start]
+        return np.concatenate([_DIFFERENCE * np.maximum(np.abs(shared), 1e-2 * typical), local])
+
+    @cached_property
+    def _local_steps(self) -> Array:
+        """Finite-difference steps of the per-run parameters, that of the added mass per kg of the base's."""
         local = np.full(self.layout.n_run, _DIFFERENCE)
         local[:2] = _DIFFERENCE * self.scale, 10 * _DIFFERENCE * self.scale
         local[self.layout.own_states] = _DIFFERENCE * self.scale
-        local[self.layout.deviation("added_mass")] *= max(float(np.abs(shared[self.layout.base_mass]).max()), 0.1)
-        return np.concatenate([_DIFFERENCE * np.maximum(np.abs(shared), 1e-2 * self.typical(shared)), local])
+        return local
 
     def typical(self, shared: Array) -> Array:
         """Magnitudes by which the global parameters are judged."""
         of = self.layout
         mass, stiffness = np.abs(shared[of.base_mass]).max(), np.abs(shared[of.stiffness]).max()
         out = np.maximum(np.abs(shared), 1e-12)
-        own = magnitudes(
-            self._powers, mass=mass, stiffness=stiffness, gain=float(shared[of.force_gain]), travel=self.scale
-        )
-        out[of.linear.stop :] = np.maximum(out[of.linear.stop :], own)  # at zero, too, there is a slope to find
+        if len(self._powers):
+            own = magnitudes(
+                self._powers, mass=mass, stiffness=stiffness, gain=float(shared[of.force_gain]), travel=self.scale
+            )
+            out[of.linear.stop :] = np.maximum(out[of.linear.stop :], own)  # at zero, too, there is a slope to find
         out[of.base_mass] = max(mass, 0.1)
         out[of.damping] = np.sqrt(mass * stiffness)
         return out
@@ -154,8 +164,7 @@ class Simulator:
     def _every(self, shared: Array, local: Array, n_states: int) -> tuple[Array, Array]:
         r, copies = self.records, len(shared)
         values, late = self.layout.plants(shared, local), self._late(local)
-        run = np.tile(np.arange(len(r.runs)), copies)
-        offset = (np.arange(copies)[:, None] * r.size + r.first).ravel()
+        run, offset = self._laid(copies)
         seen = n_states if late is None else max(n_states, 2)
         reading, states = np.empty(copies * r.size), np.empty((seen, copies * r.size))
         self._run(values.reshape(-1, values.shape[-1]), self._starts(local), run, offset, reading, states)
@@ -163,6 +172,14 @@ class Simulator:
             self._shift(late.ravel(), run, offset, reading, states)
             states = states[:n_states]
         return reading.reshape(copies, r.size), states.reshape(n_states, copies, r.size)
+
+    def _laid(self, copies: int) -> tuple[Index, Index]:
+        """Run of each replica of so many plants on every run, and where its samples begin: the last call's are kept."""
+        if self._tiled is None or self._tiled[0] != copies:
+            r = self.records
+            run = np.tile(np.arange(len(r.runs)), copies)
+            self._tiled = copies, run, (np.arange(copies)[:, None] * r.size + r.first).ravel()
+        return self._tiled[1:]
 
     def _late(self, local: Array) -> Array | None:
         """Start times of driven runs [s], shape (C, R); None where all are zero."""
@@ -270,24 +287,3 @@ class Simulator:
             copies = np.repeat(np.arange(row.size), [runs.size for _, runs in touched])
             self._planned = key, (row, copies, run)
         return self._planned[1]
-
-
-def check_size(effects: tuple[Effect, ...]) -> None:
-    """Refuse more than the kernel has room for.
-
-    Raises
-    ------
-    stepid.errors.InputError
-    """
-    from stepid.simulation import kernel
-
-    states = 2 + sum(e.n_extra + e.n_memory for e in effects)
-    values = kernel.Q_FIRST + sum(len(e.parameters) + len(e.run_parameters) for e in effects)
-    for what, has, most in (
-        ("effects", len(effects), kernel.MOST_EFFECTS),
-        ("states", states, kernel.MOST_STATES),
-        ("switches", sum(e.n_switches for e in effects), kernel.MOST_SWITCHES),
-        ("values", values, kernel.MOST_VALUES),
-    ):
-        if has > most:
-            raise InputError(f"{has} {what} are more than a simulation holds ({most})", "Use fewer effects at once.")

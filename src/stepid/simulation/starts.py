@@ -6,7 +6,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.noise import noise_level, rms
+from stepid.core.noise import record_noise, rms
 from stepid.core.once import once
 from stepid.core.samples import course
 
@@ -47,10 +47,7 @@ def starts_in_motion(experiment: Experiment) -> bool:
     travel = float(np.ptp(experiment.position))
     if experiment.is_release or travel <= 0:
         return travel > 0
-    quiet = max(
-        _SEEN * (experiment.resolution or 0.0),
-        _NOISES * noise_level(experiment.position, resolution=experiment.resolution),
-    )
+    quiet = max(_SEEN * (experiment.resolution or 0.0), _NOISES * record_noise(experiment))
     changes = np.flatnonzero(np.diff(experiment.input, prepend=experiment.input_before))
     lead = int(changes[0]) if changes.size else experiment.input.size
     if lead >= _LEAD and float(np.ptp(experiment.position[: lead + 1])) <= quiet:

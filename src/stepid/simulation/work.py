@@ -1,4 +1,4 @@
-"""The structure of a plant with effects as the kernel takes it."""
+"""The structure of a plant with effects as the kernel takes it, if it has room for them."""
 
 from __future__ import annotations
 
@@ -8,18 +8,19 @@ from typing import Any
 import numpy as np
 
 from stepid.effects.base import Effect
+from stepid.errors import InputError
 from stepid.simulation import kernel
 from stepid.simulation.laws import changes, law
 
 
 def structure(effects: tuple[Effect, ...]) -> Any:
     """A new record of `kernel.WORK`: the effects in the order of the drive's chain, where values and states stand."""
-    return _structure(effects).copy()[0]
+    return _structure(effects).copy()[0]  # a record, with fields as attributes: plain Python reads them, too
 
 
 @lru_cache(maxsize=1024)
 def _structure(effects: tuple[Effect, ...]) -> Any:
-    room = np.rec.array(np.zeros(1, kernel.WORK))
+    room = np.zeros(1, np.dtype((np.record, kernel.WORK)))
     work = room[0]
     at, own, side = kernel.Q_FIRST, 2, 0
     places = []
@@ -40,3 +41,22 @@ def _structure(effects: tuple[Effect, ...]) -> Any:
     work.rated = any(e.n_extra for e in effects)
     work.restless = any(e.never_rests for e in effects)
     return room
+
+
+def check_size(effects: tuple[Effect, ...]) -> None:
+    """Refuse more than the kernel has room for.
+
+    Raises
+    ------
+    stepid.errors.InputError
+    """
+    states = 2 + sum(e.n_extra + e.n_memory for e in effects)
+    values = kernel.Q_FIRST + sum(len(e.parameters) + len(e.run_parameters) for e in effects)
+    for what, has, most in (
+        ("effects", len(effects), kernel.MOST_EFFECTS),
+        ("states", states, kernel.MOST_STATES),
+        ("switches", sum(e.n_switches for e in effects), kernel.MOST_SWITCHES),
+        ("values", values, kernel.MOST_VALUES),
+    ):
+        if has > most:
+            raise InputError(f"{has} {what} are more than a simulation holds ({most})", "Use fewer effects at once.")

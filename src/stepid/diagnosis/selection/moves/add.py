@@ -15,7 +15,8 @@ from stepid.diagnosis.selection.proposal import (
 )
 from stepid.effects.base import Effect
 from stepid.fitting.decimation import full_residual
-from stepid.fitting.multistart import Scored, Start, race_starts
+from stepid.fitting.multistart import Scored, Start
+from stepid.fitting.multistart_race import race_starts
 from stepid.fitting.score_test import columns, score
 from stepid.fitting.spectrum import resonances
 
@@ -38,7 +39,7 @@ class Add:
 
     def _single(self, node: Node, new: tuple[Effect, ...], context: SearchContext) -> list[Proposal]:
         fit = context.fit
-        scored = score(fit, node.best, columns(fit, new))
+        scored = score(node.best, columns(fit, new))
         found = {s.effect for s in scored} - _overshadowed(scored)
         out = []
         for effect in (e for e in new if e in found or not e.contains):
@@ -57,7 +58,7 @@ class Add:
         quiet = tuple(e for e in new if e not in ringing)
         table = columns(fit, quiet, base=node.best) + columns(fit, ringing, heard, node.best)
         own: dict[str, list[Scored]] = {}
-        scored = score(fit, node.best, table)
+        scored = score(node.best, table)
         hidden = _overshadowed(scored)
         for one in scored:
             if one.effect not in hidden:

@@ -6,7 +6,8 @@ import numpy as np
 
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, standing
 from stepid.fitting.absent import without
-from stepid.fitting.multistart import Start, race_starts
+from stepid.fitting.multistart import Start
+from stepid.fitting.multistart_race import race_starts
 from stepid.fitting.score_test import columns, score
 
 
@@ -32,7 +33,7 @@ class Drop:
             effects = tuple(node.effects[i] for i in rest)
             if len(effects) == 1:  # where what is taken away had taken mass or stiffness from the plant
                 fit = context.fit
-                starts += tuple(race_starts(fit, effects[0], score(fit, fit.coarse_linear, columns(fit, effects))))
+                starts += tuple(race_starts(fit, effects[0], score(fit.coarse_linear, columns(fit, effects))))
             out.append(Proposal(effects, node.deviations, starts, node.key, node.best, left, 1.0, self.name))
         for kind in sorted(node.deviations if node.size > 1 or len(node.deviations) > 1 else ()):  # less is the root
             left = node.cost  # what it gains is judged by the fit without it

@@ -54,7 +54,7 @@ class Exchange:
             if not known.intersection(e.contains) and not any(related(e, own) for own in node.effects)
         )
         out: dict[str, Proposal] = {}
-        for scored in score(fit, node.best, columns(fit, new), instead=absent):
+        for scored in score(node.best, columns(fit, new), instead=absent):
             name = scored.effect.name
             starts = tuple(
                 Start(s[of.linear], (*(tuple(map(float, s[of.values[i]])) for i in rest), scored.values))
