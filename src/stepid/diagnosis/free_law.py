@@ -80,11 +80,13 @@ def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     rest = residual - own @ (own.T @ residual)
     left = float(rest @ rest) - context.noise_cost
     count = float(effective_samples(decimated, residual).sum()) - own.shape[1]
-    base = replace(optimum, problem=coarse)
-    found = []
-    for state, forces, overtones in _laws(context, optimum):
-        pushed = decimated.weighted(responses_along(base, context, forces).T).T
-        pushed = pushed[:, np.isfinite(pushed).all(axis=0)]
+    laws, found = _laws(context, optimum), []
+    forces = [force for _, some, _ in laws for force in some]
+    responses = responses_along(replace(optimum, problem=coarse), context, forces)
+    ends = np.cumsum([len(some) for _, some, _ in laws])
+    parts = np.split(decimated.weighted(responses.T).T, ends[:-1], axis=1)
+    for (state, _, overtones), part in zip(laws, parts, strict=True):
+        pushed = part[:, np.isfinite(part).all(axis=0)]
         law = _basis(pushed - own @ (own.T @ pushed))
         taken = float(np.sum((law.T @ rest) ** 2))
         spare = max(count - law.shape[1], 1.0)

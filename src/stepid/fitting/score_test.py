@@ -65,6 +65,7 @@ def responses_along(base: Optimum, context: FitContext, forces: list[Array]) -> 
     shared = base.shared.copy()
     if gain == 0:
         shared[of.force_gain] = gain = 1.0
+    plain = Simulator(records, problem.simulator.effects).readings(base.shared[None], base.local[None])
     out = np.empty((len(forces), records.size))
     for i in range(0, len(forces), _AT_ONCE):
         some = [_means(force, records) for force in forces[i : i + _AT_ONCE]]
@@ -74,10 +75,7 @@ def responses_along(base: Optimum, context: FitContext, forces: list[Array]) -> 
         readings = Simulator(pushed, problem.simulator.effects).readings(
             shared[None], np.tile(base.local, len(some))[None]
         )
-        changed = readings.reshape(len(some), -1) - Simulator(records, problem.simulator.effects).readings(
-            base.shared[None], base.local[None]
-        )
-        out[i : i + len(some)] = changed / np.array(sizes)[:, None]
+        out[i : i + len(some)] = (readings.reshape(len(some), -1) - plain) / np.array(sizes)[:, None]
     return out.T
 
 
