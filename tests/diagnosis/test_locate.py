@@ -220,6 +220,11 @@ def test_sentences_say_what_was_found() -> None:
     vague = sentences(6e-4, 2e-5, {"rise": 6e-4}, {"a": 6e-4}, {}, Shape(SHAPES[1], 1.0, 0.1, np.zeros(1)))
     assert vague[0] == "largest in the rise (600 µm RMS)"
     assert "look at the drive" in vague[-1]
+    quiet = {"before": 2e-5, "rest": 3e-5, "rise": 2.5e-5, "ring-down": 1e-3}
+    mixed = sentences(6e-4, 2e-5, quiet, {"a": 6e-4}, {}, None)[0]
+    assert mixed.endswith("; at the noise at rest, in the rise and before the first step")
+    faint = sentences(2.5e-5, 2e-5, {"rest": 2.8e-5, "rise": 2e-5}, {"a": 2.5e-5}, {}, None)[0]
+    assert faint == "largest at rest (28.0 µm RMS), little above the noise in every phase"
     assert sentences(6e-4, 2e-5, {"rise": 6e-4}, {"a": 6e-4}, {}, None)[-1].startswith("too little motion")
 
 

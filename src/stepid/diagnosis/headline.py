@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from stepid.diagnosis.wording import candidate_name, effect_names
+from stepid.diagnosis.wording import candidate_name, effect_names, listed
 
 if TYPE_CHECKING:
     from stepid.diagnosis.result import Diagnosis
@@ -54,7 +54,7 @@ def _open_choice(d: Diagnosis) -> str:
         )
     likely = "Most likely" if _is_likeliest(d) else "Possibly"
     others = [candidate_name(names) for names in d.alternatives]
-    return f"{likely} {found}; these data do not tell {'it' if one else 'them'} from {_either(others)}."
+    return f"{likely} {found}; these data do not tell {'it' if one else 'them'} from {listed(others, 'or')}."
 
 
 def _sized(d: Diagnosis) -> str:
@@ -82,7 +82,3 @@ def _is_likeliest(d: Diagnosis) -> bool:
     own = loss(d.effects)
     others = [found for names in d.alternatives if (found := loss(names)) is not None]
     return own is not None and own <= min(others, default=own)
-
-
-def _either(names: Sequence[str]) -> str:
-    return " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

@@ -34,6 +34,11 @@ def whole_percent(share: float) -> str:
     return f"{100 * share:.0f} %"
 
 
+def listed(parts: Sequence[str], word: str) -> str:
+    """Write a list as people speak: ``"a, b and c"``."""
+    return f" {word} ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
+
+
 def effect_names(names: Iterable[str]) -> str:
     """Write canonical names as people speak: ``"Coulomb friction and input delay"``."""
     return " and ".join(
@@ -132,9 +137,11 @@ def sentences(
 def _about_phases(phases: Mapping[str, float], floor: float) -> str:
     order = sorted(phases, key=lambda name: -phases[name])
     first = f"largest {_during(order[0])} ({length(phases[order[0]])} RMS)"
-    clean = [name for name in order if phases[name] <= _DIFFER * floor]
+    clean = [name for name in order[1:] if phases[name] <= _DIFFER * floor]
+    if clean and phases[order[0]] <= _DIFFER * floor:
+        return f"{first}, little above the noise in every phase"
     if clean:
-        return f"{first}; at the noise {' and '.join(_during(name) for name in clean)}"
+        return f"{first}; at the noise {listed([_during(name) for name in clean], 'and')}"
     if len(order) > 1:
         return f"{first}, smallest {_during(order[-1])} ({length(phases[order[-1]])})"
     return first
