@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stepid
+from stepid.identification import tightness
 
 PLANT = stepid.PlantModel(base_mass={"cart": 1.0}, stiffness={"medium": 216.0}, damping={"half": 10.0}, force_gain=7.8)
 
@@ -66,3 +67,15 @@ def test_an_input_beyond_all_numbers_promises_nothing() -> None:
     huge = stepid.Experiment(**first.model_dump() | {"input": -1e300 * first.input})
     notes = stepid.identify(made.model_copy(update={"experiments": (huge, *others)})).notes
     assert not any("as tight" in note for note in notes)
+
+
+def test_some_samples_of_a_long_run_stand_for_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = campaign(20e-6, 1e-7)
+    found = stepid.identify(made)
+    shared = tightness._Shared(list(found.base_mass), list(found.stiffness), list(found.pooled_damping))
+    every = tightness._joint(made.experiments, found, shared, 1e-7)
+    monkeypatch.setattr(tightness, "_ENOUGH", 130)  # of 400: every fourth
+    some = tightness._joint(made.experiments, found, shared, 1e-7)
+    assert every is not None
+    assert some == pytest.approx(every, rel=0.03)
+    assert not np.array_equal(some, every)
