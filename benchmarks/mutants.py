@@ -1,6 +1,6 @@
 """Mutation testing of the core: mutants drawn by a seed, each run against the tests of its file.
 
-    python benchmarks/mutants.py COUNT [SEED] [PART] [--ran DATA] [--lines FIRST LAST] [--from NUMBER]
+    python benchmarks/mutants.py COUNT [SEED] [PART] [--ran DATA] [--most TESTS] [--lines FIRST LAST] [--from NUMBER]
 
 PART draws from files whose path holds it only, as diagnosis/verdict; `--lines` from these lines. With DATA of coverage,
 a mutant is run against the tests that ran its statement, and no others could tell it:
@@ -169,14 +169,18 @@ class Ran:
         by_line = self.data.contexts_by_lineno(str(mutant.file))
         some = mutant.statement or by_line
         found = {name for line in some for name in by_line.get(line, ()) if name}
-        out = [f"{_file_of(name)}::{name.rpartition('.')[2]}" for name in found]
-        return sorted(out, key=lambda test: (mutant.file.stem not in test, test))
+        if not found and any(line in by_line for line in some):  # in fixtures only
+            found = {name for names in by_line.values() for name in names if name}
+        out = {f"{file}::{name.rpartition('.')[2]}" for name in found if (file := _file_of(name)) is not None}
+        if any(_file_of(name) is None for name in found):  # of hypothesis, which calls tests by a name of its own
+            rooms = {ROOT / room for rooms in TESTS.values() for room in rooms if mutant.file.parent.name in room}
+            out |= {str(file) for room in rooms for file in room.rglob("test_*.py") if "@given" in file.read_text()}
+        return sorted(out, key=lambda test: ("::" not in test, mutant.file.stem not in test, test))
 
 
-def _file_of(context: str) -> str:
-    stem = context.rpartition(".")[0].rpartition(".")[2]
-    (file,) = (ROOT / "tests").rglob(f"{stem}.py")
-    return str(file)
+def _file_of(context: str) -> Path | None:
+    file = ROOT.joinpath(*context.split(".")[:-1]).with_suffix(".py")
+    return file if file.exists() else None
 
 
 def tests_of(mutant: Mutant, ran: Ran | None) -> list[str]:
@@ -235,6 +239,7 @@ def main() -> None:
     parser.add_argument("seed", type=int, nargs="?", default=1)
     parser.add_argument("part", nargs="?", default="")
     parser.add_argument("--ran", type=Path, help="data of coverage with a context a test")
+    parser.add_argument("--most", type=int, default=10_000, help="tests of a mutant, at most: the first by name")
     parser.add_argument("--lines", type=int, nargs=2, default=(0, -1))
     parser.add_argument("--from", type=int, default=0, dest="first", help="number of the mutant to go on from")
     given = parser.parse_args()
@@ -252,7 +257,7 @@ def main() -> None:
     mutants = drawn(given.count, given.seed, given.part, lines)
     for number, mutant in list(enumerate(mutants))[given.first :]:
         began = time.monotonic()
-        tests = tests_of(mutant, ran)
+        tests = tests_of(mutant, ran)[: given.most]
         end = survives(mutant, tests)
         ends[end] += 1
         where = f"{mutant.file.relative_to(SOURCE)}:{mutant.line}"
