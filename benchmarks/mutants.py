@@ -1,6 +1,6 @@
 """Mutation testing of the core: mutants drawn by a seed, each run against the tests of its file.
 
-    python benchmarks/mutants.py COUNT [SEED] [PART] [--ran DATA] [--most TESTS] [--lines FIRST LAST] [--from NUMBER]
+    python benchmarks/mutants.py COUNT [SEED] [PART] [--ran DATA] [--most TESTS] [--only PART] [--lines FIRST LAST] …
 
 PART draws from files whose path holds it only, as diagnosis/verdict; `--lines` from these lines. With DATA of coverage,
 a mutant is run against the tests that ran its statement, and no others could tell it:
@@ -43,7 +43,11 @@ TESTS = {  # of a room, the first to fail most often first; `-x` ends at the fir
     "fitting": ("tests/fitting", "tests/simulation/test_derivatives.py"),
     "evidence": ("tests/diagnosis/test_evidence.py", "tests/diagnosis/test_moves.py"),
     "verdict": ("tests/diagnosis/test_verdict.py", "tests/diagnosis/test_answer.py"),
-    "gather": ("tests/diagnosis/test_gather.py", "tests/diagnosis/test_verdict.py"),
+    "gather": (
+        "tests/diagnosis/test_gather.py",
+        "tests/diagnosis/test_gather_edges.py",
+        "tests/diagnosis/test_verdict.py",
+    ),
     "free_law": ("tests/diagnosis/test_free_law.py",),
 }
 SWAPPED: dict[type, type] = {
@@ -239,6 +243,7 @@ def main() -> None:
     parser.add_argument("seed", type=int, nargs="?", default=1)
     parser.add_argument("part", nargs="?", default="")
     parser.add_argument("--ran", type=Path, help="data of coverage with a context a test")
+    parser.add_argument("--only", default="", help="run those of the draw whose path holds it")
     parser.add_argument("--most", type=int, default=10_000, help="tests of a mutant, at most: the first by name")
     parser.add_argument("--lines", type=int, nargs=2, default=(0, -1))
     parser.add_argument("--from", type=int, default=0, dest="first", help="number of the mutant to go on from")
@@ -256,6 +261,8 @@ def main() -> None:
     lines = range(given.lines[0], given.lines[1] + 1)
     mutants = drawn(given.count, given.seed, given.part, lines)
     for number, mutant in list(enumerate(mutants))[given.first :]:
+        if given.only not in str(mutant.file):
+            continue
         began = time.monotonic()
         tests = tests_of(mutant, ran)[: given.most]
         end = survives(mutant, tests)

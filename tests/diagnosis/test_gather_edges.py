@@ -147,3 +147,10 @@ def test_the_floor_is_as_wide_as_its_own_uncertainty() -> None:
         found = candidate(["coulomb_friction"], times=times, residual=slow)
         assert at_floor(context(), CRITERIA, found) is there
     assert context().floor == FLOOR
+
+
+def test_what_is_better_by_far_has_all_weight() -> None:
+    e = evidence(FRICTION, candidate(times=1e4))
+    assert e.weighed[1].loss > 2000  # no number holds the inverse of its weight
+    assert e.weight(FRICTION) == 1.0
+    assert e.weight(e.linear) == 0.0
