@@ -155,3 +155,13 @@ def test_what_is_better_by_far_has_all_weight() -> None:
     assert e.weighed[1].loss > 2000  # no number holds the inverse of its weight
     assert e.weight(FRICTION) == 1.0
     assert e.weight(far) == 0.0
+
+
+def test_colored_noise_is_known_by_its_size_within_near() -> None:
+    slow = 1.0 + 0 * FRICTION.optimum.residual
+    colored = context()
+    colored.colored = object()
+    for times, there in ((1.149, True), (1.151, False)):
+        found = candidate(["coulomb_friction"], times=times, residual=slow, structure=2 * CRITERIA.white)
+        assert at_floor(colored, CRITERIA, found) is there
+        assert at_floor(context(), CRITERIA, found) is False  # what follows itself over a block is no white noise

@@ -280,3 +280,19 @@ def test_where_no_effect_earns_its_price_the_linear_plant_is_enough() -> None:
 def test_rules_that_leave_a_case_open_are_a_mistake() -> None:
     with pytest.raises(AssertionError, match="the last rule answers always"):
         judge(evidence(FRICTION), rules=(lambda _: None,))
+
+
+@pytest.mark.parametrize(
+    ("names", "share", "named"),
+    [
+        (["quadratic_damping"], 0.85, True),
+        (["quadratic_damping"], 0.849, False),
+        (["quadratic_damping", "cogging"], 0.925, True),
+        (["quadratic_damping", "cogging"], 0.924, False),
+    ],
+)
+def test_a_second_effect_of_a_lead_has_to_halve_the_rest(names: list[str], share: float, named: bool) -> None:
+    lead = candidate(names, times=3.0)
+    assert (ask("leads", lead=lead, share_taken=(share, 0.9)) is not None) is named
+    assert (ask("leads", lead=lead, share_taken=(0.99, 0.4)) is not None) is True
+    assert ask("leads", lead=lead, share_taken=(0.99, 0.399)) is None
