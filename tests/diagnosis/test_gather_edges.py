@@ -10,7 +10,7 @@ import pytest
 from made_up_evidence import FLOOR, candidate, context, evidence, losing
 from stepid.diagnosis import gather, vetoes
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import at_floor
+from stepid.diagnosis.evidence import at_floor, is_white
 from stepid.diagnosis.free_law import FreeLaw
 
 LINEAR = candidate(times=10.0)
@@ -146,7 +146,20 @@ def test_the_floor_is_as_wide_as_its_own_uncertainty() -> None:
     for times, there in ((1.149, True), (1.151, False)):
         found = candidate(["coulomb_friction"], times=times, residual=slow)
         assert at_floor(context(), CRITERIA, found) is there
+        assert at_floor(context(), Criteria(near=1.5), found) is there
     assert context().floor == FLOOR
+
+
+@pytest.mark.parametrize(("ratio", "there"), [(1.099, True), (1.101, False)])
+def test_a_rest_above_the_floor_is_noise_where_it_is_white(
+    ratio: float, there: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Within two standard deviations, 2/√400, of the ratio that white noise has."""
+    monkeypatch.setattr("stepid.diagnosis.evidence.succession", lambda *_: (ratio, 400))
+    found = candidate(["coulomb_friction"], times=1.3)
+    assert at_floor(context(), Criteria(near=1.5), found) is there
+    assert is_white(context(), found, 2.0) is there
+    assert is_white(context(), found, 3.0)
 
 
 def test_what_is_better_by_far_has_all_weight() -> None:
