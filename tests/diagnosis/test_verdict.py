@@ -14,6 +14,7 @@ from stepid.core.estimate import Estimate
 from stepid.diagnosis import verdict, vetoes
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.gather import EvidenceRecord
+from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.verdict import RULES, Answer, judge
 
 PLAY = candidate(["free_play"])
@@ -249,3 +250,49 @@ def test_every_rule_that_names_has_its_probability() -> None:
         assert 0.5 < PROBABILITY[rule] <= 1
         assert e.probability(Answer("named", FRICTION, (), (), rule)) == PROBABILITY[rule]
     assert e.probability(Answer("adequate", LINEAR, (), (), "linear_is_enough")) is None
+
+
+def test_a_freedom_that_is_untested_hides_no_lead_inside_it() -> None:
+    lead = candidate(["quadratic_damping"], times=1.4)
+    both = candidate(["quadratic_damping", "periodic_disturbance"])
+
+    class TestedApart(Told):
+        def share(self, found: Candidate) -> tuple[float, float]:
+            return (0.5, 0.9) if found is both else (0.95, 0.9)
+
+    found = verdict.freedom_is_untested(TestedApart(best=both, lead=lead, floored=both.names))
+    assert found is not None
+    assert (found.verdict, found.shown, found.rule) == ("named", lead, "leads")
+    alike = candidate(["quadratic_damping", "cogging"], times=1.4)  # as many effects: no smaller answer
+    found = verdict.freedom_is_untested(TestedApart(best=both, lead=alike, floored=both.names))
+    assert found is not None
+    assert (found.verdict, found.shown) == ("unexplained", both)
+
+
+def test_where_no_effect_earns_its_price_the_linear_plant_is_enough() -> None:
+    plain = evidence(candidate(times=1.01))
+    answer = verdict.runs_differ(plain)
+    assert answer is not None
+    assert (answer.verdict, answer.shown) == ("adequate", plain.linear)
+    assert answer.reasons == ("No effect earns what its parameters cost.",)
+
+
+def test_rules_that_leave_a_case_open_are_a_mistake() -> None:
+    with pytest.raises(AssertionError, match="the last rule answers always"):
+        judge(evidence(FRICTION), rules=(lambda _: None,))
+
+
+@pytest.mark.parametrize(
+    ("names", "share", "named"),
+    [
+        (["quadratic_damping"], 0.85, True),
+        (["quadratic_damping"], 0.849, False),
+        (["quadratic_damping", "cogging"], 0.925, True),
+        (["quadratic_damping", "cogging"], 0.924, False),
+    ],
+)
+def test_a_second_effect_of_a_lead_has_to_halve_the_rest(names: list[str], share: float, named: bool) -> None:
+    lead = candidate(names, times=3.0)
+    assert (ask("leads", lead=lead, share_taken=(share, 0.9)) is not None) is named
+    assert (ask("leads", lead=lead, share_taken=(0.99, 0.4)) is not None) is True
+    assert ask("leads", lead=lead, share_taken=(0.99, 0.399)) is None

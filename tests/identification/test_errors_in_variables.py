@@ -51,3 +51,31 @@ def test_without_noise_all_solvers_agree() -> None:
     assert found.stiffness["medium"] == pytest.approx(weighted.stiffness["medium"], rel=1e-6)
     assert found.solver == "ErrorsInVariables()"
     assert found.uncertainty.stiffness["medium"] == pytest.approx(weighted.uncertainty.stiffness["medium"], rel=1e-3)
+
+
+def test_equal_masses_are_constraints_as_of_the_weighted_solve() -> None:
+    stacked = system(200e-6, 5)
+    runs = stacked.characteristics
+    twin = runs[0].model_copy(update={"name": "twin", "damped_frequency": 1.002 * runs[0].damped_frequency})
+    same = stepid.MassOffset(from_run=runs[0].name, to_run="twin", difference=0.0, uncertainty=0.0)
+    joined = stepid.assemble([*runs, twin], [*stacked.mass_offsets, same])
+    found = stepid.solve(joined, solver=stepid.ErrorsInVariables())
+    weighted = stepid.solve(joined, solver=stepid.WeightedLeastSquares())
+    assert found.masses["twin"] == pytest.approx(found.masses[runs[0].name], rel=1e-12)
+    assert found.stiffness["medium"] == pytest.approx(weighted.stiffness["medium"], rel=1e-12)
+
+
+def test_too_few_passes_are_told() -> None:
+    with pytest.raises(stepid.errors.ConvergenceError, match=r"errors in variables does not settle.*check added_mass"):
+        stepid.solve(system(300e-6, 3), solver=stepid.ErrorsInVariables(iterations=1))
+
+
+def test_only_an_overshoot_that_is_left_is_corrected() -> None:
+    solver = stepid.ErrorsInVariables()
+    fields = {"name": "a", "peak_time": 0.2, "peak_time_bias": 0.01, "overshoot": 0.3}
+    less, gone = (stepid.Characteristics(**fields, overshoot_bias=bias) for bias in (0.1, 0.4))
+    read = stepid.identification.second_order.damping_ratio(0.3)
+    frequency, ratio = solver.readings([less])[0]
+    assert frequency == pytest.approx(np.pi / 0.19)
+    assert ratio == pytest.approx(stepid.identification.second_order.damping_ratio(0.2))
+    assert solver.readings([gone])[0] == pytest.approx([np.pi / 0.19, read])

@@ -80,3 +80,41 @@ def test_only_held_inputs_are_looked_at() -> None:
     exact = remainder(run, **how)
     assert exact is not None
     assert exact.square < 1e-18
+
+
+def test_a_fine_record_is_fitted_by_means_of_neighbors_and_judged_by_all_samples(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    decay, frequency = PLANT.rates(0.0)
+    time = 5e-5 * np.arange(60_000)  # 8,600 samples a period
+    volts = np.where((time >= 0.02003) & (time < 1.7), 0.5, 0.0)
+    since = [np.maximum(time - at, 0.0) for at in (time[volts > 0][0], time[volts > 0][-1] + 5e-5)]
+    up, down = (
+        1 - np.exp(-decay * t) * (np.cos(frequency * t) + decay / frequency * np.sin(frequency * t)) for t in since
+    )
+    noise = 2e-5 * np.random.default_rng(46).standard_normal(time.size)
+    run = stepid.Experiment(
+        name="r", time=time, position=0.018 * (up - down) + noise, input=volts, added_mass=0.0, spring="s", damper="d"
+    )
+    how = {"damped_frequency": 1.02 * frequency, "damping_ratio": 0.3}
+    fine = remainder(run, **how)
+    monkeypatch.setattr("stepid.identification.remainder._FINE", 1e9)
+    every = remainder(run, **how)
+    assert fine is not None
+    assert every is not None
+    assert fine.samples == every.samples == time.size - 4
+    assert every.square <= fine.square < every.square * (1 + 1e-6)  # the least square, but for a part of chance: 2/n
+    assert fine.means == pytest.approx(every.means, rel=1e-3)
+    assert fine.square == pytest.approx(float(noise @ noise), rel=2e-4)
+
+
+def test_many_changes_of_the_input_are_convolved_as_few_are_added_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = make_campaign(PLANT, np.random.default_rng(47), noise=2e-5).experiments[0]
+    decay, frequency = PLANT.rates(0.0)
+    how = {"damped_frequency": frequency, "damping_ratio": decay / float(np.hypot(decay, frequency))}
+    few = remainder(run, **how)
+    monkeypatch.setattr("stepid.identification.remainder._FEW", 0)
+    many = remainder(run, **how)
+    assert few is not None
+    assert many is not None
+    assert tuple(few) == pytest.approx(tuple(many), rel=1e-9)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stepid
+from stepid.identification import tightness
 
 PLANT = stepid.PlantModel(base_mass={"cart": 1.0}, stiffness={"medium": 216.0}, damping={"half": 10.0}, force_gain=7.8)
 
@@ -66,3 +67,56 @@ def test_an_input_beyond_all_numbers_promises_nothing() -> None:
     huge = stepid.Experiment(**first.model_dump() | {"input": -1e300 * first.input})
     notes = stepid.identify(made.model_copy(update={"experiments": (huge, *others)})).notes
     assert not any("as tight" in note for note in notes)
+
+
+def test_some_samples_of_a_long_run_stand_for_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = campaign(20e-6, 1e-7)
+    found = stepid.identify(made)
+    shared = tightness._Shared(list(found.base_mass), list(found.stiffness), list(found.pooled_damping))
+    every = tightness._joint(made.experiments, found, shared, 1e-7)
+    monkeypatch.setattr(tightness, "_ENOUGH", 130)  # of 400: every fourth
+    some = tightness._joint(made.experiments, found, shared, 1e-7)
+    assert every is not None
+    assert some == pytest.approx(every, rel=0.03)
+    assert not np.array_equal(some, every)
+
+
+def _found(made: stepid.Campaign, **changes: object) -> stepid.IdentifiedParameters:
+    return stepid.identify(made).model_copy(update=changes)
+
+
+def test_nothing_is_promised_that_one_cannot_tell() -> None:
+    made = campaign(20e-6, 1e-7)
+    runs = made.experiments
+    told = tightness.tighter_by_fit(runs, _found(made), 1e-7)
+    assert told is not None
+    assert tightness.tighter_by_fit(runs, _found(made, misfit=2.1), 1e-7) is None  # runs that contradict each other
+    assert tightness.tighter_by_fit(runs, _found(made, misfit=1.9), 1e-7) == told
+    assert tightness.tighter_by_fit(runs, _found(made, static_gain={}), 1e-7) is None
+    lines = [run.model_copy(update={"input_between": "lines"}) for run in runs]
+    assert tightness.tighter_by_fit(lines, _found(made), 1e-7) is None
+    still = [run.model_copy(update={"position": 0 * run.position}) for run in runs]
+    assert tightness.tighter_by_fit(still, _found(made), 1e-7) is None  # no noise is seen
+
+
+def test_an_input_that_changes_all_the_time_is_not_looked_at() -> None:
+    made = campaign(20e-6, 1e-7)
+    waves = np.where(np.arange(400) % 9 < 4, 0.5, 0.0)
+    busy = [run.model_copy(update={"input": waves}) for run in made.experiments]
+    assert tightness.tighter_by_fit(busy, _found(made), 1e-7) is None
+
+
+def test_a_gain_of_less_than_two_is_not_worth_a_word() -> None:
+    made = campaign(20e-6, 1e-7)
+    found = _found(made)
+    u = found.uncertainty
+    shared = tightness._Shared(list(found.base_mass), list(found.stiffness), list(found.pooled_damping))
+    mass, k, c = tightness._joint(made.experiments, found, shared, 1e-7)[:3]
+    for times, said in ((1.9, False), (2.1, True)):
+        fewer = u.model_copy(
+            update={
+                "base_mass": {"cart": times * mass}, "stiffness": {"medium": k}, "pooled_damping": {"half": c}
+            }
+        )  # fmt: skip
+        other = found.model_copy(update={"uncertainty": fewer})
+        assert (tightness.tighter_by_fit(made.experiments, other, 1e-7) is not None) is said

@@ -21,6 +21,8 @@ _SETTLED = 1e-7  # relative change at the end
 _STILL = 0.3  # of the noise, a swing that no longer counts
 _ENOUGH = 6  # means that say how noise averages out
 _COUNTS = 0.6  # of the resolution, noise below which the errors of rounding are no noise
+_FINE = 2000  # samples a period, beyond which means of neighbors tell the rates as well
+_FEW = 8  # changes of the input, beyond which convolving is cheaper than adding up their responses
 
 
 class Remainder(NamedTuple):
@@ -43,6 +45,19 @@ class Remainder(NamedTuple):
     blocks: int
 
 
+class _Samples(NamedTuple):
+    """What is fitted, and what moves it: the input's changes, and when; None of a release."""
+
+    time: Array
+    position: Array
+    changes: Array | None
+    when: Array
+
+    def thinned(self, width: int) -> _Samples:
+        """Means of neighbors, at their middle; the changes stay where they are."""
+        return self._replace(time=_means(self.time, width), position=_means(self.position, width))
+
+
 def remainder(run: Experiment, *, damped_frequency: float, damping_ratio: float) -> Remainder | None:
     """Fit a linear second-order response to one run: frequency, decay, gain, rest, and of a release its start.
 
@@ -62,10 +77,7 @@ def remainder(run: Experiment, *, damped_frequency: float, damping_ratio: float)
     first = release_index(run) if run.is_release else 0
     time, y = run.time[first:] - run.time[first], run.position[first:]
     decay = damped_frequency * damping_ratio / math.sqrt(1 - damping_ratio**2)
-    found = _fitted(run, time, y, np.array([decay, damped_frequency]))
-    if found is None:
-        return None
-    rates, residual, fitted = found
+    rates, residual, fitted = _fitted(_samples(run, time, y), np.array([decay, damped_frequency]))
     grid = run.resolution or apparent_resolution(y) or 0.0
     noise = noise_level(residual, resolution=grid)
     period = 2 * math.pi / rates[1]
@@ -98,21 +110,35 @@ def _means(values: Array, width: int) -> Array:
     return out
 
 
-def _fitted(run: Experiment, time: Array, y: Array, rates: Array) -> tuple[Array, Array, Array] | None:
+def _samples(run: Experiment, time: Array, y: Array) -> _Samples:
+    change = np.diff(run.input, prepend=run.input_before)
+    return _Samples(time, y, None, time[:0]) if run.is_release else _Samples(time, y, change, time[change != 0])
+
+
+def _fitted(samples: _Samples, rates: Array) -> tuple[Array, Array, Array]:
     """Decay rate and frequency [1/s, rad/s], residual and response [m]; what is linear is projected out."""
-    residual, response = _projected(run, time, y, rates)
+    width = int(2 * math.pi / rates[1] / (samples.time[1] - samples.time[0]) / _FINE)
+    if width > 1 and samples.when.size <= _FEW:
+        rates = _settled(samples.thinned(width), rates)[0]
+        return rates, *_projected(samples, rates)
+    return _settled(samples, rates)
+
+
+def _settled(samples: _Samples, rates: Array) -> tuple[Array, Array, Array]:
+    """The rates of least squares by Gauss–Newton steps, with residual and response."""
+    residual, response = _projected(samples, rates)
     for _ in range(_ROUNDS):
-        slope = np.empty((y.size, 2))
+        slope = np.empty((residual.size, 2))
         for i in range(2):
             there = rates.copy()
             there[i] += _STEP * rates[1]
-            slope[:, i] = (_projected(run, time, y, there)[0] - residual) / (_STEP * rates[1])
+            slope[:, i] = (_projected(samples, there)[0] - residual) / (_STEP * rates[1])
         step = -np.linalg.lstsq(slope, residual, rcond=None)[0]
         length = 1.0
         while length > 1e-3:
             there = rates + length * step
             if there[0] > 0 and there[1] > 0:
-                ahead = _projected(run, time, y, there)
+                ahead = _projected(samples, there)
                 if ahead[0] @ ahead[0] <= residual @ residual:
                     break
             length /= 2
@@ -124,19 +150,32 @@ def _fitted(run: Experiment, time: Array, y: Array, rates: Array) -> tuple[Array
     return rates, residual, response
 
 
-def _projected(run: Experiment, time: Array, y: Array, rates: Array) -> tuple[Array, Array]:
+def _projected(samples: _Samples, rates: Array) -> tuple[Array, Array]:
     """Residual and response with decay rate and frequency given: rest, gain or start by linear least squares."""
     decay, frequency = rates
-    shrink = np.exp(-decay * time)
-    cosine, sine = shrink * np.cos(frequency * time), shrink * np.sin(frequency * time)
+    time, y, changes, when = samples
     basis = [np.ones(time.size)]
-    if run.is_release:
-        basis += [cosine, sine]
+
+    def swings(since: Array) -> tuple[Array, Array]:
+        shrink = np.exp(-decay * since)
+        return shrink * np.cos(frequency * since), shrink * np.sin(frequency * since)
+
+    def answer(since: Array) -> Array:
+        cosine, sine = swings(since)
+        out: Array = 1.0 - cosine - decay / frequency * sine
+        return out
+
+    if changes is None:
+        basis += swings(time)
+    elif when.size <= _FEW:
+        moved = np.zeros(time.size)
+        for at, change in zip(when.tolist(), changes[changes != 0].tolist(), strict=True):
+            first = int(np.searchsorted(time, at))
+            moved[first:] += change * answer(time[first:] - at)
+        basis.append(moved)
     else:
         size = 2 * time.size
-        change = np.diff(run.input, prepend=run.input_before)
-        answer = np.fft.rfft(1.0 - cosine - decay / frequency * sine, size)
-        basis.append(np.fft.irfft(np.fft.rfft(change, size) * answer, size)[: time.size])
+        basis.append(np.fft.irfft(np.fft.rfft(changes, size) * np.fft.rfft(answer(time), size), size)[: time.size])
     matrix = np.stack(basis, axis=1)
     response = matrix @ np.linalg.lstsq(matrix, y, rcond=None)[0]
     return y - response, response

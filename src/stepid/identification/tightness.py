@@ -17,6 +17,7 @@ _WORTH = 2.0  # times as tight: less is not worth a word
 _MOST_CHANGES = 40  # of an input: one that changes all the time is not what this method reads
 _CONTRADICT = 2.0  # misfit beyond which runs contradict each other: a linear fit would be as wrong
 _STEP = 1e-6  # relative, of a derivative
+_ENOUGH = 20_000  # samples of a run: of longer ones every n-th stands for n
 
 
 class _Shared(NamedTuple):
@@ -103,7 +104,7 @@ def _joint(
         slopes = _slopes(run, found, gain)
         if slopes is None:
             return None
-        rows = np.zeros((n + k, run.time.size))
+        rows = np.zeros((n + k, slopes.shape[1]))
         rows[shared.of(run)] = slopes
         rows[n:] = np.outer((run.added_mass >= weights) * sizes, slopes[0])  # an added mass acts as the base's
         rows -= rows.mean(axis=1, keepdims=True)  # the rest position is fitted
@@ -111,7 +112,7 @@ def _joint(
         if not noise > 0:
             return None
         with np.errstate(over="ignore", invalid="ignore"):  # an input beyond all numbers is told below
-            total += rows @ rows.T / noise**2
+            total += rows @ rows.T / noise**2 * (run.time.size / slopes.shape[1])
     size = np.sqrt(np.diag(total))
     if not (np.isfinite(total).all() and (size > 0).all()) or np.linalg.cond(total / size / size[:, None]) > 1e12:
         return None
@@ -120,7 +121,7 @@ def _joint(
 
 
 def _slopes(run: Experiment, found: IdentifiedParameters, gain: float) -> Array | None:
-    """Derivatives of a run's response by mass, stiffness, damping and force gain, shape (4, n).
+    """Derivatives of a run's response by mass, stiffness, damping and force gain, shape (4, n) at n even times of it.
 
     At the values that the runs share: those of single runs would seem to weigh the weights, as a scale of all masses,
     stiffnesses, dampings and forces would no longer leave every response as it is.
@@ -131,16 +132,18 @@ def _slopes(run: Experiment, found: IdentifiedParameters, gain: float) -> Array 
         return None
     mass = found.base_mass[run.base] + run.added_mass
     plant = np.array([mass, found.stiffness[run.spring], found.pooled_damping[run.damper], gain])
+    time = run.time[:: -(-run.time.size // _ENOUGH)]
 
     def response(values: Array) -> Array:
         mass, k, c, force = values
         rate = np.sqrt(complex((c / 2 / mass) ** 2 - k / mass))  # imaginary where it swings
         slow, fast = -c / 2 / mass + rate, -c / 2 / mass - rate
-        out = np.zeros(run.time.size)
+        out = np.zeros(time.size)
         for i in changes:
-            t = run.time[i:] - run.time[i]
+            first = int(np.searchsorted(time, run.time[i]))
+            t = time[first:] - run.time[i]
             swing = (slow * np.exp(fast * t) - fast * np.exp(slow * t)) / (slow - fast)
-            out[i:] += force / k * (levels[i + 1] - levels[i]) * (1 - swing.real)
+            out[first:] += force / k * (levels[i + 1] - levels[i]) * (1 - swing.real)
         return out
 
     here, steps = response(plant), np.diag(_STEP * plant)

@@ -1,0 +1,180 @@
+"""Evidence that is gathered, at its limits: at one the milder answer holds, and each number is what is meant."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from made_up_evidence import FLOOR, candidate, context, evidence, losing
+from stepid.diagnosis import gather, vetoes
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.evidence import at_floor, is_white
+from stepid.diagnosis.free_law import FreeLaw
+
+LINEAR = candidate(times=10.0)
+FRICTION = candidate(["coulomb_friction"])
+CRITERIA = Criteria()
+ROUGH = CRITERIA.rough * LINEAR.optimum.cost
+
+
+@pytest.fixture(autouse=True)
+def _all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
+    monkeypatch.setattr(gather, "imitators", lambda *_: {})
+
+
+def told(monkeypatch: pytest.MonkeyPatch, *laws: FreeLaw, states: tuple[str, ...], noise: float = 0.0) -> Any:
+    """Evidence whose lead, of laws of these states, leaves what these laws of any shape take."""
+    e = evidence(candidate(["cubic_stiffness"], times=3.0))
+    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, noise
+    monkeypatch.setattr(gather, "free_laws", lambda *_: laws)
+    monkeypatch.setattr(gather, "states_of_all", lambda *_: tuple(frozenset({s}) for s in states))
+    return e
+
+
+def of(state: str, parts: float, *, share: float = 0.2, beyond: float = 9.0, change: float = 0.0) -> FreeLaw:
+    return FreeLaw(state, share, parts * ROUGH, beyond, changes=(change,))
+
+
+@pytest.mark.parametrize(
+    ("law", "refuted"),
+    [
+        (of("position", 1.1), "position"),
+        (of("position", 1.0), ""),  # as rough as real laws are
+        (of("position", 2.0, beyond=CRITERIA.white), ""),  # as chance may take
+        (of("position", 2.0, share=0.5, beyond=0.0), ""),  # half is not most
+        (of("position", 2.0, share=0.51, beyond=0.0), "position"),
+        (of("velocity", 2.0, change=CRITERIA.open), ""),  # what changes by half may be there
+        (of("velocity", 2.0, change=-0.51), "velocity"),
+        (of("position and velocity", 2.0), ""),  # more than the lead is a law of
+    ],
+)
+def test_a_lead_is_refuted_beyond_its_limits_only(law: FreeLaw, refuted: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    e = told(monkeypatch, law, states=("position",))
+    assert e.refuted(e.lead) == refuted
+
+
+def test_overtones_are_the_leads_own_whatever_it_is_a_law_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    law = of("time", 2.0)._replace(overtones=True)
+    e = told(monkeypatch, law, states=("position",))
+    assert e.refuted(e.lead) == "time"
+    e = told(monkeypatch, law._replace(overtones=False), states=("position",))
+    assert e.refuted(e.lead) == ""
+
+
+def test_the_law_that_takes_most_refutes(monkeypatch: pytest.MonkeyPatch) -> None:
+    laws = [of("velocity", 2.0, change=1.0), of("position", 3.0), of("input and time", 2.5, change=1.0)]
+    e = told(monkeypatch, *laws, states=("position",))
+    assert e.refuted(e.lead) == "position"
+
+
+def test_a_law_of_the_state_of_one_of_two_effects_is_no_patchwork(monkeypatch: pytest.MonkeyPatch) -> None:
+    slight = of("position", 0.1, share=0.9)._replace(changes=(0.0, 0.0))
+    for states, refuted in ((("position", "position"), "position"), (("position", "velocity"), "")):
+        e = told(monkeypatch, slight, states=states)
+        assert e.refuted(e.lead) == refuted
+
+
+def test_roughness_is_a_share_of_the_misfit_without_the_noise(monkeypatch: pytest.MonkeyPatch) -> None:
+    half = 0.5 * LINEAR.optimum.cost
+    for noise, refuted in ((half, "position"), (0.0, "")):
+        e = told(monkeypatch, of("position", 0.75), states=("position",), noise=noise)
+        assert e.refuted(e.lead) == refuted
+        assert e.followed(e.lead) == refuted
+
+
+@pytest.mark.parametrize(("beyond", "parts"), [(CRITERIA.white, 2.0), (9.0, 1.0)])
+def test_what_is_left_may_follow_a_state_as_much_as_chance_does(
+    beyond: float, parts: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    e = told(monkeypatch, of("velocity", parts, beyond=beyond), states=("position",))
+    assert e.followed(FRICTION) == ""
+
+
+def test_two_effects_or_two_states_are_no_patchwork(monkeypatch: pytest.MonkeyPatch) -> None:
+    three = candidate(["cogging", "end_stop", "cubic_stiffness"])
+    e = evidence(three)
+    for states, found in (
+        ([{"position"}] * 3, "position"),
+        ([{"position", "velocity"}] * 3, ""),
+        ([{"position"}, {"position"}, set()], ""),
+    ):
+        monkeypatch.setattr(gather, "states_of_all", lambda *_, given=states: tuple(map(frozenset, given)))
+        assert e.patchwork(three) == found
+    monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),) * 2)
+    assert e.patchwork(candidate(["cogging", "end_stop"])) == ""
+
+
+@pytest.mark.parametrize("qbic", [0.5, 3.0, 7.0])
+def test_weights_are_akaikes(qbic: float) -> None:
+    best = FRICTION
+    other = losing(best, qbic, ["free_play"])
+    e = evidence(best, other)
+    assert [w.loss for w in e.weighed[:2]] == pytest.approx([0.0, qbic])
+    assert e.weight(best) == pytest.approx(1 / (1 + math.exp(-qbic / 2)))
+    assert e.weight(other, best) == pytest.approx(1.0)
+
+
+def test_a_further_effect_and_a_condition_must_earn_their_price() -> None:
+    one, more = FRICTION, CRITERIA.further
+    for gain, named in ((more + 1, ("coulomb_friction", "free_play")), (more - 1, ("coulomb_friction",))):
+        two = losing(one, -gain, ["coulomb_friction", "free_play"])
+        assert evidence(one, two).best.names == named
+    for gain, differ in ((CRITERIA.scatter + 1, {"gain"}), (CRITERIA.scatter - 1, set())):
+        scattered = losing(one, -gain, ["coulomb_friction"], deviations=["gain"])
+        assert evidence(one, scattered).best.deviations == differ
+
+
+@pytest.mark.parametrize(("qbic", "near"), [(9.9, True), (10.1, False)])
+def test_rivals_are_within_a_tie(qbic: float, near: bool) -> None:
+    other = losing(FRICTION, qbic, ["free_play"])
+    assert evidence(FRICTION, other).rivals == ((other,) if near else ())
+
+
+@pytest.mark.parametrize(("times", "found"), [(2.2, True), (2.31, False)])
+def test_a_simpler_effect_is_told_within_twice_of_near(times: float, found: bool) -> None:
+    simple = candidate(["coulomb_friction"], times=times)
+    e = evidence(candidate(["stribeck_friction"]), simple)
+    assert e.simpler == ((simple,) if found else ())
+
+
+def test_the_floor_is_as_wide_as_its_own_uncertainty() -> None:
+    """A residual that follows itself from sample to sample is noise by its size alone: 1.05 and 2/√400."""
+    slow = 1.0 + 0 * FRICTION.optimum.residual
+    for times, there in ((1.149, True), (1.151, False)):
+        found = candidate(["coulomb_friction"], times=times, residual=slow)
+        assert at_floor(context(), CRITERIA, found) is there
+        assert at_floor(context(), Criteria(near=1.5), found) is there
+    assert context().floor == FLOOR
+
+
+@pytest.mark.parametrize(("ratio", "there"), [(1.099, True), (1.101, False)])
+def test_a_rest_above_the_floor_is_noise_where_it_is_white(
+    ratio: float, there: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Within two standard deviations, 2/√400, of the ratio that white noise has."""
+    monkeypatch.setattr("stepid.diagnosis.evidence.succession", lambda *_: (ratio, 400))
+    found = candidate(["coulomb_friction"], times=1.3)
+    assert at_floor(context(), Criteria(near=1.5), found) is there
+    assert is_white(context(), found, 2.0) is there
+    assert is_white(context(), found, 3.0)
+
+
+def test_what_is_better_by_far_has_all_weight() -> None:
+    far = candidate(["free_play"], times=1e4)
+    e = evidence(FRICTION, far, candidate(times=2e4))
+    assert e.weighed[1].loss > 2000  # no number holds the inverse of its weight
+    assert e.weight(FRICTION) == 1.0
+    assert e.weight(far) == 0.0
+
+
+def test_colored_noise_is_known_by_its_size_within_near() -> None:
+    slow = 1.0 + 0 * FRICTION.optimum.residual
+    colored = context()
+    colored.colored = object()
+    for times, there in ((1.149, True), (1.151, False)):
+        found = candidate(["coulomb_friction"], times=times, residual=slow, structure=2 * CRITERIA.white)
+        assert at_floor(colored, CRITERIA, found) is there
+        assert at_floor(context(), CRITERIA, found) is False  # what follows itself over a block is no white noise
