@@ -43,7 +43,8 @@ def draw(records: Sequence[dict[str, Any]], out: Path) -> None:
         if found:
             axes.errorbar(told, right, error, fmt=marker, color=color, capsize=2, label=label)
         for b, x, y in zip(found, told, right, strict=True):
-            axes.annotate(str(b["count"]), (x, y), xytext=(-5, 0), textcoords="offset points", ha="right", fontsize=7)
+            up = 6 if kind == "clean" else -6  # the two may lie on each other
+            axes.annotate(str(b["count"]), (x, y), xytext=(-5, up), textcoords="offset points", ha="right", fontsize=7)
     axes.set_xlim(0, 103)
     axes.set_ylim(0, 103)
     axes.set_xlabel("probability told [%]")
