@@ -18,7 +18,7 @@ def test_all_right():
     assert found.passed
     assert (found.naming, found.close, found.inside) == ("right", 5, 5)
     assert [p.words for p in found.parameters] == ["right"] * 5
-    assert found.summary().startswith("Group A: passed\nRight: Coulomb friction hidden.\n")
+    assert found.summary().startswith("Group A: passed\nRight: coulomb friction hidden.\n")
     assert "<table>" in found._repr_html_()
     assert "5 of 5 close" in repr(found)
 
@@ -68,24 +68,24 @@ def test_misses_allowed_are_the_binomials(count, allowed):
     [
         ((), (), (), "right", "Right: nothing is hidden, and nothing was named."),
         (("free_play",), (), (), "wrong", "Wrong: free play hidden, nothing named."),
-        ((), ("coulomb_friction",), (), "wrong", "Wrong: nothing hidden, Coulomb friction named."),
-        (("free_play",), ("coulomb_friction",), (), "wrong", "Wrong: free play hidden, Coulomb friction named."),
+        ((), ("coulomb_friction",), (), "wrong", "Wrong: nothing hidden, coulomb friction named."),
+        (("free_play",), ("coulomb_friction",), (), "wrong", "Wrong: free play hidden, coulomb friction named."),
         (("free_play",), ("coulomb_friction",), (("free_play",),), "among", "Right, among 2 that"),
         (("coulomb_friction",), ("coulomb_friction",), (("free_play",),), "among", "Right, among 2 that"),
-        (("coulomb_friction",), ("coulomb_friction",), (("coulomb_friction",),), "right", "Right: Coulomb"),
+        (("coulomb_friction",), ("coulomb_friction",), (("coulomb_friction",),), "right", "Right: coulomb"),
         (
             ("coulomb_friction", "free_play"),
             ("coulomb_friction",),
             (),
             "partly",
-            "Partly right: Coulomb friction found, free play missed.",
+            "Partly right: coulomb friction found, free play missed.",
         ),
         (
             ("coulomb_friction", "free_play"),
             ("coulomb_friction", "cogging"),
             (),
             "partly",
-            "Partly right: Coulomb friction found, free play missed, cogging not in the plant.",
+            "Partly right: coulomb friction found, free play missed, cogging not in the plant.",
         ),
     ],
 )
@@ -103,7 +103,7 @@ def test_parameters_of_what_was_not_named_and_of_what_is_not_there():
     truth = answer(("free_play",), {"free_play.gap": 1e-4}, {"free_play.gap": "m"})
     found = lab.check(truth, submission())
     assert found["free_play.gap"].words == "not given: free play was not named"
-    assert found["coulomb_friction.level"].words == "the plant has no Coulomb friction"
+    assert found["coulomb_friction.level"].words == "the plant has no coulomb friction"
     assert found["coulomb_friction.level"].truth is None
     assert not found["free_play.gap"].right
     assert not found["coulomb_friction.level"].right

@@ -24,13 +24,13 @@ def test_a_class_in_one_table():
     assert not results["B"].passed
     lines = results.summary().splitlines()
     assert [" ".join(line.split()) for line in lines[3:]] == [
-        "A Coulomb friction Coulomb friction 5/5 5/5 passed, naming right",
-        "B Coulomb friction nothing 4/5 4/5 not passed, naming wrong",
+        "A coulomb friction coulomb friction 5/5 5/5 passed, naming right",
+        "B coulomb friction nothing 4/5 4/5 not passed, naming wrong",
         "C – – – – nothing handed in",
     ]
     assert results.records()[1] == {
         "group": "B",
-        "hidden": "Coulomb friction",
+        "hidden": "coulomb friction",
         "named": "nothing",
         "naming": "wrong",
         "close": 4,

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive
 from stepid.core.tables import html_table, text_table
 from stepid.core.takes import a, described
-from stepid.diagnosis.wording import effect_names
 from stepid.errors import InputError
 from stepid.lab.hashes import answer_digest
 
@@ -17,7 +16,7 @@ _HEADER = ("group", "hidden", "r0", "parameters")
 
 def in_words(effects: Iterable[str]) -> str:
     """Canonical names as people speak, ``"nothing"`` where there are none."""
-    return effect_names(effects) or "nothing"
+    return " and ".join(effect.replace("_", " ") for effect in effects) or "nothing"
 
 
 class Answer(Model):
