@@ -83,7 +83,6 @@ def test_driven_carts_begin_at_the_springs_rest() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(reason="since 0.2.0 a viscoelastic spring is named beside the cogging", strict=True)
 def test_wells_that_hide_the_spring() -> None:
     campaign, truth = sets.one("single", 158)
     found = stepid.diagnose(campaign)
