@@ -116,13 +116,13 @@ def _laws(context: FitContext, optimum: Optimum) -> list[tuple[str, list[Array],
     """States with the forces of any law of each, and whether these are overtones."""
     x, v = optimum.solved.states[:2]
     volts = context.motion.volts
-    free = {"position": _pieces(x), "velocity": _pieces(v), "position and velocity": [f * v for f in _pieces(x)]}
-    when = _pieces(context.motion.time)
+    where, speed, when = _pieces(x), _pieces(v), _pieces(context.motion.time)
+    free = {"position": where, "velocity": speed, "position and velocity": [f * v for f in where]}
     free |= {"position and time": [f * x for f in when], "velocity and time": [f * v for f in when]}
     if volts.any():
         free["input and time"] = [f * volts for f in when]
-        free["position and input"] = [f * volts for f in _pieces(x)]
-        free["velocity and input"] = [f * volts for f in _pieces(v)]
+        free["position and input"] = [f * volts for f in where]
+        free["velocity and input"] = [f * volts for f in speed]
     out = [(state, forces, False) for state, forces in free.items()]
     motion, layout = context.motion._replace(x=x, v=v), optimum.problem.layout
     for effect, place, rows in zip(layout.effects, layout.values, layout.run_values, strict=True):

@@ -41,9 +41,7 @@ def listed(parts: Sequence[str], word: str) -> str:
 
 def effect_names(names: Iterable[str]) -> str:
     """Write canonical names as people speak: ``"Coulomb friction and input delay"``."""
-    return " and ".join(
-        name.replace("_", " ").replace("coulomb", "Coulomb").replace("stribeck", "Stribeck") for name in names
-    )
+    return " and ".join(map(parameter_name, names))
 
 
 _DIFFER_WORDS = {

@@ -14,7 +14,7 @@ from stepid.io.guess.answers import Answers, with_answers
 from stepid.io.guess.campaign_draft import CampaignDraft, argument
 from stepid.io.guess.file_names import natural
 from stepid.io.guess.files import files_of
-from stepid.io.guess.read import folder_of
+from stepid.io.guess.read import name_of
 from stepid.io.guess.understand import draft_runs
 from stepid.io.textfile import as_path
 
@@ -108,8 +108,7 @@ def draft_campaign(
     differing = [key for key in _EACH if len(set(answers[key] or ())) > 1]
     found, left_out = files_of(_paths(files), differing, call=argument)
     drafts = with_answers(draft_runs(found, chosen), Answers(**answers))
-    title = name or folder_of(drafts).resolve().name or "recordings"
-    return CampaignDraft(name=title, runs=drafts, left_out=left_out)
+    return CampaignDraft(name=name or name_of(drafts), runs=drafts, left_out=left_out)
 
 
 def _paths(files: object) -> list[Path]:

@@ -20,6 +20,11 @@ def folder_of(drafts: Sequence[Draft]) -> Path:
     return parents.pop() if len(parents) == 1 else Path(os.path.commonpath([parent.resolve() for parent in parents]))
 
 
+def name_of(drafts: Sequence[Draft]) -> str:
+    """A campaign's name where none is given: that of its folder."""
+    return folder_of(drafts).resolve().name or "recordings"
+
+
 def campaign_of_drafts(
     drafts: Sequence[Draft], *, call: Callable[[str], str], otherwise: str = "", name: str | None = None
 ) -> Campaign:
@@ -45,5 +50,4 @@ def campaign_of_drafts(
         asked = " ".join(question.text for question in questions)
         remedy = f"Give {wanted}{f', or {otherwise}' * bool(otherwise)}."
         raise InputError(f"the recordings do not say all: {asked}", remedy)
-    title = name or folder_of(drafts).resolve().name or "recordings"
-    return read_as(manifest_text(drafts, title, Path()), Path("the recordings"))
+    return read_as(manifest_text(drafts, name or name_of(drafts), Path()), Path("the recordings"))
