@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from .draw import Setup
-from .laws import BY_SAMPLE, NEED_DRIVE, NEW_LAWS, SEEN_NEW, by_sample, draw_law, scale_of
+from .law_draws import by_sample, draw_law, scale_of
+from .laws import BY_SAMPLE, NEED_DRIVE, NEW_LAWS, SEEN_NEW
 from .plant import Run
 
 OUTSIDE = ("bump", "parameter_jump", "mass_loss", "square_wave", "sensor_ripple", "sticky_spot", "fading_drive")

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import changes
+from .fast import fast
 from .linear_fit import free_response, unit_response
 from .outside import ripple
 from .perturb import HOLDS, Sizes, draw, gone, on_reading, on_run, own_size
-from .readings import misfit, positions
+from .readings import misfit
 
 if TYPE_CHECKING:
     from .campaigns import Draft, Request
@@ -60,7 +61,7 @@ def perturb(draft: Draft, attempt: int, only: str | None = None) -> Perturbed:
             off[kind].append(float(own_size(kind, sizes[kind], own, slot.inputs)))
             runs[j] = on_run(kind, sizes[kind], off[kind][j], runs[j], setup, own)
     readings, free, missing = [], [], []
-    for j, (slot, x) in enumerate(zip(setup.slots, positions(runs), strict=True)):
+    for j, (slot, x) in enumerate(zip(setup.slots, fast(runs), strict=True)):
         x = x[x.size - slot.inputs.size :]
         if draft.request.outside == "sensor_ripple":
             x = ripple(x, setup, draft.strength["outside"], draft.stream(4))

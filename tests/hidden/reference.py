@@ -138,7 +138,7 @@ class _Scalar:
             out[6] = (self.wanted(t) - float(y[6])) / self.tau
         if self.run.law is not None:
             drive = float(y[6]) if self.tau else self.wanted(t)
-            out += self.run.law.rates(x, v, t, y[7:], drive)
+            out += self.run.law.rates(x, v, y[7:], drive)
         return out
 
     def guards(self) -> list[tuple[str, Callable[[float, State], float]]]:
