@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
-
-try:
-    from numba import njit
-except ImportError:
-    njit = None
+from typing import Any, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
 def compiled(function: F) -> F:
     """The function compiled when it is first called; the machine code is kept beside its source."""
-    if njit is None:
+    try:
+        from numba import njit
+    except ImportError:
         return function
     try:
-        made: F = njit(cache=True, error_model="numpy")(function)
+        return cast(F, njit(cache=True, error_model="numpy")(function))
     except RuntimeError:  # no folder to keep it in can be written
-        made = njit(error_model="numpy")(function)
-    return made
+        return cast(F, njit(error_model="numpy")(function))

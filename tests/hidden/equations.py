@@ -1,7 +1,7 @@
 """The equations of one run, compiled: what pushes the cart, what holds it, and when a mode ends.
 
-`y` is the motion (x, v, a second mass, the dashpot's joint, two states of a law), `now` what else changes: drive, modes,
-what is held over a sample, and the drive's target as a cubic in the time since it began.
+`y` is the motion (x, v, a second mass, the dashpot's joint, two states of a law), `now` what else changes: drive,
+modes, what is held over a sample, and the drive's target as a cubic in the time since it began.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .plant import SLOWEST, Run
 
 X, V, X2, V2, W, OWN = range(6)  # W: the joint between spring and dashpot of the viscoelastic branch
 SIZE = OWN + STATES
-T, DRIVE, SIGN, SIDE, TOUCH, XB, ZB = range(7)  # sign of the motion (0: stuck), side of the play (0: inside), at the stop
+T, DRIVE, SIGN, SIDE, TOUCH, XB, ZB = range(7)  # SIGN of the motion (0: stuck), SIDE of the play (0: inside)
 HELD, SCALE_K, SCALE_M, SCALE_C = range(7, 11)  # held over a sample
 CURVE, SINCE, WIDTH = 11, 15, 16  # the bristle's branch began at XB, ZB; the drive's target at SINCE
 MARGIN = 1e-12  # N beyond the band of friction
@@ -90,7 +90,7 @@ def cart_of(run: Run) -> Cart:
         m2=g("flexible_coupling", "mass", 1.0),
         kc=g("flexible_coupling", "stiffness"),
         cc=g("flexible_coupling", "damping"),
-        tau=g("actuator_lag", "time_constant"),
+        tau=run.lag,
         amp=g("periodic_disturbance", "amplitude"),
         omega=2 * math.pi * g("periodic_disturbance", "frequency"),
         phase=float(run.phase),
@@ -227,7 +227,7 @@ def guards(cart: Cart, now: np.ndarray, y: np.ndarray, t: float, drive: float, o
     if cart.stop != 0:
         way = 1.0 if now[TOUCH] != 0 else -1.0
         out[3] = np.sign(cart.stop) * way * (x - cart.stop)
-    return min(min(out[0], out[1]), min(out[2], out[3]))
+    return float(min(min(out[0], out[1]), min(out[2], out[3])))
 
 
 @compiled

@@ -59,8 +59,8 @@ def micro_steps(run: Run, fineness: float = FINENESS) -> int:
         rates.append(speed / run.sticky[2])
     if run.law is not None:
         rates.append(0.2 * run.law.rate)
-    if "actuator_lag" in run.effects:
-        rates.append(0.3 / run.get("actuator_lag", "time_constant"))
+    if run.lag:
+        rates.append(0.3 / run.lag)
     rates.append(np.sqrt(stiff / m))
     wanted = run.sample_time * max(rates) / fineness
     return int(2 ** np.ceil(np.log2(np.clip(wanted, 4, 1024))))
@@ -90,7 +90,7 @@ def _one(run: Run, fineness: float) -> np.ndarray:
     cart = cart_of(run)
     y, now = begin(run, cart)
     x = follow(cart, now, y, *_pieces(run), _held(run), float(run.sample_time), micro_steps(run, fineness))
-    return x + run.get("sensor_drift", "rate") * np.arange(run.size) * run.sample_time
+    return np.asarray(x + run.get("sensor_drift", "rate") * np.arange(run.size) * run.sample_time)
 
 
 def fast(runs: Sequence[Run], *, fineness: float = FINENESS) -> list[np.ndarray]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -110,7 +110,7 @@ def by_sample(
     strength: float,
     common: np.random.Generator,
     own: np.random.Generator,
-) -> dict[str, np.ndarray]:
+) -> dict[str, Any]:
     """Fields of a `Run`, sample by sample, for the laws that go on in time."""
     share, part = float(common.random()), np.arange(size) / size
     pace = float(common.uniform(0.1, 0.5))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -49,11 +50,11 @@ class Law:
     parameters: tuple[float, ...]
     rate: float = 0.0
 
-    @property
+    @cached_property
     def kind(self) -> int:
         return IN_FORCE.index(self.name)
 
-    @property
+    @cached_property
     def values(self) -> np.ndarray:
         return np.array([*self.parameters, *[0.0] * (PARAMETERS - len(self.parameters))])
 
@@ -70,9 +71,7 @@ def _well(z: float) -> float:
 
 
 @compiled
-def law_force(
-    kind: int, p: np.ndarray, x: float, v: float, t: float, s: float, s2: float, u: float
-) -> float:
+def law_force(kind: int, p: np.ndarray, x: float, v: float, t: float, s: float, s2: float, u: float) -> float:
     """Force of the law with that place in `IN_FORCE`, N; s and s2 are its own states, u the drive."""
     if kind == 0:  # eddy_brake: strongest at the speed p1
         f = -2 * p[0] * (v / p[1]) / (1 + (v / p[1]) ** 2)
@@ -114,9 +113,7 @@ def law_force(
 
 
 @compiled
-def law_rates(
-    kind: int, p: np.ndarray, x: float, v: float, s: float, s2: float, u: float
-) -> tuple[float, float]:
+def law_rates(kind: int, p: np.ndarray, x: float, v: float, s: float, s2: float, u: float) -> tuple[float, float]:
     """How fast its own states change."""
     if kind == TWO_RELAXATIONS:
         return (x - s) / p[2], (x - s2) / p[3]

@@ -15,6 +15,7 @@ from .linear_fit import linear_fit
 if TYPE_CHECKING:
     from .campaigns import Draft
 
+
 def experiments(draft: Draft, readings: Sequence[np.ndarray]) -> list[Any]:
     s = draft.setup
     return [

@@ -14,7 +14,6 @@ from .equations import (
     SINCE,
     SIZE,
     TOUCH,
-    WIDTH,
     XB,
     ZB,
     Cart,
@@ -32,6 +31,7 @@ from .equations import (
 EDGE = 1e-13  # m past the edge of the play or the stop, where a mode begins
 CLOSE = 1e-13  # of a guard, and of a step: near enough to an event
 SHARP = 32  # parts of a micro-step in which a cart under a power law may stop
+FADED, UNRESOLVED = 40.0, 6.0  # lags after which a change of the drive is over; lags to a micro-step that is too long
 EVENTS = 12  # in a micro-step; more is chatter
 TRIAL, END, FIRST = 0, 1, 2  # rows of the scratch: a state to try, the state after the step, the four slopes
 
@@ -168,6 +168,9 @@ def follow(
             while at + 1 < begins.size and begins[at + 1] <= begin + 1e-12:
                 at += 1
             upto = min(end, begins[at + 1]) if at + 1 < begins.size else end
+            # a lag that the micro-steps do not resolve fades in steps of its own
+            if begins[at] > begin - 1e-12 and 0 < cart.tau < (upto - begin) / max(FADED, steps / UNRESOLVED):
+                upto = begin + FADED * cart.tau
             now[CURVE : CURVE + 4] = curves[at]
             now[SINCE] = max(begins[at], -1.0)
             now[T] = begin
