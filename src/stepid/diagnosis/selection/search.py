@@ -207,8 +207,7 @@ class Search:
             out.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
             return [*out, *nearest][: self.effort.width]
         together = by.first_together(self.proposals, self.nodes, self.effort.share, TOGETHER)
-        sets = {p.key for p in together}
-        out = [p for p in out if p.key not in sets]
+        out = [p for p in out if p.key not in {q.key for q in together}]
         smallest = min((p.size for p in out), default=0)
         larger = [p for p in out if p.size > smallest and not p.deviations][: self.effort.share]
         out = [*[p for p in out if p.size == smallest][: self.effort.width], *together, *larger]
@@ -279,8 +278,7 @@ class Search:
             if by.value(self.fit, node) < near or (any(node is f for f in first) and not known):
                 self._polish(node)
         node = self.nodes[self.best.key]
-        dry = any(e.dry for e in node.effects) and not self._complete(self.best)
-        if dry and node.fitted.other_sticking():
+        if any(e.dry for e in node.effects) and not self._complete(self.best) and node.fitted.other_sticking():
             self._polish(node)
         return self.best
 
