@@ -7,7 +7,7 @@ modes, what is held over a sample, and the drive's target as a cubic in the time
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, cast, get_type_hints
 
 import numpy as np
 
@@ -66,12 +66,17 @@ class Cart(NamedTuple):
     values: np.ndarray
 
 
+_FORMATS = {float: "f8", int: "i8", bool: "?", np.ndarray: f"{PARAMETERS}f8"}
+RECORD = np.dtype([(name, _FORMATS[kind]) for name, kind in get_type_hints(Cart).items()], align=True)
+
+
 def cart_of(run: Run) -> Cart:
+    """A record that is read like a `Cart`: machine code passes it on by its address."""
     g = run.get
     forward, backward, extra, vs = run.levels
     patch, center, width = run.sticky or (0.0, 0.0, 1.0)
     bristles = g("presliding_hysteresis", "level")
-    return Cart(
+    cart = Cart(
         m=float(run.mass),
         k=float(run.stiffness),
         c=float(run.damping),
@@ -111,6 +116,7 @@ def cart_of(run: Run) -> Cart:
         law=-1 if run.law is None else run.law.kind,
         values=np.zeros(PARAMETERS) if run.law is None else run.law.values,
     )
+    return cast("Cart", np.rec.array([tuple(cart)], dtype=RECORD)[0])
 
 
 def begin(run: Run, cart: Cart) -> tuple[np.ndarray, np.ndarray]:
