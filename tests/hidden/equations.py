@@ -116,7 +116,7 @@ def cart_of(run: Run) -> Cart:
         law=-1 if run.law is None else run.law.kind,
         values=np.zeros(PARAMETERS) if run.law is None else run.law.values,
     )
-    return cast("Cart", np.rec.array([tuple(cart)], dtype=RECORD)[0])
+    return cast("Cart", np.rec.fromrecords([tuple(cart)], dtype=RECORD)[0])
 
 
 def begin(run: Run, cart: Cart) -> tuple[Motion, np.ndarray]:
