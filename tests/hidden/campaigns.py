@@ -225,7 +225,7 @@ def _finish_perturbed(draft: Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
 
 
 def make_campaigns(requests: Sequence[Request]) -> list[tuple[stepid.Campaign, dict[str, Any]]]:
-    """Campaigns and truths of all requests; simulated together because width is cheap."""
+    """Campaigns and truths of all requests."""
     return [_finish_perturbed(d) if d.request.perturb else _finish(d) for d in _settled(requests)]
 
 

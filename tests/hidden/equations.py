@@ -1,22 +1,22 @@
 """The equations of one run, compiled: what pushes the cart, what holds it, and when a mode ends.
 
-`y` is the motion (x, v, a second mass, the dashpot's joint, two states of a law), `now` what else changes: drive,
+`y` is the motion: x, v, a second mass, the dashpot's joint, two states of a law. `now` is what else changes: drive,
 modes, what is held over a sample, and the drive's target as a cubic in the time since it began.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, cast, get_type_hints
 
 import numpy as np
 
 from .compiled import compiled
-from .laws import PARAMETERS, STATES, law_force, law_rates
+from .laws import PARAMETERS, law_force, law_rates
 from .plant import SLOWEST, Run
 
 X, V, X2, V2, W, OWN = range(6)  # W: the joint between spring and dashpot of the viscoelastic branch
-SIZE = OWN + STATES
+Motion = tuple[float, float, float, float, float, float, float]
 T, DRIVE, SIGN, SIDE, TOUCH, XB, ZB = range(7)  # SIGN of the motion (0: stuck), SIDE of the play (0: inside)
 HELD, SCALE_K, SCALE_M, SCALE_C = range(7, 11)  # held over a sample
 CURVE, SINCE, WIDTH = 11, 15, 16  # the bristle's branch began at XB, ZB; the drive's target at SINCE
@@ -66,12 +66,17 @@ class Cart(NamedTuple):
     values: np.ndarray
 
 
+_FORMATS = {float: "f8", int: "i8", bool: "?", np.ndarray: f"{PARAMETERS}f8"}
+RECORD = np.dtype([(name, _FORMATS[kind]) for name, kind in get_type_hints(Cart).items()], align=True)
+
+
 def cart_of(run: Run) -> Cart:
+    """A record that is read like a `Cart`: machine code passes it on by its address."""
     g = run.get
     forward, backward, extra, vs = run.levels
     patch, center, width = run.sticky or (0.0, 0.0, 1.0)
     bristles = g("presliding_hysteresis", "level")
-    return Cart(
+    cart = Cart(
         m=float(run.mass),
         k=float(run.stiffness),
         c=float(run.damping),
@@ -111,20 +116,20 @@ def cart_of(run: Run) -> Cart:
         law=-1 if run.law is None else run.law.kind,
         values=np.zeros(PARAMETERS) if run.law is None else run.law.values,
     )
+    return cast("Cart", np.rec.fromrecords([tuple(cart)], dtype=RECORD)[0])
 
 
-def begin(run: Run, cart: Cart) -> tuple[np.ndarray, np.ndarray]:
+def begin(run: Run, cart: Cart) -> tuple[Motion, np.ndarray]:
     """Motion and modes at sample 0."""
     x, v = run.start, float(run.velocity)
-    y, now = np.zeros(SIZE), np.zeros(WIDTH)
-    y[[X, X2, W]], y[[V, V2]] = x, v
+    now = np.zeros(WIDTH)
     now[DRIVE] = now[CURVE] = run.drive[-1]
     now[SIGN] = np.sign(v) if cart.signed else 1.0
     now[SIDE] = np.sign(x) if 0 < cart.gap < abs(x) else 0.0
     now[TOUCH] = float(cart.stop != 0 and (x - cart.stop) * cart.stop > 0)
     now[XB] = x
     now[SCALE_K : SCALE_C + 1] = 1.0
-    return y, now
+    return (x, v, x, v, x, 0.0, 0.0), now
 
 
 @compiled
@@ -157,7 +162,7 @@ def bristle(cart: Cart, now: np.ndarray, x: float) -> float:
 
 
 @compiled
-def push(cart: Cart, now: np.ndarray, y: np.ndarray, t: float, drive: float) -> float:
+def push(cart: Cart, now: np.ndarray, y: Motion, t: float, drive: float) -> float:
     """Every force on the cart but dry friction, N."""
     x, v = y[X], y[V]
     k = cart.k * now[SCALE_K]
@@ -196,42 +201,42 @@ def band(cart: Cart, x: float, v: float, up: bool) -> float:
 
 
 @compiled
-def rates(cart: Cart, now: np.ndarray, y: np.ndarray, t: float, drive: float, out: np.ndarray) -> None:
+def rates(cart: Cart, now: np.ndarray, y: Motion, t: float, drive: float) -> Motion:
     x, v = y[X], y[V]
-    if cart.signed and now[SIGN] == 0:
-        out[X] = out[V] = 0.0
-    else:
-        force = push(cart, now, y, t, drive)
-        if cart.signed:
-            force -= now[SIGN] * band(cart, x, v, now[SIGN] > 0)
-        out[X], out[V] = v, force / (cart.m * now[SCALE_M])
+    speed = pull = speed2 = pull2 = own = own2 = 0.0
+    if not cart.signed:
+        speed, pull = v, push(cart, now, y, t, drive) / (cart.m * now[SCALE_M])
+    elif now[SIGN] != 0:
+        force = push(cart, now, y, t, drive) - now[SIGN] * band(cart, x, v, now[SIGN] > 0)
+        speed, pull = v, force / (cart.m * now[SCALE_M])
     if cart.coupled:
-        out[X2], out[V2] = y[V2], (cart.kc * (x - y[X2]) + cart.cc * (v - y[V2])) / cart.m2
-    out[W] = cart.kv / cart.cv * (x - y[W])
+        speed2, pull2 = y[V2], (cart.kc * (x - y[X2]) + cart.cc * (v - y[V2])) / cart.m2
+    joint = cart.kv / cart.cv * (x - y[W]) if cart.kv != 0 else 0.0
     if cart.law >= 0:
-        out[OWN], out[OWN + 1] = law_rates(cart.law, cart.values, x, v, y[OWN], y[OWN + 1], drive)
+        own, own2 = law_rates(cart.law, cart.values, x, v, y[OWN], y[OWN + 1], drive)
+    return speed, pull, speed2, pull2, joint, own, own2
 
 
 @compiled
-def guards(cart: Cart, now: np.ndarray, y: np.ndarray, t: float, drive: float, out: np.ndarray) -> float:
-    """Positive while no mode changes: turning back, slipping, an edge of the play, the stop; the least of them."""
-    out[:] = np.inf
+def guards(cart: Cart, now: np.ndarray, y: Motion, t: float, drive: float) -> tuple[float, float, float, float]:
+    """Positive while no mode changes: turning back, slipping, an edge of the play, the stop."""
+    turn = slip = play = stop = np.inf
     x = y[X]
     if cart.signed and now[SIGN] != 0:
-        out[0] = now[SIGN] * y[V]
+        turn = now[SIGN] * y[V]
     elif cart.signed:
         net = push(cart, now, y, t, drive)
-        out[1] = min(band(cart, x, 0.0, True) - net, band(cart, x, 0.0, False) + net) + MARGIN
+        slip = min(band(cart, x, 0.0, True) - net, band(cart, x, 0.0, False) + net) + MARGIN
     if cart.gap > 0:
-        out[2] = now[SIDE] * x - cart.gap if now[SIDE] != 0 else cart.gap - abs(x)
+        play = now[SIDE] * x - cart.gap if now[SIDE] != 0 else cart.gap - abs(x)
     if cart.stop != 0:
         way = 1.0 if now[TOUCH] != 0 else -1.0
-        out[3] = np.sign(cart.stop) * way * (x - cart.stop)
-    return float(min(min(out[0], out[1]), min(out[2], out[3])))
+        stop = np.sign(cart.stop) * way * (x - cart.stop)
+    return turn, slip, play, stop
 
 
 @compiled
-def choose_sign(cart: Cart, now: np.ndarray, y: np.ndarray) -> None:
+def choose_sign(cart: Cart, now: np.ndarray, y: Motion) -> None:
     """At v = 0: stick, or break away in the direction of the net force."""
     net = push(cart, now, y, now[T], lagged(cart, now, 0.0))
     up, down = net - band(cart, y[X], 0.0, True), -net - band(cart, y[X], 0.0, False)

@@ -89,40 +89,39 @@ def free_response(mass: float, stiffness: float, damping: float, size: int, peri
 
 
 @compiled
-def _without(left: np.ndarray, columns: np.ndarray) -> None:
-    """Take from `left` what the columns can move."""
-    for j in range(columns.shape[0]):
-        for _ in range(2):  # once more for what rounding leaves
-            for other in range(j):
-                columns[j] -= np.sum(columns[other] * columns[j]) * columns[other]
-        columns[j] /= math.sqrt(np.sum(columns[j] * columns[j]))
-        left -= np.sum(columns[j] * left) * columns[j]
+def _without(left: np.ndarray, one: np.ndarray) -> float:
+    """Take from `left` what one column can move; how much that was."""
+    product, power = 0.0, 0.0
+    for i in range(one.size):
+        product += one[i] * left[i]
+        power += one[i] * one[i]
+    share = product / power if power > 0 else 0.0
+    for i in range(one.size):
+        left[i] -= share * one[i]
+    return share
 
 
 @compiled
 def _left_over(values: np.ndarray, r: _Records, left: np.ndarray) -> float:
     """The best gain; what it leaves of all readings is written to `left`."""
-    driven = np.zeros(left.size)
-    power, product = 0.0, 0.0
-    left[:] = r.measured
+    driven, constant = np.zeros(left.size), np.ones(left.size)
+    for j in range(left.size):
+        left[j] = r.measured[j]
     for i in range(r.added.size):
         low, high = r.cuts[i], r.cuts[i + 1]
         m, k, c = values[r.where[0, i]] + r.added[i], values[r.where[1, i]], values[r.where[2, i]]
         if r.free[i]:
             columns = np.ones((3, high - low))
             _release(m, k, c, r.periods[i], columns[1:])
-            _without(left[low:high], columns)
+            for one in range(3):
+                for other in range(2 * one):  # once more for what rounding leaves
+                    _without(columns[one], columns[other % one])
+                _without(left[low:high], columns[one])
             continue
         _respond(m, k, c, r.forces[low:high], r.periods[i], driven[low:high])
-        rest, middle = np.mean(left[low:high]), np.mean(driven[low:high])
-        for j in range(low, high):
-            left[j] -= rest
-            driven[j] -= middle
-            power += driven[j] * driven[j]
-            product += driven[j] * left[j]
-    gain = product / power if power != 0 else 0.0
-    left -= gain * driven
-    return gain
+        _without(left[low:high], constant[low:high])
+        _without(driven[low:high], constant[low:high])
+    return _without(left, driven)
 
 
 @compiled

@@ -21,7 +21,7 @@ def experiments(draft: Draft, readings: Sequence[np.ndarray]) -> list[Any]:
     return [
         stepid.Experiment(
             name=slot.name,
-            time=s.sample_time * np.arange(slot.inputs.size),
+            time=np.asarray(s.sample_time * np.arange(slot.inputs.size), np.float64),
             position=x,
             input=slot.inputs,
             added_mass=slot.added_mass,

@@ -229,12 +229,12 @@ class _Scalar:
                 raise RuntimeError(f"the reference stops at {out.t[-1]:.6f} s: {out.message}")
             stop = float(out.t[-1])
             upto = int(np.searchsorted(wanted, stop, side="right"))
-            if upto > filled:
+            if upto > filled and out.sol is not None:
                 got[filled:upto] = out.sol(wanted[filled:upto])[0]
                 filled = upto
             self.now, self.state = stop, np.array(out.y[:, -1])
             if out.status == 1:
-                for name, hits in zip(names, out.t_events, strict=True):
+                for name, hits in zip(names, out.t_events or (), strict=True):
                     if len(hits):
                         self.switch(name)
         self.now = end
