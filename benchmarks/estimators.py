@@ -31,8 +31,8 @@ sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "benchmarks")]
 
 import stepid  # noqa: E402
 import users_way  # noqa: E402
+from hidden.fast import fast  # noqa: E402
 from hidden.plant import runs_like  # noqa: E402
-from hidden.readings import positions  # noqa: E402
 
 QUANTITIES = ("base mass", "stiffness", "damping")
 Found = dict[str, tuple[float, float | None]]  # value and standard uncertainty
@@ -95,7 +95,7 @@ def draw(cell: Cell, rng: np.random.Generator) -> tuple[stepid.Campaign, dict[st
     for run, step in zip(runs, np.diff([e.added_mass for e in experiments], prepend=0.0), strict=True):
         error += cell.weights * math.sqrt(step / 0.5) * rng.standard_normal()
         object.__setattr__(run, "mass", run.mass + error)
-    noisy = [x + colored(x.size, cell, rng) for x in positions(runs)]
+    noisy = [x + colored(x.size, cell, rng) for x in fast(runs)]
     made = [stepid.Experiment(**(e.model_dump() | {"position": x})) for e, x in zip(experiments, noisy, strict=True)]
     return campaign.model_copy(update={"experiments": tuple(made)}), truth
 

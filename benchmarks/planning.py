@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 import stepid
+from hidden.fast import fast
 from hidden.plant import runs_like
-from hidden.readings import positions
 from stepid.effects import resolve
 from stepid.lab.design.check import refitted
 from stepid.lab.design.information import lay_out_steps, simulated
@@ -56,7 +56,7 @@ def true_positions(plan: stepid.Plan, effects: Any, errors: np.ndarray | None = 
     if errors is not None:
         for run, error in zip(runs, errors, strict=True):
             object.__setattr__(run, "mass", run.mass + float(error))
-    return positions(runs)
+    return fast(runs)
 
 
 def weights(added: tuple[float, ...], spread: float, rng: np.random.Generator) -> np.ndarray:

@@ -17,8 +17,8 @@ from hidden.draw import Setup, draw_setup
 from hidden.sets import SETS, one, requests, seed_of
 
 SIMULATOR = (
-    *("changes", "draw", "drive", "fast", "laws", "linear_fit", "outside", "perturb"),
-    *("perturbed", "plant", "reference", "rows"),
+    *("changes", "compiled", "draw", "drive", "equations", "fast", "law_draws", "laws", "linear_fit"),
+    *("outside", "perturb", "perturbed", "plant", "reference", "steps"),
 )
 T = 0.0088542
 

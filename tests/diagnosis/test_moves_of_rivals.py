@@ -11,6 +11,7 @@ from stepid.diagnosis.selection.moves import drop
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.generalize import Generalize
+from stepid.diagnosis.selection.moves.regeneralize import Regeneralize
 from stepid.diagnosis.selection.moves.specialize import Specialize, level_within
 from stepid.diagnosis.selection.moves.split import Split
 from stepid.diagnosis.selection.proposal import Node, related, standing
@@ -38,6 +39,16 @@ def test_specialize_offers_what_is_inside_at_the_same_level() -> None:
     (level,) = found[0].starts[0].values[0]
     assert level == pytest.approx(np.mean(standing(uneven).values[0]))
     assert Specialize().propose(node(fit, FRICTION), context(fit)) == []
+
+
+def test_regeneralize_offers_the_other_general_laws_of_the_same_kin() -> None:
+    fit = prepared("friction")
+    stribeck = node(fit, {"stribeck_friction": EFFECTS["stribeck_friction"]})
+    found = Regeneralize().propose(stribeck, context(fit))
+    sound(Regeneralize(), stribeck, found)
+    kin = {(e.name,) for e in GENERAL if "coulomb_friction" in e.contains}
+    assert set(sets(found)) == kin - {("stribeck_friction",)}
+    assert Regeneralize().propose(node(fit, FRICTION), context(fit)) == []
 
 
 def test_a_level_inside_is_the_mean_of_those_in_its_unit() -> None:

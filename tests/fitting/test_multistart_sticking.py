@@ -9,7 +9,7 @@ import stepid
 from stepid.core.base import Array
 from stepid.effects import resolve
 from stepid.fitting import multistart_sticking
-from stepid.fitting.levenberg_marquardt import Problem, minimize
+from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.multistart_sticking import other_sticking, scan_starts
 from stepid.fitting.problem import build, fit_linear, start_local
 from stepid.simulation.records import lay_out
@@ -48,6 +48,19 @@ def test_a_kick_leaves_a_minimum_where_no_displacement_would(monkeypatch: pytest
     assert stuck.rms > 2 * TRUTH.noise_rms
     monkeypatch.setattr(multistart_sticking, "scan_starts", lambda optimum: optimum.local)
     assert other_sticking(stuck, tolerance=0.0).rms < 1.015 * TRUTH.noise_rms
+
+
+def test_runs_that_all_begin_at_zero_are_scanned_as_far_as_what_is_left() -> None:
+    problem, shared, local = _held(0.285)
+    at_zero = np.zeros_like(local)
+    solved = problem.solve(shared, at_zero)
+    assert solved is not None
+    cost = float(np.sum(problem.residual(solved) ** 2))
+    scanned = scan_starts(Optimum(problem, shared, at_zero, solved, cost, False, 0))
+    moved = problem.solve(shared, scanned)
+    assert moved is not None
+    assert np.sum(problem.residual(moved) ** 2) < 0.6 * cost
+    assert np.abs(scanned[0]).max() > 5e-4  # of up to 1 mm
 
 
 def test_every_trial_finds_its_own_pattern_of_sticking() -> None:

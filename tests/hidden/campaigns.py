@@ -51,6 +51,7 @@ class Draft:
     strength: dict[str, float] = field(default_factory=dict)
     readings: list[np.ndarray] = field(default_factory=list)
     misfit: float = 0.0
+    basis: np.ndarray | None = None  # what a linear plant with the effects can move, of the readings
     sigma: float = 0.0
     done: bool = False
 
@@ -117,7 +118,7 @@ class Draft:
 
     @property
     def rounding(self) -> float:
-        return self.step / np.sqrt(12)
+        return self.step / float(np.sqrt(12))
 
 
 def _open(request: Request) -> Draft:
@@ -224,7 +225,7 @@ def _finish_perturbed(draft: Draft) -> tuple[stepid.Campaign, dict[str, Any]]:
 
 
 def make_campaigns(requests: Sequence[Request]) -> list[tuple[stepid.Campaign, dict[str, Any]]]:
-    """Campaigns and truths of all requests; simulated together because width is cheap."""
+    """Campaigns and truths of all requests."""
     return [_finish_perturbed(d) if d.request.perturb else _finish(d) for d in _settled(requests)]
 
 

@@ -6,18 +6,40 @@ diagnosis is developed; the others are held back until the end.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from .draw import Setup
+from .compiled import compiled
 
-Values = Any  # a float, or one value a run
-Force = Callable[[Sequence[Values], Values, Values, Values, Values, Values], Values]
 PARAMETERS, STATES = 5, 2
+IN_FORCE = (
+    "eddy_brake",
+    "detent",
+    "preload",
+    "log_spring",
+    "exponential_spring",
+    "two_way_damper",
+    "bowl_damping",
+    "saturating_damping",
+    "two_relaxations",
+    "negative_damping",
+    "pumped_spring",
+    "memory_friction",
+    "chirp",
+    "viscous_pad",
+    "speed_droop",
+    "fringe_field",
+    "hot_motor",
+    "escapement",
+)
+BY_SAMPLE = ("mass_leak", "thermal_spring", "damper_warming", "wind")  # held over each sample, or nearly
+NEW_LAWS = (*IN_FORCE, *BY_SAMPLE)
+SEEN_NEW = ("eddy_brake", "detent")
+NEED_DRIVE = ("speed_droop", "fringe_field", "hot_motor")
+TWO_RELAXATIONS, MEMORY_FRICTION, HOT_MOTOR = 8, 11, 16  # in IN_FORCE: those with states of their own
 
 
 @dataclass(frozen=True)
@@ -28,245 +50,75 @@ class Law:
     parameters: tuple[float, ...]
     rate: float = 0.0
 
-    def force(self, x: Values, v: Values, t: Values, own: Values, drive: Values) -> Values:
-        return FORCES[self.name](self.parameters, x, v, t, own, drive)
+    @cached_property
+    def kind(self) -> int:
+        return IN_FORCE.index(self.name)
 
-    def rates(self, x: Values, v: Values, t: Values, own: Values, drive: Values) -> list[Values]:
-        return STATE_RATES[self.name](self.parameters, x, v, t, own, drive) if self.name in STATE_RATES else [0.0, 0.0]
+    @cached_property
+    def values(self) -> np.ndarray:
+        return np.array([*self.parameters, *[0.0] * (PARAMETERS - len(self.parameters))])
 
+    def force(self, x: float, v: float, t: float, own: Sequence[float] | np.ndarray, drive: float) -> float:
+        return law_force(self.kind, self.values, x, v, t, float(own[0]), float(own[1]), drive)
 
-def _eddy_brake(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:  # strongest at the speed p1
-    return -2 * p[0] * (v / p[1]) / (1 + (v / p[1]) ** 2)
-
-
-def _well(z: Any) -> Any:
-    return z * np.exp((1 - z * z) / 2)
-
-
-def _detent(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:  # a magnet under the cart at p1, p2 wide
-    return -p[0] * (_well((x - p[1]) / p[2]) - _well(-p[1] / p[2]))
+    def rates(self, x: float, v: float, own: Sequence[float] | np.ndarray, drive: float) -> tuple[float, float]:
+        return law_rates(self.kind, self.values, x, v, float(own[0]), float(own[1]), drive)
 
 
-def _preload(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:  # springs clamped against a center plate
-    return -p[0] * np.tanh(x / p[1])
+@compiled
+def _well(z: float) -> float:
+    return float(z * np.exp((1 - z * z) / 2))
 
 
-def _log_spring(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:
-    return -p[0] * np.sign(x) * np.log1p(np.abs(x) / p[1])
+@compiled
+def law_force(kind: int, p: np.ndarray, x: float, v: float, t: float, s: float, s2: float, u: float) -> float:
+    """Force of the law with that place in `IN_FORCE`, N; s and s2 are its own states, u the drive."""
+    if kind == 0:  # eddy_brake: strongest at the speed p1
+        f = -2 * p[0] * (v / p[1]) / (1 + (v / p[1]) ** 2)
+    elif kind == 1:  # detent: a magnet under the cart at p1, p2 wide
+        f = -p[0] * (_well((x - p[1]) / p[2]) - _well(-p[1] / p[2]))
+    elif kind == 2:  # preload: springs clamped against a center plate
+        f = -p[0] * np.tanh(x / p[1])
+    elif kind == 3:  # log_spring
+        f = -p[0] * np.sign(x) * np.log1p(np.abs(x) / p[1])
+    elif kind == 4:  # exponential_spring: a coil that binds on one side
+        f = -p[0] * np.expm1(min(max(x / p[1], -30.0), 30.0))
+    elif kind == 5:  # two_way_damper: a valve that opens one way
+        f = -p[0] * np.abs(v)
+    elif kind == 6:  # bowl_damping
+        f = -p[0] * (x / p[1]) ** 2 * v
+    elif kind == 7:  # saturating_damping
+        f = -p[0] * np.tanh(v / p[1])
+    elif kind == TWO_RELAXATIONS:
+        f = -p[0] * (x - s) - p[1] * (x - s2)
+    elif kind == 9:  # negative_damping: pushes on where it is slow
+        f = p[0] * (v / p[1]) * np.exp(-((v / p[1]) ** 2))
+    elif kind == 10:  # pumped_spring: stiffness swings in time
+        f = -p[0] * np.sin(p[1] * t + p[2]) * x
+    elif kind == MEMORY_FRICTION:  # friction of the speed a while ago
+        f = -p[0] * np.tanh(s / p[1])
+    elif kind == 12:  # chirp
+        f = p[0] * np.sin((p[1] + 0.5 * p[2] * t) * t + p[3])
+    elif kind == 13:  # viscous_pad: foam that drags beyond p1, no spring
+        f = -p[0] * 0.5 * (1 + np.tanh((x - p[1]) / p[2])) * v
+    elif kind == 14:  # speed_droop: the drive is weaker at speed, either way
+        f = -p[0] * u * np.abs(v)
+    elif kind == 15:  # fringe_field: the coil leaves its magnet
+        f = -p[0] * u * x * x
+    elif kind == HOT_MOTOR:
+        f = -p[0] * u * s
+    else:  # escapement: a tap at each pass in one direction
+        f = p[0] * np.exp(-(((x - p[1]) / p[2]) ** 2)) * min(max(v / p[3], 0.0), 1.0)
+    return float(f)
 
 
-def _exponential_spring(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:  # a coil that binds on one side
-    return -p[0] * np.expm1(np.clip(x / p[1], -30, 30))
-
-
-def _two_way_damper(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:  # a valve that opens one way
-    return -p[0] * np.abs(v)
-
-
-def _bowl_damping(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:
-    return -p[0] * (x / p[1]) ** 2 * v
-
-
-def _saturating_damping(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:
-    return -p[0] * np.tanh(v / p[1])
-
-
-def _two_relaxations(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:
-    return -p[0] * (x - s[0]) - p[1] * (x - s[1])
-
-
-def _relaxing(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> list[Any]:
-    return [(x - s[0]) / p[2], (x - s[1]) / p[3]]
-
-
-def _negative_damping(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:  # pushes on where it is slow
-    return p[0] * (v / p[1]) * np.exp(-((v / p[1]) ** 2))
-
-
-def _pumped_spring(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:  # stiffness swings in time
-    return -p[0] * np.sin(p[1] * t + p[2]) * x
-
-
-def _memory_friction(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:  # friction of the speed a while ago
-    return -p[0] * np.tanh(s[0] / p[1])
-
-
-def _late_speed(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> list[Any]:
-    return [(v - s[0]) / p[2], 0.0 * s[1]]
-
-
-def _chirp(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:
-    return p[0] * np.sin((p[1] + 0.5 * p[2] * t) * t + p[3])
-
-
-def _viscous_pad(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:  # foam that drags beyond p1, no spring
-    return -p[0] * 0.5 * (1 + np.tanh((x - p[1]) / p[2])) * v
-
-
-def _speed_droop(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:  # the drive is weaker at speed, either way
-    return -p[0] * u * np.abs(v)
-
-
-def _fringe_field(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:  # the coil leaves its magnet
-    return -p[0] * u * x * x
-
-
-def _hot_motor(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:
-    return -p[0] * u * s[0]
-
-
-def _heating(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> list[Any]:
-    return [((u / p[2]) ** 2 - s[0]) / p[1], 0.0 * s[1]]
-
-
-def _escapement(p: Any, x: Any, v: Any, t: Any, s: Any, u: Any) -> Any:  # a tap at each pass in one direction
-    return p[0] * np.exp(-(((x - p[1]) / p[2]) ** 2)) * np.clip(v / p[3], 0.0, 1.0)
-
-
-FORCES: dict[str, Force] = {
-    "eddy_brake": _eddy_brake,
-    "detent": _detent,
-    "preload": _preload,
-    "log_spring": _log_spring,
-    "exponential_spring": _exponential_spring,
-    "two_way_damper": _two_way_damper,
-    "bowl_damping": _bowl_damping,
-    "saturating_damping": _saturating_damping,
-    "two_relaxations": _two_relaxations,
-    "negative_damping": _negative_damping,
-    "pumped_spring": _pumped_spring,
-    "memory_friction": _memory_friction,
-    "chirp": _chirp,
-    "viscous_pad": _viscous_pad,
-    "speed_droop": _speed_droop,
-    "fringe_field": _fringe_field,
-    "hot_motor": _hot_motor,
-    "escapement": _escapement,
-}
-STATE_RATES: dict[str, Callable[..., list[Any]]] = {
-    "two_relaxations": _relaxing,
-    "memory_friction": _late_speed,
-    "hot_motor": _heating,
-}
-BY_SAMPLE = ("mass_leak", "thermal_spring", "damper_warming", "wind")  # held over each sample, or nearly
-NEW_LAWS = (*FORCES, *BY_SAMPLE)
-SEEN_NEW = ("eddy_brake", "detent")
-NEED_DRIVE = ("speed_droop", "fringe_field", "hot_motor")
-
-
-@dataclass(frozen=True)
-class Scale:
-    """Magnitudes of a campaign that strengths are measured in: N, m, m/s, 1/s, N·s/m, N/m, s."""
-
-    push: float
-    reach: float
-    speed: float
-    rate: float
-    damping: float
-    stiffness: float
-    lasts: float
-
-
-def scale_of(setup: Setup) -> Scale:
-    k = setup.stiffness["medium"]
-    lasts = setup.sample_time * float(np.mean([s.inputs.size for s in setup.slots]))
-    speed = setup.reach * setup.rate
-    return Scale(k * setup.reach, setup.reach, speed, setup.rate, setup.damping["half"], k, lasts)
-
-
-def draw_law(name: str, q: Scale, strength: float, common: np.random.Generator, own: np.random.Generator) -> Law:
-    """The law in one run; `common` draws what the campaign shares, `own` what differs from run to run."""
-    some = [float(w) for w in common.random(4)]
-    side, phase = float(common.choice([-1, 1])), float(own.uniform(0, 2 * np.pi))
-    a, b, c = some[:3]
-
-    def capped(share: float, most: float) -> float:
-        return min(most, strength * share)
-
-    if name in ("eddy_brake", "saturating_damping", "memory_friction"):
-        size, at = capped(0.03 + 0.15 * a, 0.8) * q.damping * q.speed, (0.12 + 0.4 * b) * q.speed
-        if name == "memory_friction":
-            late = (0.15 + 0.6 * c) / q.rate
-            return Law(name, (min(size, 0.15 * q.push), at, late), max(1 / late, 0.3 * q.rate * q.speed / at))
-        return Law(name, (size, at), 0.2 * q.rate * q.speed / at)
-    if name == "detent":
-        width = (0.08 + 0.2 * b) * q.reach
-        return Law(name, (capped(0.02 + 0.08 * a, 0.4) * q.push, (0.2 + c) * q.reach, width), q.speed / width)
-    if name == "preload":
-        width = (0.03 + 0.1 * b) * q.reach
-        return Law(name, (capped(0.02 + 0.1 * a, 0.3) * q.push, width), 0.5 * q.speed / width)
-    if name == "log_spring":
-        bend = (0.05 + 0.3 * b) * q.reach
-        return Law(name, (capped(0.05 + 0.2 * a, 0.8) * q.push / float(np.log1p(q.reach / bend)), bend))
-    if name == "exponential_spring":
-        bend = (0.15 + 0.35 * b) * q.reach
-        size = capped(0.02 + 0.1 * a, 0.5) * q.push / float(np.expm1(q.reach / bend))
-        return Law(name, (size, side * bend), q.rate)
-    if name == "two_way_damper":
-        return Law(name, (side * capped(0.1 + 0.4 * a, 0.9) * q.damping,))
-    if name == "bowl_damping":
-        return Law(name, (capped(0.2 + 0.6 * a, 4.0) * q.damping, q.reach))
-    if name == "two_relaxations":
-        stiff = capped(0.03 + 0.12 * a, 0.5) * q.stiffness
-        slow, quick = (2 + 8 * c) / q.rate, (0.05 + 0.2 * some[3]) / q.rate
-        return Law(name, (stiff, stiff * (0.4 + b), slow, quick), 1 / quick)
-    if name == "negative_damping":
-        at = (0.1 + 0.3 * b) * q.speed
-        return Law(name, (capped(0.15 + 0.4 * a, 0.8) * q.damping * at, at), 0.2 * q.rate * q.speed / at)
-    return _draw_more(name, q, capped, (a, b, c), phase)
-
-
-def _draw_more(
-    name: str, q: Scale, capped: Callable[[float, float], float], some: tuple[float, ...], phase: float
-) -> Law:
-    a, b, c = some
-    if name == "pumped_spring":
-        omega = q.rate * (0.4 + b)
-        return Law(name, (capped(0.02 + 0.1 * a, 0.3) * q.stiffness, omega, phase), omega)
-    if name == "chirp":
-        low, high = (0.3 + 0.7 * b) * q.rate, (2 + 4 * c) * q.rate
-        return Law(name, (capped(0.01 + 0.05 * a, 0.25) * q.push, low, (high - low) / q.lasts, phase), high)
-    if name == "viscous_pad":
-        width = (0.03 + 0.07 * c) * q.reach
-        return Law(name, (capped(0.3 + a, 5.0) * q.damping, (0.5 + 0.5 * b) * q.reach, width), 0.5 * q.speed / width)
-    if name == "speed_droop":
-        return Law(name, (capped(0.1 + 0.4 * a, 0.8) / q.speed,))
-    if name == "fringe_field":
-        return Law(name, (capped(0.05 + 0.2 * a, 0.3) / q.reach**2,))
-    if name == "hot_motor":
-        return Law(name, (capped(0.05 + 0.2 * a, 0.6), (0.1 + 0.4 * b) * q.lasts, q.push))
-    if name == "escapement":
-        width = (0.05 + 0.15 * b) * q.reach
-        size = capped(0.03 + 0.15 * a, 0.4) * q.push
-        return Law(name, (size, (0.2 + 0.5 * c) * q.reach, width, 0.1 * q.speed), q.speed / width)
-    raise KeyError(name)
-
-
-def by_sample(
-    name: str,
-    size: int,
-    period: float,
-    q: Scale,
-    strength: float,
-    common: np.random.Generator,
-    own: np.random.Generator,
-) -> dict[str, np.ndarray]:
-    """Fields of a `Run`, sample by sample, for the laws that go on in time."""
-    share, part = float(common.random()), np.arange(size) / size
-    pace = float(common.uniform(0.1, 0.5))
-    settle = -np.expm1(-part / pace)
-    if name == "mass_leak":  # sand runs out of the cart
-        return {"mass_scale": 1.0 - min(0.4, strength * (0.05 + 0.2 * share)) * part}
-    if name == "thermal_spring":
-        return {"stiffness_scale": 1.0 - min(0.4, strength * (0.02 + 0.1 * share)) * settle}
-    if name == "damper_warming":  # the oil thins
-        return {"damping_scale": 1.0 - min(0.8, strength * (0.1 + 0.4 * share)) * settle}
-    if name == "wind":  # gusts: an Ornstein-Uhlenbeck force
-        tau = float(common.uniform(0.5, 3.0)) / q.rate
-        keep = float(np.exp(-period / tau))
-        kicks, force = own.standard_normal(size), np.empty(size)
-        force[0] = kicks[0]
-        for i in range(1, size):
-            force[i] = keep * force[i - 1] + np.sqrt(1 - keep**2) * kicks[i]
-        return {"held_force": min(0.2, strength * (0.005 + 0.03 * share)) * q.push * force}
-    raise KeyError(name)
+@compiled
+def law_rates(kind: int, p: np.ndarray, x: float, v: float, s: float, s2: float, u: float) -> tuple[float, float]:
+    """How fast its own states change."""
+    if kind == TWO_RELAXATIONS:
+        return (x - s) / p[2], (x - s2) / p[3]
+    if kind == MEMORY_FRICTION:  # follows the speed
+        return (v - s) / p[2], 0.0
+    if kind == HOT_MOTOR:  # heats up
+        return ((u / p[2]) ** 2 - s) / p[1], 0.0
+    return 0.0, 0.0

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from .draw import Setup
-from .laws import BY_SAMPLE, NEED_DRIVE, NEW_LAWS, SEEN_NEW, by_sample, draw_law, scale_of
+from .law_draws import by_sample, draw_law, scale_of
+from .laws import BY_SAMPLE, NEED_DRIVE, NEW_LAWS, SEEN_NEW
 from .plant import Run
 
 OUTSIDE = ("bump", "parameter_jump", "mass_loss", "square_wave", "sensor_ripple", "sticky_spot", "fading_drive")
@@ -22,7 +24,7 @@ def apply_outside(
 ) -> Run:
     """`run` with the disturbance; `common` draws what the campaign shares, `own` what differs from run to run."""
     if name in BY_SAMPLE:
-        fields = by_sample(name, run.size, run.sample_time, scale_of(setup), strength, common, own)
+        fields: dict[str, Any] = by_sample(name, run.size, run.sample_time, scale_of(setup), strength, common, own)
         return replace(run, **fields)
     if name in NEW_LAWS:
         return replace(run, law=draw_law(name, scale_of(setup), strength, common, own))
@@ -64,4 +66,4 @@ def ripple(x: np.ndarray, setup: Setup, strength: float, common: np.random.Gener
     pitch = setup.reach * common.uniform(0.3, 1.0)
     size = strength * setup.reach * common.uniform(0.003, 0.02)
     phase = common.uniform(0, 2 * np.pi)
-    return x + size * (np.sin(2 * np.pi * x / pitch + phase) - np.sin(phase))
+    return np.asarray(x + size * (np.sin(2 * np.pi * x / pitch + phase) - np.sin(phase)))

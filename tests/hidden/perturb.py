@@ -200,7 +200,7 @@ def on_reading(
     if kind in HOLDS:
         still = np.clip(np.arange(n) / off, 0.0, 1.0)
         shake = size["tremble"] * x[0] * np.sin(4 * np.pi * still) * (1 - still)
-        return changes.late(x, off) + shake
+        return np.asarray(changes.late(x, off) + shake)
     return x
 
 

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import changes
+from .fast import fast
 from .linear_fit import free_response, unit_response
 from .outside import ripple
 from .perturb import HOLDS, Sizes, draw, gone, on_reading, on_run, own_size
-from .readings import misfit, positions
+from .readings import misfit
 
 if TYPE_CHECKING:
     from .campaigns import Draft, Request
@@ -53,14 +54,15 @@ def perturb(draft: Draft, attempt: int, only: str | None = None) -> Perturbed:
     """The readings of a settled draft with its perturbations (or `only` one), which `attempt` draws anew."""
     kinds, setup = draft.request.perturb, draft.setup
     sizes = {k: draw(k, draft.stream(7, attempt, i), setup) for i, k in enumerate(kinds) if only in (None, k)}
-    runs, off = draft.runs(), {k: [] for k in sizes}
+    runs = draft.runs()
+    off: dict[str, list[float]] = {k: [] for k in sizes}
     for j, slot in enumerate(setup.slots):
         for i, kind in _numbered(kinds, sizes):
             own = draft.stream(8, attempt, i, j)
             off[kind].append(float(own_size(kind, sizes[kind], own, slot.inputs)))
             runs[j] = on_run(kind, sizes[kind], off[kind][j], runs[j], setup, own)
     readings, free, missing = [], [], []
-    for j, (slot, x) in enumerate(zip(setup.slots, positions(runs), strict=True)):
+    for j, (slot, x) in enumerate(zip(setup.slots, fast(runs), strict=True)):
         x = x[x.size - slot.inputs.size :]
         if draft.request.outside == "sensor_ripple":
             x = ripple(x, setup, draft.strength["outside"], draft.stream(4))
@@ -97,7 +99,7 @@ def _linear(draft: Draft, factors: dict[str, float]) -> np.ndarray:
         if np.any(slot.inputs):
             out.append(s.gain * factors.get("gain", 1.0) * unit_response(mass, k, c, slot.inputs, s.sample_time))
         else:
-            columns = free_response(mass, k, c, s.sample_time * np.arange(slot.inputs.size))
+            columns = free_response(mass, k, c, slot.inputs.size, s.sample_time)
             out.append(slot.position * (columns[:, 0] + c / (2 * mass) * columns[:, 1]))
     return np.concatenate(out)
 
@@ -116,7 +118,7 @@ def _columns(draft: Draft) -> np.ndarray:
         some = [np.ones((n, 1))]
         if not np.any(slot.inputs):
             plant = (s.base_mass + slot.added_mass, s.stiffness[slot.spring], s.damping[slot.damper])
-            some.append(free_response(*plant, s.sample_time * np.arange(n)))
+            some.append(free_response(*plant, n, s.sample_time))
         for own in np.hstack(some).T:
             column = np.zeros(plain.size)
             column[begin : begin + n] = own
@@ -129,9 +131,10 @@ def _columns(draft: Draft) -> np.ndarray:
 
 def _cost(draft: Draft, readings: Sequence[np.ndarray]) -> float:
     change = np.concatenate(readings) - np.concatenate(draft.readings)
-    left, values, _ = np.linalg.svd(_columns(draft), full_matrices=False)
-    left = left[:, values > 1e-7 * values[0]]
-    return float(np.sqrt(np.mean((change - left @ (left.T @ change)) ** 2)))
+    if draft.basis is None:  # the same for all draws of the perturbations
+        left, values, _ = np.linalg.svd(_columns(draft), full_matrices=False)
+        draft.basis = left[:, values > 1e-7 * values[0]]
+    return float(np.sqrt(np.mean((change - draft.basis @ (draft.basis.T @ change)) ** 2)))
 
 
 def clear(truth: dict[str, Any]) -> bool:

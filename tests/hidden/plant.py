@@ -44,6 +44,7 @@ NEW = ("sine_stiffness", "power_damping", "actuator_rate_limit")  # of the secon
 EVERY = (*NAMES, *NEW)
 DRY = NAMES[:4]
 SLOWEST = 1e-6  # m/s, below which a power law of damping is viscous
+SHORTEST = 1e-9  # s, below which a lag of the drive is none: it would move the cart by less than a nanometer
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,12 @@ class Run:
         dead = self.get("actuator_dead_zone", "level")
         u = np.sign(u) * np.maximum(np.abs(u) - dead, 0.0)
         limit = self.get("actuator_saturation", "level", math.inf)
-        return self.gain * np.clip(u, -limit, limit)
+        return np.asarray(self.gain * np.clip(u, -limit, limit))
+
+    @property
+    def lag(self) -> float:
+        tau = self.get("actuator_lag", "time_constant")
+        return tau if tau > SHORTEST else 0.0
 
     @property
     def levels(self) -> tuple[float, float, float, float]:
@@ -114,12 +120,11 @@ class Run:
         reach = 4 * abs(push) / self.stiffness + 4 * self.get("cogging", "amplitude") / self.stiffness + 1e-4
         reach += self.get("free_play", "gap")
         grid = np.linspace(-reach, reach, 4001)
-        net = [push + plain.static(float(x)) for x in grid]
+        net = push + plain.static(grid)
         # the equilibrium nearest to zero that is stable: net force falls through zero
         roots = [
-            brentq(lambda x: push + plain.static(x), grid[i], grid[i + 1], xtol=1e-15)
-            for i in range(grid.size - 1)
-            if net[i] > 0 >= net[i + 1]
+            brentq(lambda x: push + float(plain.static(x)), grid[i], grid[i + 1], xtol=1e-15)
+            for i in np.flatnonzero((net[:-1] > 0) & (net[1:] <= 0))
         ]
         return min(roots, key=abs) + self.position
 
@@ -128,22 +133,20 @@ class Run:
         a = self.get("sine_stiffness", "curvature")
         return self.stiffness * (x - math.sin(a * x) / a) if a else 0.0
 
-    def static(self, x: float) -> float:
+    def static(self, x: float | np.ndarray) -> np.ndarray:
         """Force of springs, stop and motor ripple at rest, N."""
-        gap = self.get("free_play", "gap")
-        force = -self.stiffness * math.copysign(max(abs(x) - gap, 0.0), x)
-        force -= (
-            self.get("cubic_stiffness", "coefficient") * x**3 + self.get("quadratic_stiffness", "coefficient") * x**2
-        )
-        if "sine_stiffness" in self.effects:
-            force += self.sine(x)
-        stop = self.get("end_stop", "position")
-        if stop and (x - stop) * stop > 0:
-            force -= self.get("end_stop", "stiffness") * (x - stop)
+        x = np.asarray(x, float)
+        force = -self.stiffness * np.copysign(np.maximum(np.abs(x) - self.get("free_play", "gap"), 0.0), x)
+        force -= self.get("cubic_stiffness", "coefficient") * x**3
+        force -= self.get("quadratic_stiffness", "coefficient") * x**2
+        if a := self.get("sine_stiffness", "curvature"):
+            force += self.stiffness * (x - np.sin(a * x) / a)
+        if stop := self.get("end_stop", "position"):
+            force -= np.where((x - stop) * stop > 0, self.get("end_stop", "stiffness") * (x - stop), 0.0)
         if "cogging" in self.effects:
             pitch, phase = self.get("cogging", "pitch"), self.get("cogging", "phase")
-            force += self.get("cogging", "amplitude") * math.sin(2 * math.pi * x / pitch + phase)
-        return force
+            force += self.get("cogging", "amplitude") * np.sin(2 * np.pi * x / pitch + phase)
+        return np.asarray(force)
 
 
 def runs_like(

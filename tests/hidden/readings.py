@@ -9,15 +9,11 @@ import numpy as np
 
 import stepid
 
-from .fast import fast, micro_steps
+from .fast import fast
 from .linear_fit import linear_fit
-from .plant import Run
-from .reference import reference
 
 if TYPE_CHECKING:
     from .campaigns import Draft
-
-CHEAP = 8  # micro-steps a sample
 
 
 def experiments(draft: Draft, readings: Sequence[np.ndarray]) -> list[Any]:
@@ -25,7 +21,7 @@ def experiments(draft: Draft, readings: Sequence[np.ndarray]) -> list[Any]:
     return [
         stepid.Experiment(
             name=slot.name,
-            time=s.sample_time * np.arange(slot.inputs.size),
+            time=np.asarray(s.sample_time * np.arange(slot.inputs.size), np.float64),
             position=x,
             input=slot.inputs,
             added_mass=slot.added_mass,
@@ -45,17 +41,6 @@ def misfit(draft: Draft, readings: Sequence[np.ndarray]) -> float:
     return found.rms
 
 
-def positions(runs: Sequence[Run]) -> list[np.ndarray]:
-    """Each run by the route that is cheaper for it, whatever its company: width is free only in few micro-steps."""
-    out: list[np.ndarray] = [np.empty(0)] * len(runs)
-    wide = [j for j, r in enumerate(runs) if micro_steps(r) <= CHEAP]
-    for j, x in zip(wide, fast([runs[j] for j in wide]), strict=True):
-        out[j] = x
-    for j in sorted(set(range(len(runs))) - set(wide)):
-        out[j] = reference(runs[j])
-    return out
-
-
 def simulate(drafts: Sequence[Draft], only: Sequence[Sequence[str] | None]) -> list[list[np.ndarray]]:
     """Readings of each draft; one that runs away is made weaker until it does not."""
     with np.errstate(over="ignore", invalid="ignore"):
@@ -73,7 +58,7 @@ def simulate(drafts: Sequence[Draft], only: Sequence[Sequence[str] | None]) -> l
 
 def _simulated(drafts: Sequence[Draft], only: Sequence[Sequence[str] | None]) -> list[list[np.ndarray]]:
     runs = [d.runs(o) for d, o in zip(drafts, only, strict=True)]
-    flat = positions([r for some in runs for r in some])
+    flat = fast([r for some in runs for r in some])
     out, at = [], 0
     for draft, some in zip(drafts, runs, strict=True):
         out.append([draft.read(r, flat[at + i], i) for i, r in enumerate(some)])

@@ -19,6 +19,7 @@ from .laws import STATES
 from .plant import SLOWEST, Run
 
 State = np.ndarray  # x, v, x2, v2, dashpot joint, bristle z, drive force, then a law's own
+MOST = 3_000_000  # evaluations of the rates in one run: a minute or two, a hundred times what a run needs
 TOLERANCES = np.array([1e-13, 1e-12, 1e-13, 1e-12, 1e-13, 1e-15, 1e-11, 1e-12, 1e-12])
 
 
@@ -36,7 +37,7 @@ class _Scalar:
         self.forward, self.backward, self.extra, self.vs = run.levels
         self.gap = run.get("free_play", "gap")
         self.stop = run.get("end_stop", "position")
-        self.tau = run.get("actuator_lag", "time_constant")
+        self.tau = run.lag
         self.distance = run.get("presliding_hysteresis", "distance", 1.0)
         self.bristles = "presliding_hysteresis" in run.effects
         self.dry = self.forward > 0 or self.backward > 0 or self.extra > 0 or run.sticky is not None
@@ -48,6 +49,7 @@ class _Scalar:
         self.exponent = run.get("power_damping", "exponent")
         self.scale_k = self.scale_m = self.scale_c = 1.0
         start = run.start
+        self.evaluations = 0
         self.state = np.array([start, run.velocity, start, run.velocity, start, 0.0, run.drive[-1]])
         if run.law is not None:
             self.state = np.append(self.state, np.zeros(STATES))
@@ -121,6 +123,9 @@ class _Scalar:
         return level
 
     def rates(self, t: float, y: State) -> list[float]:
+        self.evaluations += 1
+        if self.evaluations > MOST:
+            raise RuntimeError(f"no end in sight at {t:.6f} s: this run is too stiff, or chatters, for the reference")
         x, v = float(y[0]), float(y[1])
         stuck = self.signed and self.mode.sign == 0
         force = 0.0 if stuck else self.push(t, y) - self.mode.sign * self.friction(x, v, self.mode.sign)
@@ -138,7 +143,7 @@ class _Scalar:
             out[6] = (self.wanted(t) - float(y[6])) / self.tau
         if self.run.law is not None:
             drive = float(y[6]) if self.tau else self.wanted(t)
-            out += self.run.law.rates(x, v, t, y[7:], drive)
+            out += self.run.law.rates(x, v, y[7:], drive)
         return out
 
     def guards(self) -> list[tuple[str, Callable[[float, State], float]]]:
@@ -220,14 +225,16 @@ class _Scalar:
                 max_step=self.fineness**0.125
                 * (self.longest if events else 0.02),  # no mode comes and goes inside a step
             )
+            if out.status < 0:
+                raise RuntimeError(f"the reference stops at {out.t[-1]:.6f} s: {out.message}")
             stop = float(out.t[-1])
             upto = int(np.searchsorted(wanted, stop, side="right"))
-            if upto > filled:
+            if upto > filled and out.sol is not None:
                 got[filled:upto] = out.sol(wanted[filled:upto])[0]
                 filled = upto
             self.now, self.state = stop, np.array(out.y[:, -1])
             if out.status == 1:
-                for name, hits in zip(names, out.t_events, strict=True):
+                for name, hits in zip(names, out.t_events or (), strict=True):
                     if len(hits):
                         self.switch(name)
         self.now = end

@@ -9,7 +9,7 @@ from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.problem import PHASES, best_by_run, phase_rows
 
 _COUNT = 17  # displacements tried a run
-_REACH = 1.5  # times the largest displacement found so far
+_REACH = 1.5  # times the largest displacement found so far, or what is left where there is none
 _ROUNDS = 5
 _KICKS = (0.98, 1.02)  # factors of a dry effect's parameters that lead out of a minimum where no other start does
 _GAIN = 1e-3  # relative decrease of the cost that is worth another round
@@ -23,7 +23,7 @@ def scan_starts(optimum: Optimum) -> Array:
     """
     problem, local = optimum.problem, optimum.local
     own = _held(problem)
-    reach = _REACH * float(np.abs(local[0, own]).max(initial=0.0))
+    reach = _REACH * (float(np.abs(local[0, own]).max(initial=0.0)) or float(np.abs(optimum.residual).max()))
     moved = np.repeat(local[None], _COUNT, axis=0)
     moved[:, 0, own] = np.linspace(-reach, reach, _COUNT)[:, None]
     tried = [local[None], moved]

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import stepid
+from hidden.fast import fast
 from hidden.plant import runs_like
-from hidden.readings import positions
 from stepid.cli import run
 from stepid.errors import InputError
 
@@ -98,7 +98,7 @@ def test_the_advice_carried_out_tells_the_pair_apart(pair: stepid.Plan) -> None:
         force_gain=pair.plant.force_gain,
         effects={truth.name: dict(truth.values)},
     )
-    noisy = [x + pair.noise * rng.standard_normal(x.size) for x in positions(runs)]
+    noisy = [x + pair.noise * rng.standard_normal(x.size) for x in fast(runs)]
     campaign = pair.advice.campaign(pair.plant, positions=noisy)
     left = {name: stepid.fit(campaign, effects=(name,)).rms for name in (truth.name, rival.name)}
     assert left[truth.name] < left[rival.name]

@@ -8,6 +8,7 @@ from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.generalize import Generalize
+from stepid.diagnosis.selection.moves.regeneralize import Regeneralize
 from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.moves.split import Split
 from stepid.diagnosis.selection.proposal import Move
@@ -18,7 +19,7 @@ EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Deviate(), Split(), Drop())
 TOGETHER: tuple[Move, ...] = (AddTogether(2), AddTogether(2 + 1))
 """Moves from the linear plant where no smaller set that was fitted first is enough, one after the other."""
 
-CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Exchange(), Drop(), Split())
+CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Regeneralize(), Exchange(), Drop(), Split())
 """Moves to sets that may explain as much: rivals of an answer, fitted where they promise about what the best leaves.
 
 A move in this list and in `EXPLORING` makes rivals in both.

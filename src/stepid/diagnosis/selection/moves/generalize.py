@@ -19,20 +19,37 @@ class Generalize:
         for place, effect in enumerate(node.effects):
             for general in context.catalogue:
                 if effect.name in general.contains and all(general.name != e.name for e in node.effects):
-                    out += self._proposal(node, place, general, context)
+                    inner = standing(node).values[place]
+                    out += grown_from(node, place, inner, general, context, self.name)
         return out
 
-    def _proposal(self, node: Node, place: int, general: Effect, context: SearchContext) -> list[Proposal]:
-        fit, here = context.fit, standing(node)
-        inner = here.values[place]
-        grown = [tuple(v) for v in general.grow(inner, fit.scales) or general.starts(fit.scales)]
-        effects = (*node.effects[:place], general, *node.effects[place + 1 :])
-        starts = [Start(here.linear, (*here.values[:place], v, *here.values[place + 1 :])) for v in grown]
-        gains = promises(fit, node.best, effects, starts)
-        order = sorted(range(len(starts)), key=lambda i: -gains[i])
-        if not order:
-            return []
-        left = max(node.cost - gains[order[0]], 0.0)
-        costly = 1.0 + context.effort.price * (n_parameters((general,)) - 1)
-        kept = tuple(starts[i] for i in order)
-        return [Proposal(effects, node.deviations, kept, node.key, node.best, left, costly, self.name)]
+
+def grown_from(
+    node: Node, place: int, inner: tuple[float, ...], general: Effect, context: SearchContext, move: str
+) -> list[Proposal]:
+    """Propose a node's effects with the one at a place exchanged for a general one, grown from a simpler law in it.
+
+    Parameters
+    ----------
+    node : Node
+    place : int
+        Of the effect that is exchanged.
+    inner : tuple of float
+        Parameters of the simpler law.
+    general : Effect
+    context : SearchContext
+    move : str
+        Name of the move.
+    """
+    fit, here = context.fit, standing(node)
+    grown = [tuple(v) for v in general.grow(inner, fit.scales) or general.starts(fit.scales)]
+    effects = (*node.effects[:place], general, *node.effects[place + 1 :])
+    starts = [Start(here.linear, (*here.values[:place], v, *here.values[place + 1 :])) for v in grown]
+    gains = promises(fit, node.best, effects, starts)
+    order = sorted(range(len(starts)), key=lambda i: -gains[i])
+    if not order:
+        return []
+    left = max(node.cost - gains[order[0]], 0.0)
+    costly = 1.0 + context.effort.price * (n_parameters((general,)) - 1)
+    kept = tuple(starts[i] for i in order)
+    return [Proposal(effects, node.deviations, kept, node.key, node.best, left, costly, move)]

@@ -1,0 +1,32 @@
+"""Put another general law in the place of one that contains the same simpler law."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepid.diagnosis.selection.moves.generalize import grown_from
+from stepid.diagnosis.selection.moves.specialize import level_within
+from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, standing
+
+
+class Regeneralize:
+    """Replace a general effect by another of the same kin, from the simpler law that both contain.
+
+    Neither is inside the other, and the simpler law alone may promise too little to be a step on the way.
+    """
+
+    name = "regeneralize"
+
+    def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
+        """Propose the node's effects with a general one exchanged for each other that shares a simpler law with it."""
+        out = []
+        names = {e.name for e in node.effects}
+        for place, effect in enumerate(node.effects):
+            values = np.array(standing(node).values[place])
+            for general in context.catalogue:
+                shared = [e for e in context.catalogue if e.name in effect.contains and e.name in general.contains]
+                levels = [level_within(effect, values, e) for e in shared]
+                known = [level for level in levels if level is not None]
+                if general.name not in names and known:
+                    out += grown_from(node, place, (known[0],), general, context, self.name)
+        return out
