@@ -7,6 +7,7 @@ import pytest
 
 from hidden.campaigns import make_campaign
 from stepid.effects import resolve
+from stepid.fitting import decimation
 from stepid.fitting.coordinates import Coordinates
 from stepid.fitting.cross_validation import held_out_residuals
 from stepid.fitting.fit import prepare
@@ -103,3 +104,14 @@ def test_a_fit_without_a_run_is_made_once(context: FitContext, monkeypatch: pyte
     assert whole
     assert first == 2 * len(whole)
     assert len(calls) == first + len(whole)
+
+
+def test_all_samples_are_kept_where_the_linear_plant_runs_away_on_some(
+    context: FitContext, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    few = decimation.decimated(context.records, context.linear, 10.0, context.floor)  # s, as if it swung that slowly
+    assert few.size < context.records.size
+    monkeypatch.setattr(decimation, "minimize", lambda *a, **k: None)
+    records, optimum = decimation.fit_coarsely(few, context.linear)
+    assert records is context.records
+    assert optimum is context.linear

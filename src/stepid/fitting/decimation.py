@@ -109,15 +109,21 @@ def shortest_period(linear: Optimum) -> float:
     return float(np.min(2 * np.pi / (natural * (ratio + np.sqrt(ratio**2 - 1)))))
 
 
-def fit_coarsely(records: Records, linear: Optimum) -> Optimum:
-    """Fit the linear plant to decimated records, from its fit to all samples."""
+def fit_coarsely(records: Records, linear: Optimum) -> tuple[Records, Optimum]:
+    """Fit the linear plant to decimated records, from its fit to all samples.
+
+    Returns
+    -------
+    records : Records
+        All of them where the plant runs away on the decimated ones, as one that hardly a spring holds may.
+    optimum : Optimum
+    """
+    whole = linear.problem.records
     if records.at is None:
-        return linear
+        return whole, linear
     problem = replace(build(records, ()), free=linear.problem.free, active=linear.problem.active)
     found = minimize(problem, linear.shared, linear.local, tolerance=1e-6 * linear.cost, iterations=6)
-    if found is None:  # the same plant at fewer moments: it can be simulated if it could be before
-        raise FloatingPointError
-    return found
+    return (whole, linear) if found is None else (records, found)
 
 
 def full_residual(optimum: Optimum, linear: Optimum, coarse: Optimum) -> Array:
