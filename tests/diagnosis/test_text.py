@@ -166,7 +166,8 @@ def test_each_verdict_says_its_answer() -> None:
     lost = changed(d, verdict="unexplained", effects=())
     assert "nothing in the catalogue explains why" in lost.summary()
     pair = changed(d, effects=("coulomb_friction", "input_delay"))
-    assert "Coulomb friction and input delay are missing" in pair.summary()
+    level = d.parameters["coulomb_friction.level"]
+    assert f"not adequate: Coulomb friction ({level}) and input delay are missing." in pair.summary()
     assert next_steps(changed(d, effects=("an_effect_of_mine",), advice={})) == ("Keep the effect in the model.",)
     both = next_steps(changed(d, next_experiment="record a step the other way"))
     assert both[0] == "record a step the other way"
