@@ -1,7 +1,8 @@
 """Folders as labs leave them: what `stepid init` gets right unasked, how many answers it takes, and a diagnosis.
 
 `python -m benchmarks.folders --count 20` and `python -m benchmarks.folders --count 10 --held-out --diagnose`, with
-tests/ on the path; `--styles` for ten more, each in a style of its own. The words of the folders that are held out were written before the code, and are not for tuning.
+tests/ on the path; `--styles` for ten more, each in a style of its own. The words of the folders that are held out
+were written before the code, and are not for tuning.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ import numpy as np
 from lab_folders import INPUT, POSITION, TIME, Truth
 from stepid.io.guess.answers import Answers, open_questions, with_answers
 from stepid.io.guess.draft import Draft
+from stepid.io.guess.spoken import spoken
 from stepid.io.guess.understand import draft_runs
 
 UNITS = ("time unit", "position unit", "input unit")
@@ -55,7 +56,7 @@ def fields(truth: Truth, drafts: Sequence[Draft], folder: Path) -> dict[str, str
     out["spring"] = draft.spring.value == (truth.spring or "spring")
     states = {field: "right" if ok else "wrong" for field, ok in out.items()}
     states["time unit"] = _time_unit(draft, truth)
-    states["position unit"] = _scaled(draft, "position", truth.position_scale or POSITION[truth.position_unit])
+    states["position unit"] = _scaled(draft, "position", None if draft.turn else POSITION[truth.position_unit])
     states["input unit"] = "asked" if truth.input is None else _scaled(draft, "input", INPUT[truth.input_unit])
     states["mass"] = _mass(draft, truth)
     return states
@@ -73,10 +74,11 @@ def answers_of(key: str, truths: Sequence[Truth]) -> str:
     return {
         "position_unit": first.position_unit,
         "counts_per_meter": f"{1 / first.scale:.12g}",
-        "sample_time": f"{first.sample_time:g}",
+        "sample_time": f"{first.sample_time or 0:g}",
         "time_unit": first.time_unit,
         "input_unit": first.input_unit,
         "step": f"{first.level:g}",
+        "motion": "rotation" if first.position_scale else "translation",
         "weight": "0.5",
         "added_mass": ",".join(f"{truth.real_mass:g}" for truth in truths),
     }[key]
@@ -93,10 +95,7 @@ def asked_by(truths: Sequence[Truth], folder: Path) -> list[str]:
         if key == "position":
             drafts = draft_runs(files_of(truths, folder), {"position": "all"})
             continue
-        text = answers_of(key, truths)
-        said[key] = (
-            tuple(map(float, text.split(","))) if key == "added_mass" else text if "unit" in key else float(text)
-        )
+        said[key] = spoken(key, answers_of(key, truths))
         assert len(keys) < 9, keys
     return keys
 

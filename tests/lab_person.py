@@ -22,6 +22,7 @@ QUESTIONS = {
     "In which unit is the time": "time_unit",
     "How many seconds are two samples apart": "sample_time",
     "In which unit is the position": "position_unit",
+    "Does the plant turn": "motion",
     "How many counts are one meter": "counts_per_meter",
     "In which unit is the input": "input_unit",
     "How large was the step": "step",

@@ -123,8 +123,9 @@ def _matlab(rng: Generator, folder: Path, runs: list[Truth]) -> list[Truth]:
     out = []
     for run in runs:
         mine = replace(_in(run, position=position, digits=digits), mass=run.real_mass)
+        mass = f"{run.real_mass:g}".replace(".", "p")
         rows = _rows([mine.time, mine.input, mine.position], ",", form="{:.15g}")
-        out.append(_write(folder / f"resp_{run.real_mass:g}kg.csv".replace(".", "p", 1), rows, mine))
+        out.append(_write(folder / f"resp_{mass}kg.csv", rows, mine))
     return out
 
 

@@ -253,7 +253,7 @@ def test_one_run_cannot_be_diagnosed(tmp_path: Path, capsys: pytest.CaptureFixtu
 @pytest.mark.slow
 def test_the_made_up_campaign_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["diagnose", str(LAB), "--out", str(tmp_path / "out")]) == 0
-    assert "A linear model is not adequate: Coulomb friction, 0.300" in capsys.readouterr().out
+    assert "A linear model is not adequate: Coulomb friction, 0.2" in capsys.readouterr().out
     found = Diagnosis.model_validate_json((tmp_path / "out" / "diagnosis.json").read_text(encoding="utf-8"))
     assert (found.verdict, found.effects) == ("named", ("coulomb_friction",))
     assert found.gap.after <= 1.1 * found.gap.noise
