@@ -31,6 +31,7 @@ GRID = """
 _BUTTON = """
 .bk-btn { font-size: 0.95rem; padding: 0.4rem 1rem; border-radius: 5px; }
 :host .bk-btn.bk-btn.bk-btn { background: var(--paper); color: var(--ink); border: 1px solid var(--line); }
+.bk-btn a { padding: 0.4rem 1rem; }
 .bk-btn:disabled, .bk-btn[disabled] { opacity: 0.5; cursor: not-allowed; }
 .bk-btn:focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
 """
@@ -39,7 +40,7 @@ label { white-space: normal; font-size: 0.92rem; color: var(--ink); line-height:
 .bk-input { background-color: var(--card); color: var(--ink); border: 1px solid var(--line); font-size: 1rem; }
 .bk-input:focus-visible { outline: 3px solid var(--accent); outline-offset: 1px; }
 .bk-input::placeholder { color: var(--soft); opacity: 1; }
-select.bk-input { color-scheme: light dark; appearance: auto; background-image: none; padding-right: 0.3em; }
+select.bk-input.bk-input.bk-input { color-scheme: light dark; appearance: auto; background-image: none; padding-right: 0.3em; }
 """
 _PRIMARY = """
 :host .bk-btn.bk-btn.bk-btn.bk-btn { background: var(--accent); color: var(--card); border-color: var(--accent); }
