@@ -56,7 +56,7 @@ def test_prints_the_summary_and_the_hand_method(
     assert run(["diagnose", str(manifest)]) == 0
     out, err = capsys.readouterr()
     assert example.named().summary() in out
-    assert "The hand method beside it" in out
+    assert "The peak method beside it" in out
     assert "pulls each number" in out
     assert stages == ["linear fit"]
     assert err == f"{example.campaign().name}: 4 runs\ndiagnosing: linear fit\n"  # plain lines, for a log
@@ -185,7 +185,7 @@ def test_a_hand_method_that_refuses_is_no_error(
 
     monkeypatch.setattr(stepid, "identify", refuse)
     assert run(["diagnose", str(manifest)]) == 0
-    assert "The hand method cannot use this campaign: too few runs." in capsys.readouterr().out
+    assert "The peak method cannot use this campaign: too few runs." in capsys.readouterr().out
     assert stages
 
 

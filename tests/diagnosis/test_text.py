@@ -256,7 +256,7 @@ def test_what_the_hand_method_leaves_out_is_said() -> None:
         excluded={"case 5": "no overshoot"},
     )
     table = hand_method_table(example.named(), found)
-    assert table.endswith("by hand, left out: case 5: no overshoot")
+    assert table.endswith("left out by the peak method: case 5: no overshoot")
     assert rows(table, "parameter")["damping[1/2 turn]"][0] == "–"
 
 
@@ -264,8 +264,8 @@ def test_report_says_why_the_hand_method_refused() -> None:
     error = stepid.errors.UndeterminedError("one mass only", "Add a run.")
     first, second = diagnosis_report(example.named(), error)
     assert first.body == example.named().summary()
-    assert second.title == "The hand method beside it"
-    assert second.body == "The hand method cannot use this campaign: one mass only."
+    assert second.title == "The peak method beside it"
+    assert second.body == "The peak method cannot use this campaign: one mass only."
 
 
 def test_it_says_when_the_weights_rule_the_uncertainties() -> None:

@@ -39,7 +39,7 @@ TITLES = [
     "What to do next",
     "Notes",
     "The runs",
-    "The hand method",
+    "The peak method",
     "Verification responses",
     "Provenance",
 ]
@@ -260,7 +260,7 @@ def test_a_hand_method_that_refuses_says_why() -> None:
     d = example.named()
     error = stepid.errors.UndeterminedError("too few runs", "Add one.")
     chapters = {chapter.name: chapter for chapter in tell(d, error, provenance.of_data(d))}
-    assert chapters["by-hand"].lead == "The hand method cannot use this campaign: too few runs. Add one."
+    assert chapters["by-hand"].lead == "The peak method cannot use this campaign: too few runs. Add one."
     assert not chapters["by-hand"].tables
     assert not chapters["verification"].pictures
 

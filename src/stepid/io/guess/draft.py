@@ -121,9 +121,9 @@ def falls(readings: Mapping[str, Array]) -> bool:
     up = float(volts[first]) - before
     later = np.flatnonzero(volts[first:] != volts[first])
     last = first + int(later[0]) if later.size else position.size
-    stretch = position[first:last]
+    segment = position[first:last]
     start = float(position[:first].mean()) if first else float(position[0])
-    if up == 0 or stretch.size < FEWEST:
+    if up == 0 or segment.size < FEWEST:
         return False
-    moved = float(stretch.mean()) - start
-    return bool(moved * up < 0 and abs(moved) > 0.25 * float(np.ptp(stretch)))
+    moved = float(segment.mean()) - start
+    return bool(moved * up < 0 and abs(moved) > 0.25 * float(np.ptp(segment)))

@@ -40,7 +40,8 @@ label { white-space: normal; font-size: 0.92rem; color: var(--ink); line-height:
 .bk-input { background-color: var(--card); color: var(--ink); border: 1px solid var(--line); font-size: 1rem; }
 .bk-input:focus-visible { outline: 3px solid var(--accent); outline-offset: 1px; }
 .bk-input::placeholder { color: var(--soft); opacity: 1; }
-select.bk-input.bk-input.bk-input { color-scheme: light dark; appearance: auto; background-image: none; padding-right: 0.3em; }
+select.bk-input.bk-input.bk-input {
+  color-scheme: light dark; appearance: auto; background-image: none; padding-right: 0.3em; }
 """
 _PRIMARY = """
 :host .bk-btn.bk-btn.bk-btn.bk-btn { background: var(--accent); color: var(--card); border-color: var(--accent); }
