@@ -10,6 +10,7 @@ import panel as pn
 
 from stepid.core.quantities import quantities_of
 from stepid.diagnosis.headline import advice_beside, answer
+from stepid.diagnosis.progress import stage_words
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.wording import effect_names, promised
@@ -81,7 +82,7 @@ class DiagnosisView:
         """Show how far it is."""
         stage = status.stage
         rows = {
-            "trying": self._session.say.text(effect_names((stage,))),
+            "trying": self._session.say.text(stage_words(stage)),
             "best answer so far": effect_names(stage.best) or "linear model",
             "left to try": "; ".join(filter(None, (f"{stage.left}", promised(stage.promise)))),
             "time": f"{status.seconds:.0f} s",
