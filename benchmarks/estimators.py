@@ -1,4 +1,4 @@
-"""Estimators side by side: the hand method in all its variants, the joint fit, and what a user would do instead.
+"""Estimators side by side: the peak method in all its variants, the joint fit, and what a user would do instead.
 
     python benchmarks/estimators.py [--count 100] [--cells NAME …] [--ways NAME …] [--page docs/estimators.md]
 

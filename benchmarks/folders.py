@@ -1,7 +1,8 @@
 """Folders as labs leave them: what `stepid init` gets right unasked, how many answers it takes, and a diagnosis.
 
 `python -m benchmarks.folders --count 20` and `python -m benchmarks.folders --count 10 --held-out --diagnose`, with
-tests/ on the path. The words of the folders that are held out were written before the code, and are not for tuning.
+tests/ on the path; `--styles` for ten more, each in a style of its own. The words of the folders that are held out
+were written before the code, and are not for tuning.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from pathlib import Path
 from folder_score import judge
 from lab_folders import make_folder
 from lab_person import SOURCE, check_campaign, person
+from lab_styles import STYLES, make_styled_folder
 
 
 def diagnosed(folder: Path) -> str:
@@ -36,14 +38,19 @@ def diagnosed(folder: Path) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=30)
-    parser.add_argument("--held-out", action="store_true")
+    kind = parser.add_mutually_exclusive_group()
+    kind.add_argument("--held-out", action="store_true")
+    kind.add_argument("--styles", action="store_true", help="ten folders, each in a style of its own")
     parser.add_argument("--diagnose", action="store_true")
     chosen = parser.parse_args()
     total: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as scratch:
-        for seed in range(chosen.count):
+        for seed in range(len(STYLES) if chosen.styles else chosen.count):
             folder = Path(scratch) / str(seed)
-            truths = make_folder(folder, seed, held_out=chosen.held_out)
+            if chosen.styles:
+                truths = make_styled_folder(folder, seed)
+            else:
+                truths = make_folder(folder, seed, held_out=chosen.held_out)
             try:
                 count, trouble = judge(truths, folder)
                 total += count

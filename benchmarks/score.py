@@ -136,8 +136,10 @@ def score(records: Sequence[Record]) -> list[Line]:
         share("r0 1.1 to 2: truth in the set", "≥ 97 %", 0.97, band, in_set),
         share("r0 < 1.05: adequate or the truth", "≥ 97 %", 0.97, faint, faint_right),
         share("none: a name", "≤ 0.5 %", 0.005, none, misnamed, at_most=True),
-        share("named: RMS after ≤ 1.1 floors", "≥ 99 %", 0.99, named, lambda r: r["after"] <= 1.1 * r["noise"]),
-        share("held-out runs ≤ 1.2 floors", "≥ 95 %", 0.95, held, lambda r: r["held_out_after"] <= 1.2 * r["noise"]),
+        share("named: RMS after ≤ 1.1 × noise floor", "≥ 99 %", 0.99, named, lambda r: r["after"] <= 1.1 * r["noise"]),
+        share(
+            "held-out runs ≤ 1.2 × noise floor", "≥ 95 %", 0.95, held, lambda r: r["held_out_after"] <= 1.2 * r["noise"]
+        ),
         share("pairs, r0 ≥ 2: both named", "≥ 93 %", 0.93, both, right),
         share("pairs, r0 ≥ 2: truth in the set", "≥ 93 %", 0.93, both, in_set),
         share("outside the catalogue: no wrong name", "≥ 97 %", 0.97, outside, lambda r: not misnamed(r)),

@@ -9,7 +9,7 @@ Timed in the same run, on one core:
   while the net force is within the friction band, restarts at every change of the input, rest positions eliminated,
   the fastest of three integrators at a tolerance that suffices, and a start 15 % off the truth;
 - with --tanh: the same with tanh(v/v0) instead of events, which is what most scripts do;
-- the paper's hand method: peaks by `control.step_info`.
+- the paper's peak method: peaks by `control.step_info`.
 """
 
 from __future__ import annotations

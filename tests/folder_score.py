@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from lab_folders import COUNTS_PER_METER, INPUT, POSITION, TIME, Truth
+from lab_folders import INPUT, POSITION, TIME, Truth
 from stepid.io.guess.answers import Answers, open_questions, with_answers
 from stepid.io.guess.draft import Draft
+from stepid.io.guess.spoken import spoken
 from stepid.io.guess.understand import draft_runs
 
 UNITS = ("time unit", "position unit", "input unit")
@@ -50,12 +51,12 @@ def fields(truth: Truth, drafts: Sequence[Draft], folder: Path) -> dict[str, str
     out["table"] = whole or draft.layout.get("decimal", ".") == truth.decimal  # without decimals either mark is right
     time = draft.readings.get("time")
     close = truth.format == "ecp" and time is not None and np.allclose(time, truth.time, atol=1e-3)
-    out["time column"] = close or same(time, truth.time)
+    out["time column"] = close or same(time, None if truth.sample_time else truth.time)
     out["input column"] = same(draft.readings.get("input"), truth.input)
     out["spring"] = draft.spring.value == (truth.spring or "spring")
     states = {field: "right" if ok else "wrong" for field, ok in out.items()}
-    states["time unit"] = _scaled(draft, "time", TIME[truth.time_unit])
-    states["position unit"] = _scaled(draft, "position", POSITION[truth.position_unit])
+    states["time unit"] = _time_unit(draft, truth)
+    states["position unit"] = _scaled(draft, "position", None if draft.turn else POSITION[truth.position_unit])
     states["input unit"] = "asked" if truth.input is None else _scaled(draft, "input", INPUT[truth.input_unit])
     states["mass"] = _mass(draft, truth)
     return states
@@ -72,10 +73,12 @@ def answers_of(key: str, truths: Sequence[Truth]) -> str:
     first = truths[0]
     return {
         "position_unit": first.position_unit,
-        "counts_per_meter": f"{COUNTS_PER_METER:g}",
+        "counts_per_meter": f"{1 / first.scale:.12g}",
+        "sample_time": f"{first.sample_time or 0:g}",
         "time_unit": first.time_unit,
         "input_unit": first.input_unit,
         "step": f"{first.level:g}",
+        "motion": "rotation" if first.position_scale else "translation",
         "weight": "0.5",
         "added_mass": ",".join(f"{truth.real_mass:g}" for truth in truths),
     }[key]
@@ -92,10 +95,7 @@ def asked_by(truths: Sequence[Truth], folder: Path) -> list[str]:
         if key == "position":
             drafts = draft_runs(files_of(truths, folder), {"position": "all"})
             continue
-        text = answers_of(key, truths)
-        said[key] = (
-            tuple(map(float, text.split(","))) if key == "added_mass" else text if "unit" in key else float(text)
-        )
+        said[key] = spoken(key, answers_of(key, truths))
         assert len(keys) < 9, keys
     return keys
 
@@ -110,6 +110,14 @@ def _encoding(truth: Truth, folder: Path) -> str | None:
             return "cp1252"
         return None
     return truth.encoding
+
+
+def _time_unit(draft: Draft, truth: Truth) -> str:
+    if truth.sample_time is None:
+        return _scaled(draft, "time", TIME[truth.time_unit])
+    if draft.sample_time is None:
+        return "asked"
+    return "right" if np.isclose(draft.sample_time.value, truth.sample_time) else "wrong"
 
 
 def _scaled(draft: Draft, role: str, true: float | None) -> str:

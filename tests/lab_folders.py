@@ -12,7 +12,7 @@ from numpy.random import Generator
 import exports
 from lab_words import HELD_OUT, PRACTICE, Words
 
-POSITION = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "µm": 1e-6, "deg": np.pi / 180, "counts": None}
+POSITION = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "µm": 1e-6, "in": 0.0254, "deg": np.pi / 180, "counts": None}
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 INPUT = {"V": 1.0, "mV": 1e-3, "N": 1.0, "A": 1.0}
 COUNTS_PER_METER = 56000.0
@@ -40,6 +40,18 @@ class Truth:
     level: float = 0.5
     sheet: str | None = None
     format: str = "table"
+    sample_time: float | None = None  # s, where no column has the times
+    position_scale: float | None = None  # of counts, where a line above tells it
+
+    @property
+    def scale(self) -> float:
+        """m, or rad, per unit of the position."""
+        return self.position_scale or POSITION[self.position_unit] or 1 / COUNTS_PER_METER
+
+    @property
+    def seconds(self) -> np.ndarray:
+        """Times in s."""
+        return self.time * TIME[self.time_unit]
 
 
 def make_folder(folder: Path, seed: int, *, held_out: bool = False) -> list[Truth]:

@@ -14,13 +14,15 @@ import numpy as np
 
 import stepid
 from folder_score import answers_of, files_of
-from lab_folders import COUNTS_PER_METER, POSITION, TIME, Truth
+from lab_folders import Truth
 
 SOURCE = str(Path(stepid.__file__).parents[1])
 QUESTIONS = {
     "Which column is the position": "position",
     "In which unit is the time": "time_unit",
+    "How many seconds are two samples apart": "sample_time",
     "In which unit is the position": "position_unit",
+    "Does the plant turn": "motion",
     "How many counts are one meter": "counts_per_meter",
     "In which unit is the input": "input_unit",
     "How large was the step": "step",
@@ -67,13 +69,12 @@ def check_campaign(folder: Path, truths: list[Truth]) -> None:
     runs = stepid.read_campaign(folder).experiments
     assert len(runs) == len(truths)
     for truth in truths:
-        scale = POSITION[truth.position_unit] or 1 / COUNTS_PER_METER
         (mine,) = [
             e
             for e in runs
             if e.position.size == truth.position.size
-            and np.allclose(e.position, truth.position * scale, rtol=1e-6, atol=1e-12)
+            and np.allclose(e.position, truth.position * truth.scale, rtol=1e-6, atol=1e-12)
         ]
         assert abs(mine.added_mass - truth.real_mass) < 1e-9
         tolerance = 1e-3 if truth.format == "ecp" else 1e-9
-        np.testing.assert_allclose(mine.time, truth.time * TIME[truth.time_unit], atol=tolerance)
+        np.testing.assert_allclose(mine.time, truth.seconds, atol=tolerance)

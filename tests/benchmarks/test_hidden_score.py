@@ -84,8 +84,8 @@ def test_unexplained_is_right_outside_the_catalogue_and_wrong_inside() -> None:
 
 def test_gaps_parameters_and_errors() -> None:
     fine, poor = record(), record(after=1.2, held_out_after=1.3, parameters={"coulomb_friction.level": (0.33, 0.001)})
-    assert line([fine, poor], "named: RMS after ≤ 1.1 floors").value == 0.5
-    assert line([fine, poor], "held-out runs ≤ 1.2 floors").value == 0.5
+    assert line([fine, poor], "named: RMS after ≤ 1.1 × noise floor").value == 0.5
+    assert line([fine, poor], "held-out runs ≤ 1.2 × noise floor").value == 0.5
     assert line([fine, poor], "95 % intervals cover").value == 0.5
     assert line([fine], "parameter error, median").value == pytest.approx(1 / 300)
     assert line([fine, record(error="ValueError")], "ended in an error").value == 0.5

@@ -56,7 +56,7 @@ def test_prints_the_summary_and_the_hand_method(
     assert run(["diagnose", str(manifest)]) == 0
     out, err = capsys.readouterr()
     assert example.named().summary() in out
-    assert "The hand method beside it" in out
+    assert "The peak method beside it" in out
     assert "pulls each number" in out
     assert stages == ["linear fit"]
     assert err == f"{example.campaign().name}: 4 runs\ndiagnosing: linear fit\n"  # plain lines, for a log
@@ -185,7 +185,7 @@ def test_a_hand_method_that_refuses_is_no_error(
 
     monkeypatch.setattr(stepid, "identify", refuse)
     assert run(["diagnose", str(manifest)]) == 0
-    assert "The hand method cannot use this campaign: too few runs." in capsys.readouterr().out
+    assert "The peak method cannot use this campaign: too few runs." in capsys.readouterr().out
     assert stages
 
 
@@ -253,7 +253,7 @@ def test_one_run_cannot_be_diagnosed(tmp_path: Path, capsys: pytest.CaptureFixtu
 @pytest.mark.slow
 def test_the_made_up_campaign_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["diagnose", str(LAB), "--out", str(tmp_path / "out")]) == 0
-    assert "Coulomb friction is missing" in capsys.readouterr().out
+    assert "A linear model is not adequate: Coulomb friction, 0.2" in capsys.readouterr().out
     found = Diagnosis.model_validate_json((tmp_path / "out" / "diagnosis.json").read_text(encoding="utf-8"))
     assert (found.verdict, found.effects) == ("named", ("coulomb_friction",))
     assert found.gap.after <= 1.1 * found.gap.noise

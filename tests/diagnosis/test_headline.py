@@ -17,6 +17,19 @@ from stepid.fitting.problem import build, fit_linear, start_local
 from stepid.simulation.records import lay_out
 
 
+def test_what_is_named_has_its_size() -> None:
+    d = example.named()
+    level = d.parameters["coulomb_friction.level"]
+    assert answer(d) == f"A linear model is not adequate: Coulomb friction, {level}, is missing."
+    assert d.summary().splitlines()[1] == answer(d)
+    assert answer(d, sizes=False) == "A linear model is not adequate: Coulomb friction is missing."
+    none = {name: value for name, value in d.parameters.items() if "." not in name}
+    assert answer(changed(d, parameters=none)) == answer(d, sizes=False)
+    force = Estimate(value=0.2, uncertainty=0.01, unit="N")
+    several = changed(d, parameters={**d.parameters, "coulomb_friction.rate": force})
+    assert answer(several).endswith(f"Coulomb friction (level {level}, rate 0.200 ± 0.010 N) is missing.")
+
+
 def test_an_open_choice_begins_with_what_is_most_likely_and_its_size() -> None:
     d = example.ambiguous()
     level = d.parameters["coulomb_friction.level"]

@@ -166,7 +166,8 @@ def test_each_verdict_says_its_answer() -> None:
     lost = changed(d, verdict="unexplained", effects=())
     assert "nothing in the catalogue explains why" in lost.summary()
     pair = changed(d, effects=("coulomb_friction", "input_delay"))
-    assert "Coulomb friction and input delay are missing" in pair.summary()
+    level = d.parameters["coulomb_friction.level"]
+    assert f"not adequate: Coulomb friction ({level}) and input delay are missing." in pair.summary()
     assert next_steps(changed(d, effects=("an_effect_of_mine",), advice={})) == ("Keep the effect in the model.",)
     both = next_steps(changed(d, next_experiment="record a step the other way"))
     assert both[0] == "record a step the other way"
@@ -255,7 +256,7 @@ def test_what_the_hand_method_leaves_out_is_said() -> None:
         excluded={"case 5": "no overshoot"},
     )
     table = hand_method_table(example.named(), found)
-    assert table.endswith("by hand, left out: case 5: no overshoot")
+    assert table.endswith("left out by the peak method: case 5: no overshoot")
     assert rows(table, "parameter")["damping[1/2 turn]"][0] == "–"
 
 
@@ -263,8 +264,8 @@ def test_report_says_why_the_hand_method_refused() -> None:
     error = stepid.errors.UndeterminedError("one mass only", "Add a run.")
     first, second = diagnosis_report(example.named(), error)
     assert first.body == example.named().summary()
-    assert second.title == "The hand method beside it"
-    assert second.body == "The hand method cannot use this campaign: one mass only."
+    assert second.title == "The peak method beside it"
+    assert second.body == "The peak method cannot use this campaign: one mass only."
 
 
 def test_it_says_when_the_weights_rule_the_uncertainties() -> None:

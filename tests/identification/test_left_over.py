@@ -41,7 +41,7 @@ def test_a_law_that_is_not_linear_is_warned_of(effect: dict[str, float] | None) 
     ]
     found = stepid.identify(campaign.model_copy(update={"experiments": tuple(runs)}))
     (note,) = warnings(found)
-    assert "stepid.diagnose looks for the cause" in note
+    assert "a diagnosis (stepid.diagnose) looks for the cause" in note
     assert note in found.summary()
     assert "stepid.diagnose" in found._repr_html_()
 

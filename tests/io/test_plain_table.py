@@ -120,5 +120,5 @@ def test_places_name_file_and_line():
     for wrong in (5, -6):
         with pytest.raises(IndexError):
             places[wrong]
-    with pytest.raises(ValueError, match="one stretch"):
+    with pytest.raises(ValueError, match="one segment"):
         places[::2]

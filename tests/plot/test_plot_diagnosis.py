@@ -189,7 +189,7 @@ def test_page_holds_every_panel(make: type[Diagnosis]) -> None:
     assert len(shown) == 3
     (figure,) = {one.figure for one in drawn.values()}
     assert figure.get_size_inches()[0] == pytest.approx(7.2)
-    assert " ".join(figure.get_suptitle().split()) == f"cases 4 to 7: {answer(d)}"
+    assert " ".join(figure.get_suptitle().split()) == f"cases 4 to 7: {answer(d, sizes=False)}"
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels[:2] == ["measured", "linear model"]
     assert labels[-1] == "noise, ±2σ"

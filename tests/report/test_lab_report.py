@@ -34,11 +34,19 @@ def filled(d: stepid.Diagnosis, kind: str, **more: str) -> str:
 def test_every_part_is_filled(kind: str) -> None:
     d = example.named()
     text = filled(d, kind)
-    for part in ("Aim", "Model", "Measurements", "Evaluation by hand", "Parameters", "Discussion", "Data and software"):
+    for part in (
+        "Aim",
+        "Model",
+        "Measurements",
+        "Evaluation by the peak method",
+        "Parameters",
+        "Discussion",
+        "Data and software",
+    ):
         assert f"{'## ' if kind == '.md' else chr(92) + 'section{'}{part}" in text
     assert text.count("lab-records.png") == 1
     assert r"-F_c\,\mathrm{sign}(v)" in text
-    assert "Coulomb friction is missing" in text
+    assert "A linear model is not adequate: Coulomb friction, 0.3" in text
     level = d.parameters["coulomb_friction.level"]
     shown = str(level).removesuffix(" N")
     assert shown in text.replace(r"$\pm$", "±")

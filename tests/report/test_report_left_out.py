@@ -27,7 +27,7 @@ def _no_windows() -> None:
 
 
 def with_a_copy() -> Diagnosis:
-    """The example's campaign with two more runs, which the diagnosis leaves out and the hand method uses."""
+    """The example's campaign with two more runs, which the diagnosis leaves out and the peak method uses."""
     d = example.named()
     assert d.data is not None
     first, second = (

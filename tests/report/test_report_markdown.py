@@ -35,7 +35,8 @@ def test_the_same_story_with_pictures_beside_it(tmp_path: Path) -> None:
     target = d.to_markdown(tmp_path / "note of today.md")
     text = target.read_text(encoding="utf-8")
     assert text.startswith(
-        "# cases 4 to 7: diagnosis\n\n**A linear model is not adequate: Coulomb friction is missing.**"
+        "# cases 4 to 7: diagnosis\n\n**A linear model is not adequate: Coulomb friction, "
+        f"{d.parameters['coulomb_friction.level']}, is missing.**"
     )
     assert [int(n) for n in re.findall(r"^## (\d+)\. ", text, re.MULTILINE)] == list(range(1, 11))
     linked = [unquote(name) for name in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", text)]

@@ -39,7 +39,7 @@ TITLES = [
     "What to do next",
     "Notes",
     "The runs",
-    "The hand method",
+    "The peak method",
     "Verification responses",
     "Provenance",
 ]
@@ -70,7 +70,7 @@ def test_the_story_is_told_in_order(page: str) -> None:
 
 def test_what_the_diagnosis_says_stands_in_the_page(page: str) -> None:
     d, text = example.named(), Tags(page).text
-    for sentence in (*d.reasons, "A linear model is not adequate: Coulomb friction is missing."):
+    for sentence in (*d.reasons, "A linear model is not adequate: Coulomb friction, ", " is missing."):
         assert sentence in text
     for rms in (d.gap.before, d.gap.after, d.gap.noise, d.gap.held_out_before, d.gap.held_out_after):
         assert rms is not None
@@ -86,7 +86,9 @@ def test_what_the_named_effect_measures_stands_on_a_card_and_in_the_story(page: 
     number, spread = str(level).removesuffix(" N").split(" ± ")
     assert abs(float(number) - example.LEVEL) < 0.01
     assert f"<div><dt>Coulomb friction, level</dt><dd>{number} N<small>± {spread} N</small></dd></div>" in page
-    assert f"Coulomb friction is missing. Coulomb friction: level {level}." in Tags(page).text
+    said = f"A linear model is not adequate: Coulomb friction, {level}, is missing."
+    assert Tags(page).text.replace("\u00a0", " ").count(said) == 2  # above all, and in the story
+    assert f"Coulomb friction: level {level}." not in Tags(page).text
     assert found_sizes(example.adequate()) == []
     tiny = changed(d, parameters=d.parameters | {"coulomb_friction.level": Estimate(value=3e-11, uncertainty=2e-12)})
     open_ = changed(d, parameters=d.parameters | {"coulomb_friction.level": Estimate(value=3.0, unit="N")})
@@ -258,7 +260,7 @@ def test_a_hand_method_that_refuses_says_why() -> None:
     d = example.named()
     error = stepid.errors.UndeterminedError("too few runs", "Add one.")
     chapters = {chapter.name: chapter for chapter in tell(d, error, provenance.of_data(d))}
-    assert chapters["by-hand"].lead == "The hand method cannot use this campaign: too few runs. Add one."
+    assert chapters["by-hand"].lead == "The peak method cannot use this campaign: too few runs. Add one."
     assert not chapters["by-hand"].tables
     assert not chapters["verification"].pictures
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from html import unescape
+from typing import Any
 
 import panel as pn
 import pytest
@@ -15,11 +17,16 @@ from stepid.diagnosis.result import Diagnosis
 from stepid.report.equation import numbers
 from stepid.webapp.session import Session
 from stepid.webapp.views.diagnosis import DiagnosisView
-from stepid.webapp.work import Status
+from stepid.webapp.work import Status, Work
+
+
+def at_once(work: Work[Any], done: Callable[[Status[Any]], None]) -> None:
+    work.start().wait()
+    done(work.status)
 
 
 def shown(d: Diagnosis) -> pn.Column:
-    view = DiagnosisView(Session(), lambda: None)
+    view = DiagnosisView(Session(), lambda: None, at_once)
     view.end(Status(stage=Progress("done"), seconds=1.0, running=False, result=d), None)
     return view._found
 
@@ -47,6 +54,21 @@ def test_the_numbers_that_were_found_are_seen_at_once() -> None:
     assert titles == ["Where they part", "The whole answer as text"]
 
 
+def test_the_answer_is_there_before_its_pictures() -> None:
+    d, waiting = example.named(), []
+    view = DiagnosisView(Session(), lambda: None, lambda work, done: waiting.append((work, done)))
+    view.end(Status(stage=Progress("done"), seconds=1.0, running=False, result=d), None)
+    assert words(view._found).strip().startswith(answer(d))
+    assert words(view._found).endswith("Drawing the pictures … ")
+    late = waiting[:]
+    at_once(*waiting.pop())
+    assert "Drawing" not in words(view._found)
+    assert "The joint fit" in words(view._found)
+    view.clear(ready=True)
+    late[0][1](late[0][0].status)  # pictures of an answer that is gone
+    assert words(view._found) == ""
+
+
 def test_what_would_close_an_open_choice_stands_beside_it() -> None:
     head = words(shown(example.ambiguous())[0])
     assert re.search(r"Most likely Coulomb friction, 0\.\d+ ± 0\.\d+ N; these data do not tell it from", head)
@@ -55,6 +77,6 @@ def test_what_would_close_an_open_choice_stands_beside_it() -> None:
 
 @pytest.mark.parametrize(("promise", "said"), [(0.0, "7"), (0.2, "7; the most promising may explain 20 %")])
 def test_progress_says_what_is_left_to_try(promise: float, said: str) -> None:
-    view = DiagnosisView(Session(), lambda: None)
+    view = DiagnosisView(Session(), lambda: None, at_once)
     view.watch(Status(stage=Progress("cogging", left=7, promise=promise), seconds=1.0, running=True))
     assert f"<dt>left to try</dt><dd>{said}" in view._progress.object

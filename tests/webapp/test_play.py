@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import stepid
+from stepid.core.estimate import Estimate
 from stepid.core.quantities import CART, quantities_of
+from stepid.diagnosis.wording import length
 from stepid.webapp import pictures, play
 from stepid.webapp.play import NONE, Bench
 
@@ -30,7 +32,7 @@ def test_without_an_effect_it_is_the_linear_fit(bench: Bench) -> None:
     expected = stepid.simulate(bench.linear, bench.campaign)["case 4"]
     np.testing.assert_allclose(simulated, expected, rtol=0, atol=1e-9)
     left = np.sqrt(np.mean((bench.campaign["case 4"].position - simulated) ** 2))
-    assert said == f"{1e6 * left:.4g} µm RMS are left."
+    assert said == f"{length(left)} RMS are left."
 
 
 @pytest.mark.parametrize("effect", [effect.name for effect in stepid.effects.CATALOGUE])
@@ -44,6 +46,18 @@ def test_every_effect_has_knobs_whose_ends_can_be_reached(bench: Bench, effect: 
         assert simulated is None or np.isfinite(simulated).all()
         drawn = pictures.played(bench.campaign["case 5"], simulated, reach=play.reach(bench, "case 5"), say=CART)
         assert len(drawn["data"]) == (1 if simulated is None else 3)
+
+
+def test_knobs_are_shown_in_the_units_of_the_tables(bench: Bench) -> None:
+    for effect in stepid.effects.CATALOGUE:
+        for parameter, knob in zip(effect.parameters, play.knobs(bench, "case 5", effect.name)[4:], strict=True):
+            shown, unit = Estimate(value=knob.value or knob.high, unit=parameter.unit).shown
+            assert knob.label.endswith(f" [{unit}]" if unit else parameter.name.replace("_", " "))
+            number = (knob.value or knob.high) / knob.scale
+            assert float(shown.removesuffix(" (undetermined)")) == pytest.approx(number, rel=1e-4)
+    (delay,) = play.knobs(bench, "case 5", "input_delay")[4:]
+    assert delay.label == "delay [ms]"
+    assert delay.scale == 1e-3
 
 
 def test_a_fit_turns_the_knobs_to_the_best(bench: Bench) -> None:

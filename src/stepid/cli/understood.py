@@ -16,14 +16,17 @@ from stepid.io.guess.sources import is_unsure, understood
 if TYPE_CHECKING:
     from stepid.io.guess.draft import Draft
 
+_WORD = 24  # letters; a longer name may be broken
+
 
 def show(screen: Console, drafts: Sequence[Draft]) -> None:
     """Print what was understood; what is not known is ``?``, what is taken by its size alone ends in ``?``."""
     columns = understood(drafts)
     table = Table(box=None, pad_edge=False, header_style="bold")
     kept = ("record", quantities_of_drafts(drafts).text("added mass"))
-    for title in columns:
-        table.add_column(title, overflow="fold", no_wrap=title in kept)
+    for title, cells in columns.items():
+        words = max(len(word) for text in (title, *cells) for word in (text.split() or [""]))
+        table.add_column(title, overflow="fold", no_wrap=title in kept, min_width=min(words, _WORD))
     for row in zip(*columns.values(), strict=True):
         table.add_row(*map(Text, row))
     screen.print(table, soft_wrap=False)

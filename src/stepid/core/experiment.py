@@ -17,7 +17,7 @@ from stepid.core.mass_offset import MassOffset as MassOffset
 from stepid.core.mass_offset import chained
 from stepid.core.quantities import InputUnit, Motion, in_own_quantities, middle_dot
 from stepid.core.samples import CLOSE, InputBetween, Starts, check_samples, off_even_clock
-from stepid.core.slices import stretch
+from stepid.core.slices import segment
 from stepid.core.takes import described
 from stepid.core.tidy import run_fields
 from stepid.core.units import record
@@ -105,7 +105,7 @@ class Experiment(Model):
         until: float | None = None,
         name: str | None = None,
     ) -> Self:
-        """Return a stretch of the record, which starts in motion unless it begins where the record does.
+        """Return a segment of the record, which starts in motion unless it begins where the record does.
 
         Parameters
         ----------
@@ -114,7 +114,7 @@ class Experiment(Model):
         after, until : float, optional
             s on the record's clock, in place of `first` and `last`; the sample at `until` is included.
         name : str, optional
-            Of the stretch; the record's by default.
+            Of the segment; the record's by default.
 
         Returns
         -------
@@ -125,7 +125,7 @@ class Experiment(Model):
         stepid.errors.InputError
             If a bound is given twice or is no number, or fewer than 8 samples are left.
         """
-        fields = stretch(self, first, last, after=after, until=until, name=name)
+        fields = segment(self, first, last, after=after, until=until, name=name)
         return type(self)(**fields)._bearing(self.provenance)
 
     @classmethod

@@ -35,7 +35,7 @@ def noise_level(position: Array, *, resolution: float | None = None) -> float:
     Parameters
     ----------
     position : array, shape (n,)
-        m; best of a stretch where little moves.
+        m; best of a segment where little moves.
     resolution : float or None
         m per count; the result is not below resolution/√12, the spread of rounding.
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _FEWEST = 8  # samples of a record
 
 
-def stretch(
+def segment(
     run: Experiment,
     first: int | None,
     last: int | None,
@@ -24,7 +24,7 @@ def stretch(
     until: float | None = None,
     name: str | None = None,
 ) -> dict[str, Any]:
-    """Fields of a stretch of a record; see `stepid.Experiment.slice`."""
+    """Fields of a segment of a record; see `stepid.Experiment.slice`."""
     who = f"run {run.name!r}"
     for index, moment, names in ((first, after, ("first", "after")), (last, until, ("last", "until"))):
         if index is not None and moment is not None:

@@ -13,13 +13,16 @@ if TYPE_CHECKING:
 _MOST = 4  # sizes that a sentence bears
 
 
-def answer(d: Diagnosis) -> str:
-    """The verdict as a sentence; an open choice begins with what is most likely, and its size."""
+def answer(d: Diagnosis, *, sizes: bool = True) -> str:
+    """The verdict as a sentence; an open choice begins with what is most likely, and its size.
+
+    Without `sizes` effects that are named stand alone, as in the title of a picture.
+    """
     if d.verdict == "adequate":
         return "A linear model is adequate."
     if d.verdict == "named":
-        verb = "is" if len(d.effects) == 1 else "are"
-        return f"A linear model is not adequate: {effect_names(d.effects)} {verb} missing."
+        found = _sized(d) if sizes else effect_names(d.effects)
+        return f"A linear model is not adequate: {found}{_verb(d, found, 'is', 'are')} missing."
     if d.verdict == "ambiguous":
         return _open_choice(d)
     return "A linear model is not adequate, and nothing in the catalogue explains why."
@@ -47,14 +50,19 @@ def advice_beside(d: Diagnosis) -> str:
 def _open_choice(d: Diagnosis) -> str:
     found, one = _sized(d), len(d.effects) == 1
     if not d.alternatives:
-        verb, comma = ("explains", ",") if one and "," in found else ("explains" if one else "explain", "")
         return (
-            f"{found[:1].upper()}{found[1:]}{comma} {verb} the misfit; errors of the added masses within their "
-            "uncertainty would, too."
+            f"{found[:1].upper()}{found[1:]}{_verb(d, found, 'explains', 'explain')} the misfit; errors of the added "
+            "masses within their uncertainty would, too."
         )
     likely = "Most likely" if _is_likeliest(d) else "Possibly"
     others = [candidate_name(names) for names in d.alternatives]
     return f"{likely} {found}; these data do not tell {'it' if one else 'them'} from {listed(others, 'or')}."
+
+
+def _verb(d: Diagnosis, found: str, one: str, several: str) -> str:
+    """The verb behind the effects, with the comma that closes a size between commas."""
+    comma = "," if found.startswith(f"{effect_names(d.effects)}, ") else ""
+    return f"{comma} {one if len(d.effects) == 1 else several}"
 
 
 def _sized(d: Diagnosis) -> str:

@@ -1,4 +1,4 @@
-"""What else a diagnosis noticed: runs and stretches left out, repeats that differ, clipped records, open parameters."""
+"""What else a diagnosis noticed: runs and segments left out, repeats that differ, clipped records, open parameters."""
 
 from __future__ import annotations
 

@@ -68,9 +68,14 @@ def telling(progress: Tell | bool | None, *, line: Callable[[Progress], str] | N
         yield lambda stage: None
 
 
+def stage_words(stage: Progress) -> str:
+    """Write what is done next: names of effects as people speak, sentences as they are."""
+    return str(stage) if "." in stage else effect_names((stage,))
+
+
 def stage_line(stage: Progress) -> str:
     """Write a stage on one line: what is tried, the best answer so far, what is left to try and what that promises."""
-    parts = [effect_names((stage,))]
+    parts = [stage_words(stage)]
     if stage.best or stage.left:
         parts.append(f"best so far: {effect_names(stage.best) or 'linear model'}")
     if stage.left:

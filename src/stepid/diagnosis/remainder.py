@@ -17,8 +17,8 @@ from stepid.fitting.weak_form import measured_motion
 
 _TOLD = 0.3  # share of the rest that a shape must take to be told
 _BESIDE = 0.5  # of the largest share: a shape that takes less is not told beside it
-_PIECE = 0.2  # of the period: stretches of motion shorter than this are not independent
-_PLENTY = 2.0  # independent stretches a coefficient, the least that tell a shape
+_PIECE = 0.2  # of the period: segments of motion shorter than this are not independent
+_PLENTY = 2.0  # independent segments a coefficient, the least that tell a shape
 _APART = 0.15  # of the natural frequency: a swing nearer than this is the plant's own
 _SINGLED = 2.0  # times its even share of what a shape takes, that makes a run one of those that are named
 _RUNS = 3  # named at most

@@ -183,7 +183,7 @@ class Diagnosis(Written):
     reasons : tuple of str
         Why the verdict is what it is, in words.
     notes : tuple of str
-        What else was noticed: stretches left out, undetermined parameters, suspected mistakes in the manifest.
+        What else was noticed: segments left out, undetermined parameters, faults of the manifest that the data show.
     ranking : tuple of Ranked
         Candidates, best first; the linear model is the entry without effects.
     runs : tuple of RunGap
@@ -200,7 +200,7 @@ class Diagnosis(Written):
     faults : tuple of RecordFault
         Faults of single records.
     data : Campaign or None
-        What was diagnosed, kept so that a report can show the hand method beside it.
+        What was diagnosed, kept so that a report can show the peak method beside it.
     motion, input_unit : str
         Of the campaign, see `stepid.Campaign`.
     """

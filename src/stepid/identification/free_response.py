@@ -43,7 +43,7 @@ def find_extrema(time: Array, position: Array, *, rest: float, noise: float, pea
     Returns
     -------
     Extrema
-        Without stretches at the edge of the record, where the turning point may lie outside.
+        Without segments at the edge of the record, where the turning point may lie outside.
     """
     swing = position - rest
     threshold = max(_SMALL * float(np.abs(swing).max()), 6 * noise)

@@ -11,8 +11,8 @@ from stepid.core.base import Array, Model
 from stepid.core.takes import able, optional
 from stepid.identification.second_order import damping_ratio, natural_frequency
 
-_WINDOW = 0.25  # half width of the fitted stretch, as a fraction of the peak time
-_POINTS = 9  # at least so many samples in the stretch
+_WINDOW = 0.25  # half width of the fitted segment, as a fraction of the peak time
+_POINTS = 9  # at least so many samples in the segment
 # degree of the polynomial, and what cutting the series there leaves in closed forms of damping ratio 0.1 to 0.6:
 # of the time, as a fraction of the half width, and of the height, as a fraction of it
 _CUT = ((5, 1e-4, 1e-5), (3, 5e-3, 1e-3))
@@ -152,7 +152,7 @@ def fit_peak(time: Array, swing: Array, near: float, half_width: float, *, noise
     near : float
         s, first guess of its time.
     half_width : float
-        s, half the stretch to fit; widened to hold enough samples.
+        s, half the segment to fit; widened to hold enough samples.
     noise : float
         m, standard deviation of a reading.
 

@@ -199,6 +199,6 @@ def warning(found: Iterable[Remainder | None]) -> str | None:
         return None
     return (
         f"The best linear response of each run leaves {1e6 * left:.3g} µm, and the noise is {1e6 * noise:.3g} µm: the "
-        "uncertainties hold for a linear plant, and the true values may lie far outside of them; stepid.diagnose looks "
-        "for the cause."
+        "uncertainties hold for a linear plant, and the true values may lie far outside of them; a diagnosis "
+        "(stepid.diagnose) looks for the cause."
     )

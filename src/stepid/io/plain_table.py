@@ -41,11 +41,11 @@ class Places(Sequence[str]):
     @overload
     def __getitem__(self, index: slice) -> Places: ...
     def __getitem__(self, index: int | slice) -> str | Places:
-        """Return the place of a row, or those of a stretch of rows."""
+        """Return the place of a row, or those of a segment of rows."""
         if isinstance(index, slice):
             first, last, step = index.indices(len(self))
             if step != 1:
-                raise ValueError("rows are kept in one stretch")
+                raise ValueError("rows are kept in one segment")
             return Places(tuple(self._between(first, last)))
         i = range(len(self))[index]
         file, lines = next(self._between(i, i + 1))

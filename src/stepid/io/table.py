@@ -105,7 +105,7 @@ def read_table(
         Of a workbook (``.xlsx``), the first by default. Its cells are read as they are stored: decimal marks do not
         matter.
     start, stop : int
-        Rows to keep, counted from 0 over the joined files, `stop` not included: for stretches in which the plant
+        Rows to keep, counted from 0 over the joined files, `stop` not included: for segments in which the plant
         was switched off.
 
     Returns

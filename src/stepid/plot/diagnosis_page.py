@@ -80,7 +80,7 @@ def diagnosis(d: Diagnosis, *, runs: Sequence[str] = (), axes: Mapping[str, Axes
         drawn["position"].set_ylabel("")
         drawn["phases"] = phase_bars(d, axes=figure.add_subplot(bottom[0]))
         drawn["candidates"] = candidates(d, axes=figure.add_subplot(bottom[1:]))
-        title = textwrap.fill(f"{d.campaign}: {answer(d)}", 100)
+        title = textwrap.fill(f"{d.campaign}: {answer(d, sizes=False)}", 100)
         figure.suptitle(title, x=0.01, ha="left", fontsize=9)
     shown = [names[0], f"{names[0]} residual"] if names else ["gap"]
     one_legend([drawn[key] for key in shown], list(drawn.values()), loc="outside lower center")

@@ -25,7 +25,7 @@ def records(d: Diagnosis) -> Picture:
 
 
 def verification(verified: Verification) -> Picture:
-    """The hand method's models against the records."""
+    """The peak method's models against the records."""
     said = "; ".join(f"{run.name} fit {run.fit_percent:.1f} %" for run in verified.runs)
     return Picture(
         name="verification",

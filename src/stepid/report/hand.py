@@ -1,4 +1,4 @@
-"""The paper's hand method on the campaign of a diagnosis: stacked system, solution, verification, or why not."""
+"""The paper's peak method on the campaign of a diagnosis: stacked system, solution, verification, or why not."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from stepid.identification.transfer.verify import verify
 
 
 class HandMethod(Model):
-    """What the hand method makes of a campaign.
+    """What the peak method makes of a campaign.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class HandMethod(Model):
 
 
 Hand = HandMethod | IdentificationError | None
-"""What the hand method makes of a diagnosis, or why nothing; None where the diagnosis does not know its campaign."""
+"""What the peak method makes of a diagnosis, or why nothing; None where the diagnosis does not know its campaign."""
 
 
 @in_own_quantities

@@ -57,7 +57,7 @@ def pictures(d: Diagnosis, verified: Sequence[VerificationRun]) -> dict[str, Any
     ----------
     d : Diagnosis
     verified : sequence of VerificationRun
-        Of the hand method; empty where it has none.
+        Of the peak method; empty where it has none.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""How far a missing effect pulls each number: the hand method and the linear fit beside the final model."""
+"""How far a missing effect pulls each number: the peak method and the linear fit beside the final model."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def hand_method_table(diagnosis: Diagnosis, identified: IdentifiedParameters) ->
     -------
     str
         A table: value ± standard uncertainty by three routes, and how far from the last the first two are, in per cent.
-        The force gain of the hand method is the mean of K·k of its runs, their scatter its uncertainty.
+        The force gain of the peak method is the mean of K·k of its runs, their scatter its uncertainty.
     """
     header, rows = hand_method_rows(diagnosis, identified)
     parts = []
@@ -39,7 +39,9 @@ def hand_method_table(diagnosis: Diagnosis, identified: IdentifiedParameters) ->
         )
     parts.append(text_table(header, rows))
     if identified.excluded:
-        parts.append("\n".join(f"by hand, left out: {name}: {why}" for name, why in identified.excluded.items()))
+        parts.append(
+            "\n".join(f"left out by the peak method: {name}: {why}" for name, why in identified.excluded.items())
+        )
     return "\n\n".join(parts)
 
 
@@ -59,12 +61,12 @@ def hand_method_rows(
             cells.append(_cell(final))
             off.append(_percent(_off(linear, final)))
         rows.append((name, *cells, final.unit, *off))
-    added = ("with the effect", "unit", "by hand", "linear fit") if diagnosis.effects else ("unit", "by hand")
-    return ("parameter", "by hand (Eq. 10)", "joint fit, linear", *added), rows
+    added = ("with the effect", "unit", "by peaks", "linear fit") if diagnosis.effects else ("unit", "by peaks")
+    return ("parameter", "by peaks (Eq. 10)", "joint fit, linear", *added), rows
 
 
 def _by_hand(found: IdentifiedParameters, *, several: bool) -> dict[str, Estimate]:
-    """The hand method's numbers under the joint fit's names."""
+    """The peak method's numbers under the joint fit's names."""
     u = found.uncertainty
     out: dict[str, Estimate] = {}
 

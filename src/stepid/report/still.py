@@ -23,7 +23,7 @@ def stills(d: Diagnosis, verified: Verification | None) -> Stills:
     ----------
     d : Diagnosis
     verified : Verification or None
-        Of the hand method, if it has any.
+        Of the peak method, if it has any.
 
     Returns
     -------

@@ -38,7 +38,7 @@ from stepid.report.thin import MOST
 
 
 def tell(d: Diagnosis, hand: Hand, provenance: Provenance) -> tuple[Chapter, ...]:
-    """Tell what was measured, how the hand method and the linear fit fare, what is missing, and what next.
+    """Tell what was measured, how the peak method and the linear fit fare, what is missing, and what next.
 
     Parameters
     ----------
@@ -87,22 +87,22 @@ def _left_out(d: Diagnosis, hand: Hand) -> tuple[str, ...]:
         return ()
     said = f"Left out of the diagnosis and its pictures: {', '.join(names)}."
     if isinstance(hand, HandMethod) and (still := [name for name in names if name in hand.found.masses]):
-        said += f" The hand method, which screens no records, uses {', '.join(still)} all the same."
+        said += f" The peak method, which screens no records, uses {', '.join(still)} all the same."
     return (said, *(note for note in d.notes if any(repr(name) in note for name in names)))
 
 
 def _refusal(hand: IdentificationError | None) -> str:
     if hand is None:
-        return "The diagnosis was made without its campaign at hand, so the hand method cannot be shown."
-    return f"The hand method cannot use this campaign: {hand.cause}. {hand.remedy}".rstrip()
+        return "The diagnosis was made without its campaign at hand, so the peak method cannot be shown."
+    return f"The peak method cannot use this campaign: {hand.cause}. {hand.remedy}".rstrip()
 
 
 def _by_hand(hand: Hand) -> Chapter:
     if not isinstance(hand, HandMethod):
-        return Chapter(name="by-hand", title="The hand method", lead=_refusal(hand))
+        return Chapter(name="by-hand", title="The peak method", lead=_refusal(hand))
     return Chapter(
         name="by-hand",
-        title="The hand method",
+        title="The peak method",
         lead="The paper's way. From the first peak of each record come its damped frequency ω_d and damping ratio ζ. "
         "Each run gives a row m·ω_d² − k·(1 − ζ²) = 0 (Eq. 6), each known weight a row for a difference of masses "
         "(Eq. 9). "
@@ -118,7 +118,7 @@ def _by_hand(hand: Hand) -> Chapter:
 def _verification(d: Diagnosis, hand: Hand) -> Chapter:
     name, title = "verification", "Verification responses"
     if not isinstance(hand, HandMethod):
-        return Chapter(name=name, title=title, lead="There are none without the hand method's models.")
+        return Chapter(name=name, title=title, lead="There are none without the peak method's models.")
     fits = [run.fit_percent for run in hand.verified.runs]
     return Chapter(
         name=name,
@@ -202,7 +202,7 @@ def _parameters(d: Diagnosis, hand: Hand) -> Chapter:
         header, rows = hand_method_rows(d, hand.found)
         tables.append(
             Table(
-                caption="The hand method beside it", header=header, rows=_in_words(rows), words=(header.index("unit"),)
+                caption="The peak method beside it", header=header, rows=_in_words(rows), words=(header.index("unit"),)
             )
         )
     missing = f" Without {effect_names(d.effects)} the linear plant bends its own numbers to make up for it."

@@ -109,7 +109,7 @@ def found_tables(found: IdentifiedParameters) -> tuple[Table, ...]:
     ]
     if found.excluded:
         left_out = tuple(found.excluded.items())
-        tables.append(Table(caption="Left out by the hand method", header=("run", "why"), rows=left_out, words=(1,)))
+        tables.append(Table(caption="Left out by the peak method", header=("run", "why"), rows=left_out, words=(1,)))
     return tuple(tables)
 
 

@@ -12,7 +12,7 @@ from stepid.report.section import Section
 
 @in_own_quantities
 def diagnosis_report(diagnosis: Diagnosis, identified: IdentifiedParameters | StepidError) -> tuple[Section, ...]:
-    """Write a diagnosis, and the hand method beside it.
+    """Write a diagnosis, and the peak method beside it.
 
     Parameters
     ----------
@@ -26,10 +26,10 @@ def diagnosis_report(diagnosis: Diagnosis, identified: IdentifiedParameters | St
     tuple of Section
     """
     if isinstance(identified, StepidError):
-        beside = f"The hand method cannot use this campaign: {identified.cause}."
+        beside = f"The peak method cannot use this campaign: {identified.cause}."
     else:
         beside = hand_method_table(diagnosis, identified)
     return (
         Section(title="Diagnosis", body=diagnosis.summary()),
-        Section(title="The hand method beside it", body=beside),
+        Section(title="The peak method beside it", body=beside),
     )

@@ -1,4 +1,4 @@
-"""Fewer samples for the screen: the extremes of every stretch stay, and the page says so."""
+"""Fewer samples for the screen: the extremes of every segment stay, and the page says so."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ def kept_samples(*curves: Array, most: int = MOST) -> npt.NDArray[np.intp]:
     Returns
     -------
     array of int
-        Indices in order: all where there are few enough, else the first, the last, and of each of equal stretches the
+        Indices in order: all where there are few enough, else the first, the last, and of each of equal segments the
         samples at which a curve is least and largest.
     """
     n = curves[0].size
     if n <= most:
         return np.arange(n)
-    stretches = np.array_split(np.arange(n), max((most - 2) // (2 * len(curves)), 1))
+    segments = np.array_split(np.arange(n), max((most - 2) // (2 * len(curves)), 1))
     kept = {0, n - 1}
-    for stretch in stretches:
+    for segment in segments:
         for curve in curves:
-            part = curve[stretch]
-            kept |= {int(stretch[part.argmin()]), int(stretch[part.argmax()])}
+            part = curve[segment]
+            kept |= {int(segment[part.argmin()]), int(segment[part.argmax()])}
     return np.array(sorted(kept))

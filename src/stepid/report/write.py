@@ -89,7 +89,7 @@ def write_all(diagnosis: Diagnosis, provenance: Provenance, folder: Path) -> Non
 
 
 def hand_of(diagnosis: Diagnosis) -> Hand:
-    """Go the hand method's way on the campaign of a diagnosis; None where it is not known."""
+    """Go the peak method's way on the campaign of a diagnosis; None where it is not known."""
     return None if diagnosis.data is None else by_hand(diagnosis.data)
 
 

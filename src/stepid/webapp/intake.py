@@ -21,7 +21,7 @@ _BY_ROW = ("added_mass", "weight")  # the table asks for them
 _COLUMNS = ("time", "position", "input")
 NAME = "my campaign"
 SETTINGS: Mapping[str, str] = {
-    "position_unit": "Unit of the position: m, cm, mm, um, deg, rad, counts, or meters per unit",
+    "position_unit": "Unit of the position: m, cm, mm, um, in, deg, rad, counts, or meters per unit",
     "counts_per_meter": "Counts of one meter",
     "time_unit": "Unit of the time: s, ms, us, or seconds per unit",
     "sample_time": "Seconds between two samples",

@@ -10,10 +10,11 @@ import numpy as np
 
 import stepid
 from stepid.core.base import Array
+from stepid.core.estimate import prefixed
 from stepid.core.experiment import Campaign
 from stepid.core.quantities import quantities_of
 from stepid.diagnosis.result import Diagnosis
-from stepid.diagnosis.wording import effect_names
+from stepid.diagnosis.wording import effect_names, length
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.effects.base import Parameter
 from stepid.errors import StepidError
@@ -26,7 +27,10 @@ _STEPS = 200  # of a knob
 
 @dataclass(frozen=True)
 class Knob:
-    """One number that can be turned: its key, words with its unit, bounds, step and value."""
+    """One number that can be turned: its key, words with the unit that it is shown in, bounds, step and value.
+
+    Numbers are in SI units; divided by `scale` they are in the unit that is shown, mm where tables have mm.
+    """
 
     key: str
     label: str
@@ -34,6 +38,7 @@ class Knob:
     high: float
     step: float
     value: float
+    scale: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -126,9 +131,8 @@ def response(at: Bench, run: str, model: PlantModel) -> tuple[Array | None, str]
         simulated = stepid.simulate(model, at.campaign[[run]])[run]
     except StepidError as error:
         return None, str(error)
-    return simulated, quantities_of(at.campaign).text(
-        f"{1e6 * float(np.sqrt(np.mean((one.position - simulated) ** 2))):.4g} µm RMS are left."
-    )
+    left = length(float(np.sqrt(np.mean((one.position - simulated) ** 2))))
+    return simulated, quantities_of(at.campaign).text(f"{left} RMS are left.")
 
 
 def reach(at: Bench, run: str) -> float:
@@ -157,8 +161,15 @@ def _own(effect: str, parameter: Parameter, value: float, drift: float) -> Knob:
     far = {"rad": math.pi, "m/s": drift}.get(parameter.unit, 1.0) if value == 0 else 4 * abs(value)
     low = max(parameter.lower, -far)
     high = min(parameter.upper, far)
-    unit = f" [{parameter.unit}]" if parameter.unit else ""
-    return Knob(f"{effect}.{parameter.name}", parameter.name.replace("_", " ") + unit, *_round(low, high), value)
+    scale, unit = _shown_in(value or high, parameter.unit)
+    label = parameter.name.replace("_", " ") + (f" [{unit}]" if unit else "")
+    return Knob(f"{effect}.{parameter.name}", label, *_round(low, high), value, scale)
+
+
+def _shown_in(value: float, unit: str) -> tuple[float, str]:
+    """The unit in which tables show a value, and how much of the SI unit it is."""
+    shown = prefixed(value, None, unit)[2]
+    return (1.0 if shown == unit else 1e-3), shown
 
 
 def _round(low: float, high: float) -> tuple[float, float, float]:

@@ -56,7 +56,7 @@ def with_answers(drafts: Sequence[Draft], answers: Answers) -> tuple[Draft, ...]
     if answers.motion not in (None, *MOTIONS):
         raise InputError(f"motion is {answers.motion!r}", f"Give {' or '.join(MOTIONS)}.")
     if answers.motion is not None:
-        drafts = [draft.having(motion=Found(answers.motion, SAID)) for draft in drafts]
+        drafts = [_moving(draft, Found(answers.motion, SAID)) for draft in drafts]
     out = [
         _signed(_with_times(_with_units(_with_labels(draft, mass, spring, damper, answers), answers), answers))
         for draft, mass, spring, damper in zip(drafts, masses, springs, dampers, strict=True)
@@ -65,6 +65,13 @@ def with_answers(drafts: Sequence[Draft], answers: Answers) -> tuple[Draft, ...]
     # one encoder, one sign: a single run that seems to go the other way is no proof of it
     falling = directions == {True} or _said_to_fall(answers)
     return tuple(_turned(draft.having(falling=falling)) for draft in out)
+
+
+def _moving(draft: Draft, motion: Found[str]) -> Draft:
+    """Say how the plant moves; where it turns, the encoder's angle is that of the plant."""
+    if motion.value == "rotation" and draft.turn is not None and _is_counts(draft, "position"):
+        draft = draft.having(scales={**draft.scales, "position": draft.turn})
+    return draft.having(motion=motion)
 
 
 def _turned(draft: Draft) -> Draft:
@@ -105,13 +112,19 @@ def open_questions(drafts: Sequence[Draft]) -> tuple[Question, ...]:
         ),
         Question(
             "position_unit",
-            "In which unit is the position: m, cm, mm, um, deg, rad or counts?",
+            "In which unit is the position: m, cm, mm, um, in, deg, rad or counts?",
             about(*(d for d in tables if "position" in d.columns and _open_unit(d, "position"))),
+        ),
+        Question(
+            "motion",
+            "The files tell the encoder's counts of a revolution. Does the plant turn (rotation) or move along "
+            "(translation)?",
+            about(*(d for d in drafts if _may_turn(d))),
         ),
         Question(
             "counts_per_meter",
             "How many counts are one meter?",
-            about(*(d for d in drafts if _is_counts(d, "position"))),
+            about(*(d for d in drafts if _is_counts(d, "position") and not _may_turn(d))),
         ),
         Question(
             "input_unit",
@@ -274,6 +287,10 @@ def _needs_sample_time(draft: Draft) -> bool:
 
 def _open_unit(draft: Draft, role: str) -> bool:
     return draft.scale(role) is None and not _is_counts(draft, role)
+
+
+def _may_turn(draft: Draft) -> bool:
+    return draft.turn is not None and draft.motion is None and _is_counts(draft, "position")
 
 
 def _is_counts(draft: Draft, role: str) -> bool:

@@ -42,8 +42,9 @@ class Draft:
     """One run of a campaign in the making.
 
     `columns` has the column of each role, by name or index, `readings` its numbers as they stand in the file, shape
-    (n,), `units` its unit as in `SCALES`, or ``"counts"``. `scales` are SI units per count, `doubts` what no reader can
-    make up for: a missing column, lines that are no rows.
+    (n,), `units` its unit as in `SCALES`, or ``"counts"``. `scales` are SI units per count, `turn` is
+    the angle of one, where no more is told of an encoder. `doubts` are what no reader can make up for: a missing
+    column, lines that are no rows.
     """
 
     file: Path
@@ -55,6 +56,7 @@ class Draft:
     readings: Mapping[str, Array] = field(default_factory=dict)
     units: Mapping[str, Found[str]] = field(default_factory=dict)
     scales: Mapping[str, Found[float]] = field(default_factory=dict)
+    turn: Found[float] | None = None  # rad per count
     mass: Found[float] | None = None  # kg
     weights: int | None = None
     spring: Found[str] = Found("spring", ASSUMED)
@@ -119,9 +121,9 @@ def falls(readings: Mapping[str, Array]) -> bool:
     up = float(volts[first]) - before
     later = np.flatnonzero(volts[first:] != volts[first])
     last = first + int(later[0]) if later.size else position.size
-    stretch = position[first:last]
+    segment = position[first:last]
     start = float(position[:first].mean()) if first else float(position[0])
-    if up == 0 or stretch.size < FEWEST:
+    if up == 0 or segment.size < FEWEST:
         return False
-    moved = float(stretch.mean()) - start
-    return bool(moved * up < 0 and abs(moved) > 0.25 * float(np.ptp(stretch)))
+    moved = float(segment.mean()) - start
+    return bool(moved * up < 0 and abs(moved) > 0.25 * float(np.ptp(segment)))

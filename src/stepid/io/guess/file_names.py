@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +28,32 @@ _PERIOD = re.compile(
     r"(?:(?i:interval|sampl\w*|abtast\w*|period)|\bdt|\bTs)[^\d]*"
     r"(?P<number>[1-9]\d*(?:[.,]\d+)?|0[.,]0*[1-9]\d*)\s*(?P<unit>s|ms|us|µs)\b"
 )
+_PER_COUNT = {  # m, or rad where it turns, of what an encoder may be said to have counts of
+    "m": 1.0,
+    "meter": 1.0,
+    "mm": 1e-3,
+    "cm": 1e-2,
+    "in": 0.0254,
+    "inch": 0.0254,
+    "rad": 1.0,
+    "deg": math.pi / 180,
+    "rev": 2 * math.pi,
+    "turn": 2 * math.pi,
+    "umdrehung": 2 * math.pi,
+    "tour": 2 * math.pi,
+}
+_TURNING = ("rad", "deg", "rev", "turn", "umdrehung", "tour")
+_COUNTS_OF = (
+    rf"(?:counts?|cts|ticks|inkremente|increments|impulse)\s*(?:/|per|pro|par|je)\s*(?P<unit>{'|'.join(_PER_COUNT)})"
+    r"(?:ol\w*|rees?|s)?\b"
+)
+_ENCODER = re.compile(
+    rf"(?i)(?:(?<![\d.,])(?<!\d\s)(?P<before>\d+(?:[.,]\d+)?)\s*{_COUNTS_OF}|"
+    rf"{_COUNTS_OF.replace('unit', 'of')}\W*[:=;,\s]\s*(?P<after>\d+(?:[.,]\d+)?)(?!\s?\d))"
+)
+_THOUSANDS = re.compile(r"\d{1,3}[.,]\d{3}")  # or three decimals
+_LABVIEW_STEP = re.compile(r"Delta_X\s+(?P<number>\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?)\b")
+_LABVIEW_TIME = re.compile(r"X_Dimension\s+Time\b")
 _STIFFNESS = r"soft|medium|stiff|hard|weak|strong|weich|mittel|hart"
 _SPRING = re.compile(
     rf"(?<![a-z])(?:(?P<kind>{_STIFFNESS})(?:[\s_-]*(?:spring|feder))?|(?:spring|feder)[\s_-]*"
@@ -93,13 +120,34 @@ def mass_above(lines: tuple[str, ...]) -> float | None:
 
 
 def sample_time_above(lines: tuple[str, ...]) -> float | None:
-    """Return the sample time in s that a line above a table tells, None where none does, or two differ."""
+    """Return the sample time in s that a line above a table tells, None where none does, or two differ.
+
+    LabVIEW's header has seconds where it says that its abscissa is a time.
+    """
     told = set()
+    labview = any(map(_LABVIEW_TIME.match, lines))
     for line in lines:
-        if (found := _RATE.search(line)) is not None:
+        if labview and (found := _LABVIEW_STEP.match(line)) is not None:
+            told.add(_float(found["number"]))
+        elif (found := _RATE.search(line)) is not None:
             told.add(1 / (_float(found["number"]) * (1000 if found["unit"].lower() == "khz" else 1)))
         elif (found := _PERIOD.search(line)) is not None:
             told.add(_float(found["number"]) * {"s": 1, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}[found["unit"]])
+    return told.pop() if len(told) == 1 else None
+
+
+def encoder_above(lines: tuple[str, ...]) -> tuple[float, bool] | None:
+    """Return what one count of an encoder is by the lines above a table, and whether that is an angle.
+
+    In m or rad; None where no line tells it, or two differ.
+    """
+    told = set()
+    for line in lines:
+        if (found := _ENCODER.search(line)) is not None:
+            unit = (found["unit"] or found["of"]).lower()
+            number = found["before"] or found["after"]
+            if _THOUSANDS.fullmatch(number) is None and _float(number) > 0:
+                told.add((_PER_COUNT[unit] / _float(number), unit in _TURNING))
     return told.pop() if len(told) == 1 else None
 
 

@@ -137,7 +137,7 @@ def _scale_words(draft: Draft, role: str) -> str:
     unit = draft.units.get(role)
     said = draft.scales.get(role)
     if said is not None:
-        words = f"{_SI[role]} per unit of the column, {said.why}"
+        words = f"{_SI[role]} per unit of the column, {_by(said.why)}"
     elif unit is None:
         words = f"{_SI[role]} per unit"
     else:

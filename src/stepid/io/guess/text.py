@@ -122,6 +122,7 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
     if all(not line.strip() or line.lstrip().startswith(("#", "%")) for line in lines[:skip]):
         skip = 0  # comments and blank lines are left out anyway
     above = tuple(line for i, line in enumerate(lines[:top]) if i != place)
+    units = units if any(units) else _labeled_units(above, separator, width)
     return Block(
         separator,
         decimal,
@@ -225,6 +226,15 @@ def _titles(
     if len(set(filter(None, names))) < len([n for n in names if n]) and len(found) > 1:
         groups = _spread(found[1][1])
     return names, units, groups, place
+
+
+def _labeled_units(above: Sequence[str], separator: str | None, width: int) -> tuple[str, ...]:
+    """Units of columns from a line that begins with the word, wherever it stands above the rows."""
+    for line in above:
+        label, *units = _row(line, separator, width) or ("",)
+        if re.search(r"(?i)unit(?!ed)|einheit", label) and _are_units(units):
+            return ("", *units)
+    return ("",) * width
 
 
 def _row(line: str, separator: str | None, width: int) -> tuple[str, ...] | None:

@@ -14,7 +14,7 @@ from stepid.io.ecp import FULL_SCALE, VOLTS_PER_DAC_UNIT
 from stepid.io.ecp_layout import EFFORT, SAMPLE, TIME, Export, parse_export
 from stepid.io.guess.columns import UNKNOWN, Column, Group, find_columns, group_columns
 from stepid.io.guess.draft import ASSUMED, ROLES, Draft, Found, falls
-from stepid.io.guess.file_names import FileName, mass_above, plain_name, read_name, sample_time_above
+from stepid.io.guess.file_names import FileName, encoder_above, mass_above, plain_name, read_name, sample_time_above
 from stepid.io.guess.sizes import input_unit, odd_units, position_unit, time_unit
 from stepid.io.guess.text import Block, NoTableError, find_block, needs_delimiter, text_lines
 from stepid.io.guess.words import COUNTS, RUN_WORDS
@@ -159,6 +159,7 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
         draft = draft.having(sample_time=Found(block.clock, "the clock times of its rows"))
     elif "time" not in draft.columns and (period := sample_time_above(block.above)) is not None:
         draft = draft.having(sample_time=Found(period, "the lines above"))
+    draft = _counted(draft, encoder_above(block.above))
     above = None if several else mass_above(block.above)
     if above is not None and draft.mass is None:
         draft = draft.having(mass=Found(above, "the lines above"))
@@ -166,6 +167,15 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
         words = f"its name says {draft.mass.value:g} kg, the lines above {above:g} kg; the name is taken"
         draft = draft.having(doubts=(*draft.doubts, words))
     return draft
+
+
+def _counted(draft: Draft, told: tuple[float, bool] | None) -> Draft:
+    """Take what one count of the encoder is; an angle is kept apart, as it may be that of a wheel on a rail."""
+    unit = draft.units.get("position")
+    if told is None or unit is None or unit.value != COUNTS:
+        return draft
+    found = Found(told[0], "the lines above")
+    return draft.having(turn=found) if told[1] else draft.having(scales={**draft.scales, "position": found})
 
 
 def _rows(columns: Sequence[Column], own: Sequence[Column]) -> int:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from html import escape
+from typing import Any
 
 import panel as pn
 
 from stepid.core.quantities import quantities_of
 from stepid.diagnosis.headline import advice_beside, answer
+from stepid.diagnosis.progress import stage_words
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.wording import effect_names, promised
@@ -21,7 +23,7 @@ from stepid.report.story import tell
 from stepid.webapp.session import Session
 from stepid.webapp.views.chapter import chapter
 from stepid.webapp.views.parts import INPUT, button, card, column, folded, html, note, row, said, symbols, typeset
-from stepid.webapp.work import Status
+from stepid.webapp.work import Status, Work
 
 _EFFORTS = {"quick": Effort.quick, "default": Effort, "thorough": Effort.thorough}
 _SHOWN = ("missing", "parameters", "gap", "next")
@@ -30,13 +32,16 @@ _LEAD = (
     "Is a linear model adequate, and if not, which effect is missing? The effects of the catalogue are tried, alone "
     "and together, until none promises more."
 )
+Beside = Callable[[Work[Any], Callable[[Status[Any]], None]], None]
+"""Starts work, and calls with its status when it has ended."""
 
 
 class DiagnosisView:
-    """A button, progress, and the answer; `started` is called when a diagnosis begins."""
+    """A button, progress, and the answer; `started` is called when a diagnosis begins, `beside` is given other work."""
 
-    def __init__(self, session: Session, started: Callable[[], None]) -> None:
-        self._session, self._started = session, started
+    def __init__(self, session: Session, started: Callable[[], None], beside: Beside) -> None:
+        self._session, self._started, self._beside = session, started, beside
+        self._answered: Diagnosis | None = None
         self._effort = pn.widgets.Select(
             label="Effort", options=list(_EFFORTS), value="default", stylesheets=[INPUT], width=140, margin=0
         )
@@ -54,6 +59,7 @@ class DiagnosisView:
         """Show nothing yet; `ready` where a diagnosis could begin."""
         self._start.disabled, self._cancel.disabled = not ready, True
         self._progress.object = ""
+        self._answered = None
         self._found[:] = []
 
     def _begin(self, _: object) -> None:
@@ -76,7 +82,7 @@ class DiagnosisView:
         """Show how far it is."""
         stage = status.stage
         rows = {
-            "trying": self._session.say.text(effect_names((stage,))),
+            "trying": self._session.say.text(stage_words(stage)),
             "best answer so far": effect_names(stage.best) or "linear model",
             "left to try": "; ".join(filter(None, (f"{stage.left}", promised(stage.promise)))),
             "time": f"{status.seconds:.0f} s",
@@ -91,13 +97,18 @@ class DiagnosisView:
             self._progress.object = said("Canceled.") if status.canceled else said(status.failure, bad=True)
             return
         self._progress.object = said(f"Done in {status.seconds:.1f} s.")
-        d = status.result
-        drawn = pictures(d, ())
+        self._answered = d = status.result
+        self._found[:] = [html(_headline(d)), html(note("Drawing the pictures …"))]
+        self._beside(Work(lambda _: pictures(d, ())), lambda drawn: self._show(d, hand, drawn.result or {}))
+
+    def _show(self, d: Diagnosis, hand: Hand, drawn: Mapping[str, Any]) -> None:
+        """Show what the answer rests on below it, if it is still there."""
+        if self._answered is not d:
+            return
         places = {run.name: i for i, run in enumerate(d.runs)}
         told = {one.name: one for one in tell(d, hand, of_diagnosis(d)) if _says(one.lead, one.points)}
         told["parameters"] = told["parameters"].model_copy(update={"points": ()})  # the equation stands above
-        self._found[:] = [
-            html(_headline(d)),
+        self._found[1:] = [
             *(chapter(told[name], drawn, places) for name in _SHOWN if name in told),
             *(
                 folded(told[name].title, chapter(told[name], drawn, places, titled=False))

@@ -21,7 +21,7 @@ _LEAD = (
 
 
 class HandView:
-    """What the hand method finds."""
+    """What the peak method finds."""
 
     def __init__(self) -> None:
         self._text = html()
@@ -31,7 +31,7 @@ class HandView:
         self.tables: tuple[Table, ...] = ()
         self.view = card(
             3,
-            "Parameters by hand",
+            "Parameters by the peak method",
             html(note(_LEAD)),
             self._text,
             column(self._heading, self._pictures, self._verified),

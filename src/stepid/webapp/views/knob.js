@@ -9,7 +9,7 @@ export function render({ model }) {
   words.append(model.label, " ", shown);
   label.append(words, input);
   const show = () => {
-    const said = String(Number(model.value.toPrecision(4)));
+    const said = String(Number((model.value / model.scale).toPrecision(4)));
     shown.textContent = said;
     input.setAttribute("aria-valuetext", said);
   };

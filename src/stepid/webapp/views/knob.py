@@ -20,13 +20,14 @@ input:focus-visible { outline: 3px solid var(--accent); outline-offset: 1px; bor
 
 
 class Knob(JSComponent):
-    """A slider with its name and its value."""
+    """A slider with its name and its value, which is shown divided by `scale`."""
 
     label = param.String(default="")
     start = param.Number(default=0.0)
     end = param.Number(default=1.0)
     step = param.Number(default=0.01)
     value = param.Number(default=0.0)
+    scale = param.Number(default=1.0)
 
     _esm = Path(__file__).with_suffix(".js").read_text(encoding="utf-8")
     _stylesheets = [_STYLE]  # noqa: RUF012  # as Panel has it
@@ -40,6 +41,7 @@ def knob(one: play.Knob) -> Knob:
         end=one.high,
         step=one.step,
         value=one.value,
+        scale=one.scale,
         sizing_mode="stretch_width",
         margin=0,
     )

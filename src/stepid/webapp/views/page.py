@@ -51,7 +51,7 @@ class Page:
         self._drop = DropView(session, self._records_changed)
         self._records = RecordsView(session, self._changed)
         self._by_hand = HandView()
-        self._diagnosis = DiagnosisView(session, self._tick_on)
+        self._diagnosis = DiagnosisView(session, self._tick_on, self._start)
         self._play = PlayView(self._start)
         self._downloads = DownloadView(session, self._tables)
         self._rest = pn.Column(

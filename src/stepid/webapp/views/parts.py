@@ -14,7 +14,10 @@ import panel as pn
 from stepid.report.chapter import Table
 
 PALETTE = files("stepid.report").joinpath("palette.css").read_text(encoding="utf-8")
-STYLE = files("stepid.webapp.views").joinpath("page.css").read_text(encoding="utf-8")
+STYLE = "".join(
+    files(package).joinpath(name).read_text(encoding="utf-8")
+    for package, name in (("stepid.report", "tables.css"), ("stepid.webapp.views", "page.css"))
+)
 CARD = """
 :host { background: var(--card); border: 1px solid var(--grid); border-radius: 8px; padding: 1.1rem 1.2rem 1.2rem;
   margin-bottom: 1.1rem; box-sizing: border-box; min-width: 0; }
@@ -28,6 +31,7 @@ GRID = """
 _BUTTON = """
 .bk-btn { font-size: 0.95rem; padding: 0.4rem 1rem; border-radius: 5px; }
 :host .bk-btn.bk-btn.bk-btn { background: var(--paper); color: var(--ink); border: 1px solid var(--line); }
+.bk-btn a { padding: 0.4rem 1rem; }
 .bk-btn:disabled, .bk-btn[disabled] { opacity: 0.5; cursor: not-allowed; }
 .bk-btn:focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
 """
@@ -36,7 +40,8 @@ label { white-space: normal; font-size: 0.92rem; color: var(--ink); line-height:
 .bk-input { background-color: var(--card); color: var(--ink); border: 1px solid var(--line); font-size: 1rem; }
 .bk-input:focus-visible { outline: 3px solid var(--accent); outline-offset: 1px; }
 .bk-input::placeholder { color: var(--soft); opacity: 1; }
-select.bk-input { appearance: auto; background-image: none; padding-right: 0.3em; }
+select.bk-input.bk-input.bk-input {
+  color-scheme: light dark; appearance: auto; background-image: none; padding-right: 0.3em; }
 """
 _PRIMARY = """
 :host .bk-btn.bk-btn.bk-btn.bk-btn { background: var(--accent); color: var(--card); border-color: var(--accent); }

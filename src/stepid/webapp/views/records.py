@@ -22,7 +22,10 @@ _LEAD = (
     "Runs with the same spring or damper label share one stiffness or damping. Added masses are the known weights on "
     "top of the cart. Click a cell, or go to it by Tab, to change it."
 )
-_WRAPPED = ".bk-input-group.bk-inline { display: flex; flex-wrap: wrap; gap: 2px 12px; }"
+_WRAPPED = """
+.bk-input-group.bk-inline { display: flex; flex-wrap: wrap; gap: 4px 14px; }
+.bk-input-group.bk-inline.bk-inline > * { margin: 0; }
+"""
 _CHOICE = "Runs in the campaign; take the tick away to leave one out"
 _TABLE = """
 .tabulator.pnx-tabulator { background: var(--card); color: var(--ink); border: 1px solid var(--grid);
