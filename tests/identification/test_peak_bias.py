@@ -10,6 +10,7 @@ import pytest
 import stepid
 from closed_form import draw_plant, make_campaign
 from stepid.identification.peak import sampled_height_bias, sampled_peak_spread
+from stepid.identification.pooling import pool_steps
 
 PERIOD, CURVATURE = 5e-3, 2.0  # s, m/s²
 
@@ -72,7 +73,7 @@ def test_an_interpolated_peak_has_none() -> None:
 
 def test_steps_of_a_run_pool_their_expected_errors() -> None:
     runs = [stepid.Characteristics(name="a", peak_time=0.2, overshoot=0.3, overshoot_bias=b) for b in (0.01, 0.03)]
-    pooled = stepid.identification.pooling.pool_steps(runs, name="a")
+    pooled = pool_steps(runs, name="a")
     assert pooled.overshoot_bias == pytest.approx(0.02)
 
 
