@@ -141,3 +141,23 @@ def test_milan_releases(spring: str, stiffness: float) -> None:
     assert not found.excluded
     assert found.stiffness[spring] == pytest.approx(stiffness, rel=0.03)
     assert found.base_mass["cart"] == pytest.approx(0.5685, rel=0.07)
+
+
+def test_side_and_rest_of_a_release_do_not_matter() -> None:
+    run = swing(noise=20e-6)
+    one = stepid.characterize(run)
+    other = stepid.characterize(run.model_copy(update={"position": 0.05 - run.position}))
+    turn = 80 * SAMPLE_TIME + np.pi / 20.0  # the hand let go at the 80th sample
+    assert (one.start, other.start) == pytest.approx((turn, turn), abs=1e-3)
+    assert other.damped_frequency == pytest.approx(one.damped_frequency, rel=1e-9)
+    assert other.damping_ratio == pytest.approx(one.damping_ratio, rel=1e-9)
+
+
+def test_uncertainty_of_the_damping_ratio_is_that_of_repeats() -> None:
+    found = []
+    for seed in range(16):
+        run = swing(ratio=0.1, count=500)
+        noise = 2e-5 * np.random.default_rng(seed).standard_normal(run.time.size)
+        found.append(stepid.characterize(run.model_copy(update={"position": run.position + noise})))
+    off = [(one.damping_ratio - 0.1) / one.uncertainty.damping_ratio for one in found]
+    assert 0.5 < float(np.sqrt(np.mean(np.square(off)))) < 1.5
