@@ -137,15 +137,9 @@ def test_a_round_factor_is_told_as_such(factor: float) -> None:
 
 def test_each_kind_of_fault_has_its_words() -> None:
     layout = SimpleNamespace(stiffness=slice(0, 2), damping=slice(2, 3))
-    records = SimpleNamespace(
-        runs=[SimpleNamespace(name="a")],
-        added_mass=[0.5],
-        sample_time=[0.01],
-        springs=("soft", "hard"),
-        spring=[0],
-        dampers=("d",),
-        damper=[0],
-    )
+    labels = {"springs": ("soft", "hard"), "spring": [0], "dampers": ("d",), "damper": [0]}
+    run = SimpleNamespace(name="a")
+    records = SimpleNamespace(runs=[run], added_mass=[0.5], sample_time=[0.01], **labels)
     problem = SimpleNamespace(layout=layout, records=records)
     optimum: Any = SimpleNamespace(problem=problem, shared=np.array([200.0, 300.0, 10.0]))
     assert "With 0.75 kg added instead of 0.5 kg it agrees" in _explanation(optimum, 0, "added_mass", 0.25)
