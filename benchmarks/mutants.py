@@ -180,6 +180,7 @@ def run(mutant: Mutant | None, tests: list[str]) -> tuple[str, str]:
         code = 70
         try:
             quick = ["-x", "-q", "-p", "no:cacheprovider", "-m", "not slow", "--no-header"]
+            quick += ["-o", "python_files=test_*.py"]  # pytest itself would load score_test.py, without the change
             code = int(pytest.main([*quick, "-o", "addopts=--import-mode=importlib", *tests], [Failures(tell)]))
         finally:
             os._exit(code)
