@@ -104,3 +104,13 @@ def test_scatter_has_its_price_and_weights_count_in_squares(monkeypatch: pytest.
     assert most < criteria.near
     assert at_floor(made, criteria, candidate(times=0.999 * most))
     assert not at_floor(made, criteria, candidate(times=1.001 * most))
+
+
+def test_a_rest_is_no_correlation_and_two_samples_are_the_least() -> None:
+    residual = white(3)
+    moved = residual + np.repeat([0.0, 1e-3, -2e-3, 5e-4], SAMPLES)
+    assert effective_samples(context().records, moved) == pytest.approx(effective_samples(context().records, residual))
+    few = np.array([1.0, 1.0, 50.0, 50.0])  # of a run that tells hardly anything a parameter costs ln 2
+    late, plain = candidate(deviations=["start_time"]), candidate()
+    cost = [price(one.optimum, few, FLOOR**2) for one in (late, plain)]
+    assert cost[0] - cost[1] == pytest.approx(math.log(2) + 2 * math.log(50.0))

@@ -11,8 +11,9 @@ import pytest
 
 import stepid
 from stepid.core.base import Array
-from stepid.fitting import deviations, left_over, score_test
-from stepid.fitting.input_fault import changes_throughout
+from stepid.fitting import covariance, deviations, left_over, problem, run_fault, score_test
+from stepid.fitting.input_fault import InputFault, changes_throughout
+from stepid.fitting.multistart import FitContext
 from stepid.fitting.screening import _why_still
 from stepid.fitting.tangent import scaled_to_one
 
@@ -144,3 +145,97 @@ def test_a_start_promises_what_its_change_takes_of_the_residual(monkeypatch: pyt
     assert score_test.promises(context, inner, (), []) == []
     jacobian[0] = np.inf
     assert score_test.promises(context, inner, (), [start] * 2) == [math.inf] * 2
+
+
+class Made:
+    """Something made up that can be referenced weakly."""
+
+    def __init__(self, **fields: Any) -> None:
+        self.__dict__.update(fields)
+
+
+@pytest.mark.parametrize(
+    ("rms", "left", "square", "told"),
+    [
+        (1.10, 1.04, 0.95, True),
+        (1.01, 1.01, 0.95, False),  # nothing is missing
+        (1.10, 1.06, 0.95, False),  # they do not explain it
+        (1.10, 1.04, 1.05, False),  # they are larger than their uncertainty makes them in one case of a hundred
+    ],
+)
+def test_weights_explain_what_is_left_where_their_errors_are_likely(
+    monkeypatch: pytest.MonkeyPatch, rms: float, left: float, square: float, told: bool
+) -> None:
+    found = np.full(8, math.sqrt(square * (8 + 2.33 * math.sqrt(2 * 8)) / 8))
+    likely = Made(rms=left * 1e-5, problem=Made(records=None))
+    linear: Any = Made(rms=rms * 1e-5)
+    monkeypatch.setattr(covariance, "most_likely", lambda *_: likely)
+    monkeypatch.setattr(covariance, "weight_errors", lambda _: Made(found=found))
+    assert covariance.by_weights(linear, 1e-5) is (likely if told else None)
+
+
+def test_noise_in_the_race_scatters_above_its_cost() -> None:
+    context: Any = Made(decimated=Made(size=450), noise_cost=2.0)
+    assert FitContext.floored.fget(context) == pytest.approx((1.05 + 3 / 30) ** 2 * 2.0)  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "cost", "extreme", "left", "others", "explained"),
+    [
+        ("stiffness", 0.2, 26.0, True, 1.0, 9.0, True),
+        ("stiffness", 0.2, 24.0, True, 1.0, 9.0, False),  # of the run with the largest input a bent curve asks it, too
+        ("stiffness", 0.2, 26.0, True, 1.2, 9.0, False),
+        ("damping", 0.2, 26.0, True, 1.0, 9.0, False),
+        ("gain", 0.2, 26.0, True, 1.0, 9.0, False),
+        ("gain", 1.0, 9.0, True, 1.0, 9.0, True),  # twice is a wrong scale
+        ("sensor_drift", 0.2, 9.0, True, 1.0, 9.0, True),
+        ("stiffness", 0.2, 9.0, False, 1.0, 9.0, True),
+        ("stiffness", 0.2, 9.0, False, 2.6, 9.0, True),
+        ("stiffness", 0.2, 9.0, False, 2.8, 9.0, False),
+        ("stiffness", 0.2, 9.0, False, 2.6, 8.0, False),  # another run's fault does nearly as well
+    ],
+)
+def test_a_fault_explains_what_is_missing(
+    monkeypatch: pytest.MonkeyPatch,
+    kind: str,
+    size: float,
+    cost: float,
+    extreme: bool,
+    left: float,
+    others: float,
+    explained: bool,
+) -> None:
+    """With one sample and a floor of one: the cost is in squares of the floor."""
+    monkeypatch.setattr(run_fault, "_extreme", lambda *_: extreme)
+    monkeypatch.setattr(run_fault, "count_samples", lambda _: 1)
+    monkeypatch.setattr(run_fault, "noise_cost", lambda *_: 1.1)
+    found: Any = Made(kind=kind, size=size, cost=left, run=0)
+    optimum: Any = Made(cost=cost, problem=Made(records=None))
+    rival: Any = Made(cost=others)
+    assert run_fault._explains(found, optimum, [rival], 1.0) is explained
+
+
+@pytest.mark.parametrize("every", [True, False])
+def test_the_remedy_of_an_input_names_every_run_or_these(every: bool) -> None:
+    fault = InputFault(runs=("a", "b"), all_runs=every, way="lines", said=("held",), evidence=9.0)
+    assert fault.remedy.startswith(f'Set input_between="lines" for {"every run" if every else "these runs"},')
+    assert fault.words.startswith("The input of runs 'a', 'b' is plainly joined by straight lines")
+    assert "records say 'held'" in fault.words
+
+
+def test_phases_are_read_off_by_least_squares() -> None:
+    """Of a reading m + a cos φ + b sin φ the phase is that of the best (cos φ, sin φ), whatever their size."""
+    rng = np.random.default_rng(1)
+    middle, cosine, sine = rng.standard_normal((3, 12))
+    phases = np.array([0.7, -2.2])
+    of_run = np.repeat(phases, 6)
+    position = middle + 1.3 * (cosine * np.cos(of_run) + sine * np.sin(of_run))
+
+    def readings(_: Array, local: Array) -> Array:
+        angle = np.repeat(local[:, 0], 6, axis=1)
+        return middle + cosine * np.cos(angle) + sine * np.sin(angle)
+
+    records = Made(weighted=lambda values: values, position=position, pieces=lambda: [slice(0, 6), slice(6, 12)])
+    made: Any = Made(simulator=Made(records=records, readings=readings))
+    found = problem._read_phases(made, np.zeros(1), np.zeros((1, 2)), 0)
+    np.testing.assert_allclose(found, [phases])

@@ -12,6 +12,7 @@ import stepid
 from closed_form import SAMPLE_TIME
 from stepid.errors import NoOvershootError, NotSettledError
 from stepid.identification.free_response import constant_loss, find_extrema
+from stepid.identification.peak import sampled_peak_spread
 
 
 def swing(*, ratio: float = 0.03, frequency: float = 20.0, hold: int = 80, count: int = 1200, noise: float = 0.0):
@@ -161,3 +162,12 @@ def test_uncertainty_of_the_damping_ratio_is_that_of_repeats() -> None:
         found.append(stepid.characterize(run.model_copy(update={"position": run.position + noise})))
     off = [(one.damping_ratio - 0.1) / one.uncertainty.damping_ratio for one in found]
     assert 0.5 < float(np.sqrt(np.mean(np.square(off)))) < 1.5
+
+
+def test_a_sampled_turning_point_is_as_sure_as_its_curvature_says() -> None:
+    """Of a swing a·cos ωt the curvature is a ω²."""
+    time = SAMPLE_TIME * np.arange(600)
+    found = find_extrema(time, 0.02 * np.sin(20.0 * time), rest=0.0, noise=2e-4, peak=stepid.SampledPeak())
+    spread, height = sampled_peak_spread(SAMPLE_TIME, 2e-4, 0.02 * 20.0**2)
+    np.testing.assert_allclose(found.time_uncertainty, spread, rtol=0.02)
+    np.testing.assert_allclose(found.position_uncertainty, height, rtol=0.02)
