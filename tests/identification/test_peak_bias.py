@@ -43,6 +43,13 @@ def test_a_fall_that_is_slower_than_the_rise_draws_the_largest_sample_later(move
     assert rate * spread**2 == pytest.approx((later - earlier) / 2, rel=0.25)
 
 
+def test_while_two_samples_compete_the_larger_is_high_by_their_share_of_the_noise() -> None:
+    """κσ, beside what is lost between samples."""
+    noise = 0.01 * CURVATURE * PERIOD**2
+    found = sampled_height_bias(PERIOD, noise, CURVATURE) + CURVATURE * PERIOD**2 / 24
+    assert found == pytest.approx(0.01 * noise, rel=0.03)
+
+
 def test_a_flat_peak_has_no_expected_error() -> None:
     assert sampled_height_bias(PERIOD, 1e-4, 0.0) == 0.0
 

@@ -39,9 +39,11 @@ def test_a_trend_goes_from_the_first_run_to_the_last() -> None:
     trend = Trend(varies="mass", held="all else", runs=runs)
     assert trend.change("peak_time") == "rises"
     assert Trend(varies="mass", held="all else", runs=runs[::-1]).change("peak_time") == "falls"
-    for times, said in ((1.9, "no clear change"), (2.1, "rises")):  # of two standard uncertainties
-        near = (reading("a", 0.2, peak_time=1e-3), reading("b", 0.2 + times * math.hypot(1e-3, 4e-3), peak_time=4e-3))
-        assert Trend(varies="mass", held="all else", runs=near).change("peak_time") == said
+    for u, v in ((1e-3, 4e-3), (4e-3, 1e-3)):
+        for times, said in ((1.9, "no clear change"), (2.1, "rises")):  # of two standard uncertainties
+            last = reading("b", 0.2 + times * math.hypot(u, v), peak_time=v)
+            near = Trend(varies="mass", held="all else", runs=(reading("a", 0.2, peak_time=u), last))
+            assert near.change("peak_time") == said
     vague = (*runs[:2], reading("c", 0.21, peak_time=0.01))
     assert Trend(varies="mass", held="all else", runs=vague).change("peak_time") == "no clear change"
 
