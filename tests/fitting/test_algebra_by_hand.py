@@ -210,6 +210,8 @@ def test_a_record_of_which_every_sample_is_needed_keeps_all() -> None:
     first = decimation.decimated(busy, linear(gap, busy), period=0.02, floor=1e-5)  # 60 periods of a long record
     assert first.at is not None
     assert first.at.tolist() == list(range(1200))
+    least = decimation.decimated(busy, linear(gap, busy), period=0.002, floor=1e-5)
+    assert least.size == 200
     lines = records_of(np.sin(6.0 * t), np.where(t < 0.5, 0.0, 1.0), input_between="lines")
     assert decimation.decimated(lines, linear(gap, lines), period=1.0, floor=1e-5) is lines
 

@@ -69,6 +69,13 @@ def test_a_jump_of_the_input_is_no_noise() -> None:
     assert noise_floor._moving_differences(early.runs[0], 0).size == 400 - 8 - 4
 
 
+@pytest.mark.parametrize(("count", "told"), [(27, False), (28, True)])
+def test_twenty_differences_tell_a_noise(count: int, told: bool) -> None:
+    y = 1e-5 * np.random.default_rng(3).standard_normal(count)
+    floor = noise_floor.noise_floor(records(y, volts=np.ones(count), input_before=1.0))
+    assert floor == (pytest.approx(1e-5, rel=0.5) if told else 1e-12)
+
+
 def test_two_runs_that_differ_from_their_mean_by_s_repeat_within_the_root_of_two_s() -> None:
     base, s = 1e-2 * np.sin(0.1 * np.arange(500)), 1e-5 * np.cos(0.7 * np.arange(500))
     rest: Any = {"starts": "rest"}
@@ -240,6 +247,15 @@ def test_windows_look_where_the_reading_moves_by_more_than_its_counts() -> None:
     coarse = records(np.round(moving, 3), counts_per_meter=1e3)  # where counts hide the noise, a window spans many
     assert noise_color._windows(coarse, moving, 1e-4, 0.33) is None
     assert noise_color._windows(coarse, moving, 1e-3, 0.33) is not None
+
+
+def test_runs_of_one_window_are_looked_at() -> None:
+    parts = 1e-5 * np.random.default_rng(4).standard_normal((10, 32))
+    held: dict[str, Any] = {"volts": np.ones(32), "input_before": 1.0}
+    assert noise_color._windows(records(*parts, **held), parts.ravel(), 1e-5, 0.33) is not None
+    short = parts[:, :31]
+    held["volts"] = np.ones(31)
+    assert noise_color._windows(records(*short, **held), short.ravel(), 1e-5, 0.33) is None
 
 
 def test_autocorrelation_of_first_order_noise() -> None:

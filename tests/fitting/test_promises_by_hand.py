@@ -129,12 +129,13 @@ def test_a_start_promises_what_its_change_takes_of_the_residual(monkeypatch: pyt
             self.layout = layout
 
         def readings(self, shared: Array, _: Array) -> Array:
-            return np.array([10.0 + change, 10.0 - change, 10.0 + 1e9 * change, np.full(4, np.nan)])[: len(shared)]
+            return seen + 3.0 + np.array([change, -change, 1e9 * change, np.full(4, np.nan)])[: len(shared)]
 
     monkeypatch.setattr(score_test, "Simulator", Simulator)
     jacobian = np.ones((4, 1))
     problem = SimpleNamespace(layout=layout, jacobian=lambda _: jacobian, residual=lambda _: residual)
-    solved = SimpleNamespace(reading=np.full(4, 10.0) - 3.0)
+    seen = np.array([1.0, 2.0, -4.0, 0.5])  # what the simpler law reads
+    solved = SimpleNamespace(reading=seen)
     inner: Any = SimpleNamespace(problem=problem, solved=solved, local=np.zeros((2, 1)))
     context: Any = SimpleNamespace(decimated=SimpleNamespace(weighted=lambda values: values))
     start: Any = SimpleNamespace(linear=np.zeros(1), values=(np.zeros(1),))

@@ -48,6 +48,17 @@ def test_a_trend_goes_from_the_first_run_to_the_last() -> None:
     assert Trend(varies="mass", held="all else", runs=vague).change("peak_time") == "no clear change"
 
 
+def test_an_eighth_of_the_samples_may_be_steps() -> None:
+    for count, many in ((10, False), (11, True)):
+        volts = 0.5 * (np.minimum(np.arange(80) // 7, count) % 2)
+        run = make_run(PLANT, 1.5, count=80).model_copy(update={"input": volts})
+        if many:
+            with pytest.raises(stepid.errors.NoStepError, match=f"changes at {count} of 80 samples"):
+                find_steps(run)
+        else:
+            assert [step.total for step in find_steps(run)] == [count] * count
+
+
 def test_what_slowly_wanders_counts_by_half_periods() -> None:
     """A sine of three times the frequency, over whole periods of it: rms a/√2, as many readings as half periods."""
     decay, frequency, a = 5.0, 20.0, 1e-4
