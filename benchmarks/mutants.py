@@ -1,42 +1,38 @@
 """Mutation testing of the core: mutants drawn by a seed, each run against the tests of its file.
 
-    python benchmarks/mutants.py COUNT [SEED] [PART] [--ran DATA] [--most TESTS] [--only PART] [--lines FIRST LAST] …
+    python benchmarks/mutants.py COUNT [SEED] [PART] [--ran DATA] [--times TEXT --within SECONDS] [--numbers N …] …
 
 PART draws from files whose path holds it only, as diagnosis/verdict; `--lines` from these lines. With DATA of coverage,
-a mutant is run against the tests that ran its statement, and no others could tell it:
+a mutant is run against the tests that ran its statement, and no others could tell it. With the TEXT that pytest printed
+of their times the quickest are first, as many as take the SECONDS together (a test alone if it takes more):
 
     printf '[run]\\ndynamic_context = test_function\\n' > contexts.rc
-    COVERAGE_FILE=DATA coverage run --rcfile contexts.rc --source stepid -m pytest tests/fitting
+    export COVERAGE_FILE=DATA
+    coverage run --rcfile contexts.rc --source stepid -m pytest --durations=0 -vv tests/fitting > TEXT
 
+`--numbers` runs these of the draw alone, `--tests` against these tests: so survivors are run again after new tests.
 A mutant is killed where a test fails that passes without it. Where its tests take longer than the patience, so may they
-without it: these are run, too, and where they are as slow nothing is known.
+without it: these are run, too, and where they are as slow nothing is known. With CI=1 hypothesis draws the same each
+time.
 """
 
 from __future__ import annotations
 
 import argparse
-import ast
 import importlib.abc
 import importlib.machinery
+import itertools
 import os
-import random
+import re
 import signal
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-ROOT = Path(__file__).resolve().parents[1]
-SOURCE = ROOT / "src" / "stepid"
-FILES = (
-    *sorted(SOURCE.glob("identification/*.py")),
-    *sorted(SOURCE.glob("fitting/*.py")),
-    SOURCE / "diagnosis" / "evidence.py",
-    SOURCE / "diagnosis" / "verdict.py",
-)
-MORE = (SOURCE / "diagnosis" / "gather.py", SOURCE / "diagnosis" / "free_law.py")  # drawn from where PART names them
+from mutations import FILES, MORE, ROOT, SOURCE, Mutant, drawn
+
 PATIENCE = 120  # s CPU; who needs longer is in an endless loop
 TESTS = {  # of a room, the first to fail most often first; `-x` ends at the first failure
     "identification": ("tests/identification",),
@@ -54,96 +50,6 @@ TESTS = {  # of a room, the first to fail most often first; `-x` ends at the fir
     ),
     "free_law": ("tests/diagnosis/test_free_law.py",),
 }
-SWAPPED: dict[type, type] = {
-    ast.Lt: ast.GtE, ast.GtE: ast.Lt, ast.Gt: ast.LtE, ast.LtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
-    ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In, ast.Add: ast.Sub, ast.Sub: ast.Add,
-    ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Pow: ast.Mult, ast.And: ast.Or, ast.Or: ast.And,
-}  # fmt: skip
-EDGE: dict[type, type] = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt}
-
-
-class Mutant(NamedTuple):
-    """One change of one file."""
-
-    file: Path
-    line: int
-    place: int  # among the file's possible changes
-    words: str
-    text: str  # of the whole file
-    statement: range  # its lines; empty where it runs on import
-
-
-def changes(tree: ast.Module) -> Iterator[tuple[ast.AST, str, Callable[[], None]]]:
-    """Every change that could be made: the node, in words, and a function that makes it."""
-    skipped: set[int] = set()
-    for node in ast.walk(tree):
-        if id(node) in skipped or isinstance(node, ast.Raise | ast.JoinedStr | ast.ImportFrom | ast.Import):
-            skipped.update(id(child) for child in ast.walk(node))  # words for users, and what is imported
-            continue
-        if isinstance(node, ast.AnnAssign | ast.arg) and node.annotation is not None:
-            skipped.update(id(child) for child in ast.walk(node.annotation))
-        if isinstance(node, ast.FunctionDef) and node.returns is not None:
-            skipped.update(id(child) for child in ast.walk(node.returns))
-        if isinstance(node, ast.Compare):
-            for table in (SWAPPED, EDGE):
-                if len(node.ops) == 1 and (new := table.get(type(node.ops[0]))) is not None:
-                    yield node, f"{type(node.ops[0]).__name__} -> {new.__name__}", _setter(node, "ops", [new()])
-        elif isinstance(node, ast.BinOp | ast.BoolOp) and (new := SWAPPED.get(type(node.op))) is not None:
-            yield node, f"{type(node.op).__name__} -> {new.__name__}", _setter(node, "op", new())
-        elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-            yield node, "without minus", _setter(node, "op", ast.UAdd())
-        elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
-            yield node, "without not", _setter(node, "operand", ast.UnaryOp(ast.Not(), node.operand))
-        elif isinstance(node, ast.Constant) and isinstance(node.value, bool):
-            yield node, f"{node.value} -> {not node.value}", _setter(node, "value", not node.value)
-        elif isinstance(node, ast.Constant) and isinstance(node.value, int | float):
-            other = node.value + 1 if isinstance(node.value, int) else 1.5 * node.value + (node.value == 0)
-            yield node, f"{node.value} -> {other}", _setter(node, "value", other)
-        elif isinstance(node, ast.If | ast.IfExp | ast.While):
-            yield node, f"not ({ast.unparse(node.test)[:40]})", _setter(node, "test", ast.UnaryOp(ast.Not(), node.test))
-        elif isinstance(node, ast.Return) and node.value is not None and ast.unparse(node.value) != "None":
-            yield node, "returns None", _setter(node, "value", ast.Constant(None))
-
-
-def _setter(node: ast.AST, field: str, value: Any) -> Callable[[], None]:
-    return lambda: setattr(node, field, value)
-
-
-def statement_of(tree: ast.Module, line: int) -> range:
-    """The lines of the statement of a function that holds a line, of a compound one its head; empty outside."""
-    inside = [f for f in ast.walk(tree) if isinstance(f, ast.FunctionDef) and f.body[0].lineno <= line <= _end(f)]
-    found = [s for f in inside for s in ast.walk(f) if isinstance(s, ast.stmt) and s.lineno <= line <= _end(s)]
-    if not found:
-        return range(0)
-    last = max(found, key=lambda s: (s.lineno, -_end(s)))
-    body = getattr(last, "body", None)
-    return range(last.lineno, max(body[0].lineno, last.lineno + 1) if body else _end(last) + 1)
-
-
-def _end(node: ast.stmt) -> int:
-    return node.end_lineno or node.lineno
-
-
-def drawn(count: int, seed: int, part: str, lines: range) -> list[Mutant]:
-    """Draw mutants, each possible change of all files alike likely."""
-    files = [file for file in (*FILES, *(MORE if part else ())) if part in str(file.relative_to(SOURCE))]
-    sites = [
-        (file, i)
-        for file in files
-        for i, (node, _, _) in enumerate(changes(ast.parse(file.read_text())))
-        if not lines or getattr(node, "lineno", 0) in lines
-    ]
-    chosen = random.Random(seed).sample(sites, min(count, len(sites)))
-    print(f"{len(sites)} possible changes in {len(files)} files; {len(chosen)} drawn by seed {seed}", flush=True)
-    out = []
-    for file, i in chosen:
-        tree = ast.parse(file.read_text())
-        node, words, change = list(changes(tree))[i]
-        line = getattr(node, "lineno", 0)
-        statement = statement_of(tree, line)
-        change()
-        out.append(Mutant(file, line, i, words, ast.unparse(ast.fix_missing_locations(tree)), statement))
-    return out
 
 
 class _Loader(importlib.abc.MetaPathFinder, importlib.machinery.SourceFileLoader):
@@ -164,13 +70,27 @@ class _Loader(importlib.abc.MetaPathFinder, importlib.machinery.SourceFileLoader
 
 
 class Ran:
-    """Which tests ran which lines, as coverage saw it."""
+    """Which tests ran which lines, as coverage saw it; how long they took."""
 
-    def __init__(self, data: Path) -> None:
+    def __init__(self, data: Path, times: Path | None, within: float) -> None:
         from coverage import CoverageData
 
         self.data = CoverageData(str(data))
         self.data.read()
+        self.within = within
+        self.seconds: Counter[str] = Counter()
+        for line in times.read_text().splitlines() if times else ():
+            if told := re.match(r"([\d.]+)s (?:call|setup) +((tests/\S+?\.py)::\w+)", line):
+                for name in told.group(2, 3):
+                    self.seconds[str(ROOT / name)] += float(told.group(1))  # type: ignore[assignment]
+
+    def quickest(self, tests: list[str]) -> list[str]:
+        """The quickest tests, as many as take the given seconds together."""
+        if not self.seconds:
+            return tests
+        ordered = sorted(tests, key=lambda test: self.seconds[test])
+        sums = list(itertools.accumulate(self.seconds[test] for test in ordered))
+        return [test for test, so_far in zip(ordered, sums, strict=True) if so_far <= max(self.within, sums[0])]
 
     def tests(self, mutant: Mutant) -> list[str]:
         """Those that ran the statement; of what runs on import, those that ran any line of the file."""
@@ -181,9 +101,14 @@ class Ran:
             found = {name for names in by_line.values() for name in names if name}
         out = {f"{file}::{name.rpartition('.')[2]}" for name in found if (file := _file_of(name)) is not None}
         if any(_file_of(name) is None for name in found):  # of hypothesis, which calls tests by a name of its own
-            rooms = {ROOT / room for rooms in TESTS.values() for room in rooms if mutant.file.parent.name in room}
+            rooms = {
+                ROOT / room
+                for rooms in TESTS.values()
+                for room in rooms
+                if mutant.file.relative_to(SOURCE).parts[0] in room
+            }
             out |= {str(file) for room in rooms for file in room.rglob("test_*.py") if "@given" in file.read_text()}
-        return sorted(out, key=lambda test: ("::" not in test, mutant.file.stem not in test, test))
+        return self.quickest(sorted(out, key=lambda test: ("::" not in test, mutant.file.stem not in test, test)))
 
 
 def _file_of(context: str) -> Path | None:
@@ -196,24 +121,48 @@ def tests_of(mutant: Mutant, ran: Ran | None) -> list[str]:
     if ran is not None:
         return ran.tests(mutant)
     file = mutant.file
-    rooms = TESTS.get(file.stem) or TESTS[file.parent.name]
-    found = [test for room in rooms for test in (sorted((ROOT / room).glob("test_*.py")) or [ROOT / room])]
+    rooms = TESTS.get(file.stem) or TESTS[file.relative_to(SOURCE).parts[0]]
+    found = [test for room in rooms for test in (sorted((ROOT / room).rglob("test_*.py")) or [ROOT / room])]
     near = [test for test in found if file.stem in test.stem or test.stem.removeprefix("test_") in file.stem]
     return [str(test) for test in dict.fromkeys([*near, *found])]
 
 
-def survives(mutant: Mutant, tests: list[str]) -> str:
-    """How a mutant ends: killed, slow (as good as killed: its tests end without it), survived, not run or undecided."""
-    if not tests:
-        return "not run"
-    end = run(mutant, tests)
-    if end in ("killed", "survived"):
-        return end
-    return "undecided" if run(None, tests) != "survived" else end if end == "slow" else "killed"
+class Failures:
+    """A plugin of pytest that tells which test failed first."""
+
+    def __init__(self, where: int) -> None:
+        self.where = where
+
+    def pytest_runtest_logreport(self, report: Any) -> None:
+        if report.failed:
+            os.write(self.where, report.nodeid.encode())
 
 
-def run(mutant: Mutant | None, tests: list[str]) -> str:
-    """Run tests in a child process; return how it ended."""
+class Referee:
+    """Runs tests against mutants; what fails without one, too, is no proof."""
+
+    def __init__(self) -> None:
+        self.clean: dict[str, str] = {}
+
+    def end(self, mutant: Mutant, tests: list[str]) -> str:
+        """How a mutant ends: killed, slow (its tests end without it), survived, not run or undecided."""
+        if not tests:
+            return "not run"
+        end, failed = run(mutant, tests)
+        if end == "survived":
+            return end
+        if failed:
+            if failed not in self.clean:
+                self.clean[failed] = run(None, [failed])[0]
+            return f"killed by {failed}" if self.clean[failed] == "survived" else f"undecided {failed}"
+        if run(None, tests)[0] != "survived":
+            return "undecided"
+        return end if end == "slow" else "killed"  # on import
+
+
+def run(mutant: Mutant | None, tests: list[str]) -> tuple[str, str]:
+    """Run tests in a child process; return how it ended, and which test failed."""
+    told, tell = os.pipe()
     child = os.fork()
     if child == 0:
         import resource
@@ -225,19 +174,43 @@ def run(mutant: Mutant | None, tests: list[str]) -> str:
         os.dup2(null, 2)
         if mutant is not None:
             sys.meta_path.insert(0, _Loader(mutant))
+        os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # these tests need none
         import pytest
 
         code = 70
         try:
             quick = ["-x", "-q", "-p", "no:cacheprovider", "-m", "not slow", "--no-header"]
-            code = int(pytest.main([*quick, "-o", "addopts=--import-mode=importlib", *tests]))
+            quick += ["-o", "python_files=test_*.py"]  # pytest itself would load score_test.py, without the change
+            code = int(pytest.main([*quick, "-o", "addopts=--import-mode=importlib", *tests], [Failures(tell)]))
         finally:
             os._exit(code)
+    os.close(tell)
     _, status = os.waitpid(child, 0)
+    with os.fdopen(told, "rb") as pipe:
+        failed = pipe.read().decode()
     if os.WIFSIGNALED(status):
-        return "slow"
-    failed = {0: "survived", 1: "killed", 2: "killed"}  # 2: a file of tests could not be imported
-    return failed.get(os.WEXITSTATUS(status), "odd")
+        return "slow", ""
+    ends = {0: "survived", 1: "killed", 2: "killed"}  # 2: a file of tests could not be imported
+    return ends.get(os.WEXITSTATUS(status), "odd"), failed
+
+
+def load() -> None:
+    """What no mutant changes is loaded and compiled once, for all children."""
+    for name in ("control", "hypothesis", "pytest", "matplotlib", "numba", "scipy.optimize", "scipy.signal"):
+        importlib.import_module(name)
+    import stepid
+    from stepid.effects import CATALOGUE
+    from stepid.simulation.laws import law
+
+    for effect in CATALOGUE:
+        law(effect)
+    none, many = [0.0] * 50, [0.01 * i for i in range(50)]
+    told: Any = {"name": "r", "time": many, "position": none, "input": [0.0] + [1.0] * 49, "added_mass": 0.0}
+    run_ = stepid.Experiment(**told, spring="s", damper="d")
+    model = stepid.PlantModel(base_mass={"cart": 1.0}, stiffness={"s": 200.0}, damping={"d": 4.0}, force_gain=8.0)
+    stepid.simulate(model, stepid.Campaign(name="c", experiments=(run_,)))
+    mutated = {".".join(file.relative_to(SOURCE.parent).with_suffix("").parts) for file in (*FILES, *MORE)}
+    assert not mutated & set(sys.modules)
 
 
 def main() -> None:
@@ -247,32 +220,31 @@ def main() -> None:
     parser.add_argument("seed", type=int, nargs="?", default=1)
     parser.add_argument("part", nargs="?", default="")
     parser.add_argument("--ran", type=Path, help="data of coverage with a context a test")
-    parser.add_argument("--only", default="", help="run those of the draw whose path holds it")
-    parser.add_argument("--most", type=int, default=10_000, help="tests of a mutant, at most: the first by name")
+    parser.add_argument("--times", type=Path, help="what pytest --durations=0 -vv printed")
+    parser.add_argument("--within", type=float, default=1e9, help="seconds of a mutant's tests, at most")
+    parser.add_argument("--numbers", type=int, nargs="+", help="run those of the draw alone")
+    parser.add_argument("--tests", nargs="+", default=(), help="run these tests instead")
     parser.add_argument("--lines", type=int, nargs=2, default=(0, -1))
     parser.add_argument("--from", type=int, default=0, dest="first", help="number of the mutant to go on from")
     given = parser.parse_args()
-    ran = Ran(given.ran) if given.ran else None
+    ran = Ran(given.ran, given.times, given.within) if given.ran else None
     os.chdir(ROOT)
     sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tests")]
-    import control
-    import numba
-    import scipy.optimize
-    import scipy.signal
-
-    assert all((control, numba, scipy.optimize, scipy.signal))  # loaded once, for all children
+    load()
     ends: Counter[str] = Counter()
+    referee = Referee()
     lines = range(given.lines[0], given.lines[1] + 1)
     mutants = drawn(given.count, given.seed, given.part, lines)
     for number, mutant in list(enumerate(mutants))[given.first :]:
-        if given.only not in str(mutant.file):
+        if given.numbers and number not in given.numbers:
             continue
         began = time.monotonic()
-        tests = tests_of(mutant, ran)[: given.most]
-        end = survives(mutant, tests)
-        ends[end] += 1
+        tests = list(given.tests) or tests_of(mutant, ran)
+        end = referee.end(mutant, tests)
+        ends[end.split()[0]] += 1
         where = f"{mutant.file.relative_to(SOURCE)}:{mutant.line}"
-        print(f"{number} {end} {where} {mutant.words} ({len(tests)}, {time.monotonic() - began:.0f} s)", flush=True)
+        took = f"{len(tests)} tests, {time.monotonic() - began:.0f} s"
+        print(f"{number} {where} {mutant.words} ({took}): {end}", flush=True)
     dead = ends["killed"] + ends["slow"]
     print(f"{ends.total()} mutants: {dict(ends)}; {100 * dead / max(ends.total(), 1):.1f} % killed")
 

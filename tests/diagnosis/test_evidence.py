@@ -89,3 +89,28 @@ def test_the_linear_plant_is_found_among_the_candidates() -> None:
     assert e.times(e.linear) == pytest.approx(10.0)
     assert e.best.names == ("coulomb_friction",)
     assert e.context.floor == FLOOR
+
+
+def test_scatter_has_its_price_and_weights_count_in_squares(monkeypatch: pytest.MonkeyPatch) -> None:
+    counts = np.full(4, 50.0)
+    plain = price(candidate().optimum, counts, 1e-10)
+    monkeypatch.setattr("stepid.diagnosis.evidence.price_of_scatter", lambda *_: 7.0)
+    assert price(candidate().optimum, counts, 1e-10) == pytest.approx(plain + 7.0)
+    made = context()
+    made.records.weight[:] = 0.5  # 400 readings that weigh as 100
+    monkeypatch.setattr("stepid.diagnosis.evidence.is_white", lambda *_: False)
+    criteria = Criteria(near=1.5)
+    most = criteria.floor + 2 / math.sqrt(100)
+    assert most < criteria.near
+    assert at_floor(made, criteria, candidate(times=0.999 * most))
+    assert not at_floor(made, criteria, candidate(times=1.001 * most))
+
+
+def test_a_rest_is_no_correlation_and_two_samples_are_the_least() -> None:
+    residual = white(3)
+    moved = residual + np.repeat([0.0, 1e-3, -2e-3, 5e-4], SAMPLES)
+    assert effective_samples(context().records, moved) == pytest.approx(effective_samples(context().records, residual))
+    few = np.array([1.0, 1.0, 50.0, 50.0])  # of a run that tells hardly anything a parameter costs ln 2
+    late, plain = candidate(deviations=["start_time"]), candidate()
+    cost = [price(one.optimum, few, FLOOR**2) for one in (late, plain)]
+    assert cost[0] - cost[1] == pytest.approx(math.log(2) + 2 * math.log(50.0))

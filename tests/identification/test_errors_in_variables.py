@@ -8,6 +8,7 @@ from scipy.optimize import least_squares
 
 import stepid
 from closed_form import draw_plant, make_campaign
+from stepid.identification.second_order import damping_ratio
 from stepid.identification.solvers import run_covariances
 
 
@@ -74,8 +75,8 @@ def test_only_an_overshoot_that_is_left_is_corrected() -> None:
     solver = stepid.ErrorsInVariables()
     fields = {"name": "a", "peak_time": 0.2, "peak_time_bias": 0.01, "overshoot": 0.3}
     less, gone = (stepid.Characteristics(**fields, overshoot_bias=bias) for bias in (0.1, 0.4))
-    read = stepid.identification.second_order.damping_ratio(0.3)
+    read = damping_ratio(0.3)
     frequency, ratio = solver.readings([less])[0]
     assert frequency == pytest.approx(np.pi / 0.19)
-    assert ratio == pytest.approx(stepid.identification.second_order.damping_ratio(0.2))
+    assert ratio == pytest.approx(damping_ratio(0.2))
     assert solver.readings([gone])[0] == pytest.approx([np.pi / 0.19, read])

@@ -12,6 +12,7 @@ import stepid
 from closed_form import SAMPLE_TIME
 from stepid.errors import NoOvershootError, NotSettledError
 from stepid.identification.free_response import constant_loss, find_extrema
+from stepid.identification.peak import sampled_peak_spread
 
 
 def swing(*, ratio: float = 0.03, frequency: float = 20.0, hold: int = 80, count: int = 1200, noise: float = 0.0):
@@ -141,3 +142,32 @@ def test_milan_releases(spring: str, stiffness: float) -> None:
     assert not found.excluded
     assert found.stiffness[spring] == pytest.approx(stiffness, rel=0.03)
     assert found.base_mass["cart"] == pytest.approx(0.5685, rel=0.07)
+
+
+def test_side_and_rest_of_a_release_do_not_matter() -> None:
+    run = swing(noise=20e-6)
+    one = stepid.characterize(run)
+    other = stepid.characterize(run.model_copy(update={"position": 0.05 - run.position}))
+    turn = 80 * SAMPLE_TIME + np.pi / 20.0  # the hand let go at the 80th sample
+    assert (one.start, other.start) == pytest.approx((turn, turn), abs=1e-3)
+    assert other.damped_frequency == pytest.approx(one.damped_frequency, rel=1e-9)
+    assert other.damping_ratio == pytest.approx(one.damping_ratio, rel=1e-9)
+
+
+def test_uncertainty_of_the_damping_ratio_is_that_of_repeats() -> None:
+    found = []
+    for seed in range(16):
+        run = swing(ratio=0.1, count=500)
+        noise = 2e-5 * np.random.default_rng(seed).standard_normal(run.time.size)
+        found.append(stepid.characterize(run.model_copy(update={"position": run.position + noise})))
+    off = [(one.damping_ratio - 0.1) / one.uncertainty.damping_ratio for one in found]
+    assert 0.5 < float(np.sqrt(np.mean(np.square(off)))) < 1.5
+
+
+def test_a_sampled_turning_point_is_as_sure_as_its_curvature_says() -> None:
+    """Of a swing a·cos ωt the curvature is a ω²."""
+    time = SAMPLE_TIME * np.arange(600)
+    found = find_extrema(time, 0.02 * np.sin(20.0 * time), rest=0.0, noise=2e-4, peak=stepid.SampledPeak())
+    spread, height = sampled_peak_spread(SAMPLE_TIME, 2e-4, 0.02 * 20.0**2)
+    np.testing.assert_allclose(found.time_uncertainty, spread, rtol=0.02)
+    np.testing.assert_allclose(found.position_uncertainty, height, rtol=0.02)

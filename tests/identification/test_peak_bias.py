@@ -10,6 +10,7 @@ import pytest
 import stepid
 from closed_form import draw_plant, make_campaign
 from stepid.identification.peak import sampled_height_bias, sampled_peak_spread
+from stepid.identification.pooling import pool_steps
 
 PERIOD, CURVATURE = 5e-3, 2.0  # s, m/s²
 
@@ -42,6 +43,13 @@ def test_a_fall_that_is_slower_than_the_rise_draws_the_largest_sample_later(move
     assert rate * spread**2 == pytest.approx((later - earlier) / 2, rel=0.25)
 
 
+def test_while_two_samples_compete_the_larger_is_high_by_their_share_of_the_noise() -> None:
+    """κσ, beside what is lost between samples."""
+    noise = 0.01 * CURVATURE * PERIOD**2
+    found = sampled_height_bias(PERIOD, noise, CURVATURE) + CURVATURE * PERIOD**2 / 24
+    assert found == pytest.approx(0.01 * noise, rel=0.03)
+
+
 def test_a_flat_peak_has_no_expected_error() -> None:
     assert sampled_height_bias(PERIOD, 1e-4, 0.0) == 0.0
 
@@ -72,7 +80,7 @@ def test_an_interpolated_peak_has_none() -> None:
 
 def test_steps_of_a_run_pool_their_expected_errors() -> None:
     runs = [stepid.Characteristics(name="a", peak_time=0.2, overshoot=0.3, overshoot_bias=b) for b in (0.01, 0.03)]
-    pooled = stepid.identification.pooling.pool_steps(runs, name="a")
+    pooled = pool_steps(runs, name="a")
     assert pooled.overshoot_bias == pytest.approx(0.02)
 
 

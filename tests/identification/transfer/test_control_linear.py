@@ -11,7 +11,9 @@ import diagnosis_example
 import stepid
 from stepid.effects import CATALOGUE
 from stepid.errors import IdentificationError, InputError
+from stepid.identification.transfer import free_responses
 from stepid.identification.transfer.express import why_not_linear, why_not_nonlinear
+from stepid.identification.transfer.linear import sampled
 
 LINEAR = ("viscoelastic_spring", "flexible_coupling", "actuator_lag")
 FREQUENCIES = np.geomspace(0.1, 1000.0, 60)
@@ -120,3 +122,25 @@ def test_a_run_without_a_step_has_no_gain() -> None:
             make(found, "run")
     with pytest.raises(InputError, match=r"campaign\['steps'\]"):
         stepid.state_space(example.model(), "steps")
+
+
+def test_sampling_keeps_what_passes_straight_through() -> None:
+    """Of an input that is a polynomial, what passes through at a sample is its value there: the first coefficient."""
+    plant = control.ss([[-2.0]], [[3.0]], [[1.0]], [[5.0]])
+    found = sampled(plant, 0.1, 2)
+    np.testing.assert_allclose(found.D, [[5.0, 0.0]])
+    np.testing.assert_allclose(found.A, [[np.exp(-0.2)]])
+    held = 1.5 * (1 - np.exp(-0.2))  # ∫ 3 e^(−2s) ds, and of a slope of one ∫ 3 (0.1 − s) e^(−2s) ds
+    np.testing.assert_allclose(found.B, [[held, 1.5 * 0.1 - held / 2]])
+
+
+def test_free_responses_are_the_closed_form() -> None:
+    m, c, k = 2.0, 6.0, 300.0
+    given = stepid.IdentifiedParameters(
+        masses={"a": m}, damping={"a": c}, stiffness={"s": k}, static_gain={"a": 0.03}, springs={"a": "s"}
+    )
+    t, decay = 0.01 * np.arange(100), c / (2 * m)
+    w = np.sqrt(k / m - decay**2)
+    found = free_responses(given, "a", samples=100, sample_time=0.01)
+    moved = np.exp(-decay * t) * (np.cos(w * t) + decay / w * np.sin(w * t))
+    np.testing.assert_allclose(found, np.column_stack([moved, np.exp(-decay * t) * np.sin(w * t) / w]), atol=1e-12)

@@ -1,0 +1,255 @@
+"""Algebra of a joint fit, its profile limits and its decimation, against dense matrices and closed forms."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stepid
+from stepid.core.base import Array
+from stepid.core.estimate import Estimate
+from stepid.fitting import decimation, profile
+from stepid.fitting.correlation import Block
+from stepid.fitting.covariance import _precision, _triangle
+from stepid.fitting.levenberg_marquardt import Problem, _blocked, _held
+from stepid.fitting.run_fault import _extreme, _has_size, _told
+from stepid.simulation.records import Records, lay_out
+
+
+def test_columns_of_a_run_are_its_own_then_the_shared_ones() -> None:
+    rng = np.random.default_rng(1)
+    weight = np.array([1.0, 0.5, 2.0, 1.0, 1.0, 0.1, 1.0])
+    records = SimpleNamespace(weight=weight, pieces=lambda: [slice(0, 4), slice(4, 7)])
+    active = np.array([[True, True], [False, True]])
+    problem: Any = SimpleNamespace(free=np.array([True, False, True]), active=active, records=records)
+    shared, local = rng.standard_normal((3, 7)), rng.standard_normal((2, 7))
+    found = list(Problem.blocks(problem, SimpleNamespace(derivatives=(shared, local))))  # type: ignore[arg-type]
+    assert [columns.tolist() for _, columns, _ in found] == [[2, 0, 1], [3, 4, 0, 1]]
+    for (piece, _, rows), own in zip(found, (local[:1], local), strict=True):
+        w = weight[piece]
+        every = np.concatenate([own, shared[[0, 2]]])[:, piece]
+        np.testing.assert_allclose(rows, w * (every - (every @ w**2 / np.sum(w**2))[:, None]))
+    steep = SimpleNamespace(derivatives=(1e300 * shared, local))
+    assert all(np.isinf(rows[-2:]).any() for _, _, rows in Problem.blocks(problem, steep))  # type: ignore[arg-type]
+
+
+def test_the_triangle_has_the_products_of_the_jacobian() -> None:
+    """Two shared parameters, one of each run, and one part of the weights' error that acts as the first shared one."""
+    rng = np.random.default_rng(2)
+    pieces = [slice(0, 30), slice(30, 55)]
+    blocks, jacobian = [], np.zeros((55, 5))
+    for run, piece in enumerate(pieces):
+        rows, columns = rng.standard_normal((3, piece.stop - piece.start)), np.array([2 + run, 0, 1, 4])
+        grown = np.concatenate([np.eye(3), [[0.0, 0.3 + run, 0.0]]])
+        blocks.append(Block(piece, columns, rows, grown))
+        jacobian[piece, columns] = (grown @ rows).T
+    residual, scale = rng.standard_normal(55), np.array([1.0, 2.0, 0.5, 3.0, 0.7])
+    optimum: Any = SimpleNamespace(problem=SimpleNamespace(free=np.ones(2), active=np.ones((1, 2))))
+    out, pull, left = _triangle(optimum, blocks, scale, residual)
+    scaled = jacobian / scale
+    np.testing.assert_allclose(out.T @ out, scaled.T @ scaled, atol=1e-12)
+    np.testing.assert_allclose(out.T @ pull, scaled.T @ residual, atol=1e-12)
+    best = np.linalg.lstsq(scaled, residual, rcond=None)[0]
+    assert left == pytest.approx(float(np.sum((residual - scaled @ best) ** 2)))
+
+
+def test_what_may_differ_is_known_to_half_its_bound() -> None:
+    problem: Any = SimpleNamespace(free=np.array([True, True]), active=np.array([[True, False], [True, True]]))
+    problem.most = None
+    assert _precision(problem).tolist() == [0.0] * 5
+    problem.most = np.array([[0.5, 0.5], [4.0, 0.1]])
+    assert _precision(problem).tolist() == [0.0, 0.0, 4.0, 0.5, 20.0]
+
+
+def test_what_sits_at_a_bound_is_blocked_where_it_is_pushed_outward() -> None:
+    lower, upper = np.zeros(5), np.ones(5)
+    problem: Any = SimpleNamespace(free=np.array([True, True, True, True, False]), lower=lower, upper=upper)
+    shared = np.array([0.0, 0.0, 1.0, 1.0, 0.0])
+    assert _blocked(problem, shared, np.array([-1.0, 1.0, 1.0, -1.0])).tolist() == [True, False, True, False]
+    assert not _blocked(problem, np.full(5, 0.5), np.array([-1.0, 1.0, 1.0, -1.0])).any()
+    own: Any = SimpleNamespace(most=np.array([[2.0, 2.0, 2.0]]), active=np.ones((1, 3), bool))
+    assert _held(own, np.array([[2.0, -2.0, 1.9]]), np.array([[1.0, 1.0, 1.0]])).tolist() == [[True, False, False]]
+
+
+@dataclass
+class Parabola:
+    """χ² of one parameter: `least` + (x − `best`)²·`bend`, on from the value given."""
+
+    free: Any
+    lower: Array
+    upper: Array
+    best: float = 2.0
+    bend: float = 4.0
+    least: float = 3.0
+    records: Any = None
+
+
+def parabola(monkeypatch: pytest.MonkeyPatch, **changes: Any) -> Any:
+    told: dict[str, Any] = {"free": np.array([True]), "lower": np.array([-50.0]), "upper": np.array([50.0])}
+    problem = Parabola(**told | changes)
+
+    def minimize(held: Parabola, shared: Array, local: Array, **_: Any) -> Any:
+        assert not held.free[0]
+        cost = held.least + held.bend * float(shared[0] - held.best) ** 2
+        return SimpleNamespace(problem=held, shared=shared, local=local, cost=cost)
+
+    monkeypatch.setattr(profile, "minimize", minimize)
+    return SimpleNamespace(problem=problem, shared=np.array([problem.best]), local=np.zeros(1), cost=problem.least)
+
+
+@pytest.mark.parametrize("distance", [0.3, 1.0, 8.0, -0.3, -8.0])
+def test_a_limit_is_where_the_cost_has_grown_by_so_much(monkeypatch: pytest.MonkeyPatch, distance: float) -> None:
+    found = profile._limit(parabola(monkeypatch), 0, distance, wanted=9.0)
+    assert found == pytest.approx(2.0 + math.copysign(1.5, distance), abs=0.04)
+
+
+def test_a_bound_before_it_is_the_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    optimum = parabola(monkeypatch, upper=np.array([2.5]))
+    assert profile._limit(optimum, 0, 1.0, wanted=9.0) == 2.5
+    assert profile._limit(optimum, 0, -1.0, wanted=9.0) == pytest.approx(0.5, abs=0.04)
+
+
+def test_a_side_is_open_where_the_cost_hardly_grows(monkeypatch: pytest.MonkeyPatch) -> None:
+    flat = parabola(monkeypatch, bend=1e-12, upper=np.array([1e12]))
+    assert profile._limit(flat, 0, 1.0, wanted=9.0) is None
+
+
+@pytest.mark.parametrize("fits", [1, 2])
+def test_after_all_tries_the_next_place_is_the_limit(monkeypatch: pytest.MonkeyPatch, fits: int) -> None:
+    monkeypatch.setattr(profile, "_TRIES", fits)
+    assert profile._limit(parabola(monkeypatch), 0, 0.6, wanted=9.0) == pytest.approx(3.5, abs=0.04)
+
+
+def limits(monkeypatch: pytest.MonkeyPatch, e: Estimate, **changes: Any) -> Estimate:
+    """Profile limits of a parabola whose noise is twice that of white noise."""
+    optimum = parabola(monkeypatch, **changes)
+    near = SimpleNamespace(level=0.5, excess=np.array([4.0]))
+    monkeypatch.setattr(profile, "uncertain", lambda *_: near)
+    monkeypatch.setattr(profile, "parameter_names", lambda *_: (("a", "N"),))
+    return profile.profiled({"a": e}, optimum, (), 1e-5)["a"]
+
+
+def test_profile_limits_of_a_parabola_are_its_interval(monkeypatch: pytest.MonkeyPatch) -> None:
+    """σ = level·√(excess/bend); what comes of weights and scale is added in squares."""
+    sigma = 0.5 * math.sqrt(4.0 / 0.3)
+    parts = {"noise": sigma, "weights": 0.3, "scale": 0.4}
+    vague = Estimate(value=2.0, uncertainty=math.hypot(sigma, 0.5), unit="N", parts=parts)
+    half = 1.96 * math.hypot(sigma, 0.5)
+    found = limits(monkeypatch, vague, bend=0.3)
+    assert found.limits == pytest.approx((2.0 - half, 2.0 + half), rel=0.02)
+    near = limits(monkeypatch, vague, bend=0.3, lower=np.array([0.5]))
+    assert near.limits is not None
+    assert near.limits[0] == 0.5
+    assert near.limits[1] == pytest.approx(2.0 + half, rel=0.02)
+    open_ = limits(monkeypatch, vague, bend=1e-12, lower=np.array([-1e12]), upper=np.array([1e12]))
+    assert (open_.value, open_.uncertainty) == (2.0, None)
+
+
+def test_only_what_is_near_a_bound_or_vague_is_profiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    sure = Estimate(value=2.0, uncertainty=0.1, unit="N", parts={"noise": 0.1})
+    assert limits(monkeypatch, sure) is sure
+    assert limits(monkeypatch, sure, lower=np.array([1.8])).limits is not None
+    angle = Estimate(value=2.0, uncertainty=3.0, unit="rad", parts={"noise": 3.0})
+    assert limits(monkeypatch, angle) is angle
+
+
+@pytest.mark.parametrize(("samples", "step"), [(3, 1), (16, 1), (31, 1), (33, 3), (48, 3), (80, 5), (112, 7)])
+def test_a_sixteenth_of_a_period_is_taken_as_one_sample(samples: float, step: int) -> None:
+    assert decimation._stride(samples) == step
+
+
+def linear(residual: Array, records: Records, **more: Any) -> Any:
+    layout = SimpleNamespace(mass=lambda _: np.array([1.0]), stiffness=slice(0, 1), damping=slice(1, 2))
+    problem = SimpleNamespace(records=records, layout=layout)
+    return SimpleNamespace(residual=residual, problem=problem, rms=float(np.sqrt(np.mean(residual**2))), **more)
+
+
+@pytest.mark.parametrize("damping", [2.0, 20.0, 50.0])
+def test_the_shortest_period_is_that_of_the_fastest_pole(damping: float) -> None:
+    records: Any = SimpleNamespace(spring=[0], damper=[0])
+    found = decimation.shortest_period(linear(np.zeros(1), records, shared=np.array([100.0, damping])))
+    assert found == pytest.approx(2 * math.pi / np.abs(np.roots([1.0, damping, 100.0])).max())
+
+
+def records_of(position: Array, volts: Array, **more: Any) -> Records:
+    time = 0.001 * np.arange(position.size)
+    told: dict[str, Any] = {"added_mass": 0.0, "spring": "s", "damper": "d", "starts": "rest"} | more
+    run = stepid.Experiment(name="r", time=time, position=position, input=volts, **told)
+    return lay_out(stepid.Campaign(name="c", experiments=(run,)))
+
+
+def test_a_decimated_record_keeps_the_motion_and_averages_the_gap() -> None:
+    t, rng = 0.001 * np.arange(4000), np.random.default_rng(3)
+    volts = np.where(t < 0.5, 0.0, 1.0)
+    slow, noise = 1e-4 * np.cos(2 * np.pi * 0.5 * t), 1e-5 * rng.standard_normal(4000)
+    model = 1e-2 * (1 - np.cos(6.0 * t))
+    records = records_of(model + slow + noise, volts)
+    few = decimation.decimated(records, linear(slow + noise, records), period=1.0, floor=1e-5)
+    assert few.at is not None
+    assert few.size == pytest.approx(4000 / 63, abs=4)  # 1,000 samples of a period, 16 kept: 62.5, odd
+    assert {0, 500, 3999} <= set(few.at.tolist())  # the ends, and where the input changes
+    inner = np.flatnonzero((np.diff(few.at[:-1]) == 63) & (np.diff(few.at[1:]) == 63)) + 1
+    assert inner.size > 50
+    half = int(0.1 / math.sqrt(float(np.sqrt(np.mean((slow + noise) ** 2))) / 1e-5) / 0.001) // 2
+    np.testing.assert_allclose(few.weight[inner] ** 2, 2 * half + 1)
+    for at, read in zip(few.at[inner], few.position[inner], strict=True):
+        around = slice(at - half, at + half + 1)
+        assert read == pytest.approx(model[at] + float(np.mean((slow + noise)[around])), abs=1e-12)
+
+
+def test_a_record_of_which_every_sample_is_needed_keeps_all() -> None:
+    t, rng = 0.001 * np.arange(4000), np.random.default_rng(4)
+    busy = records_of(np.sin(6.0 * t), rng.standard_normal(4000))
+    gap = 1e-5 * rng.standard_normal(4000)
+    assert decimation.decimated(busy, linear(gap, busy), period=1.0, floor=1e-5) is busy
+    first = decimation.decimated(busy, linear(gap, busy), period=0.02, floor=1e-5)  # 60 periods of a long record
+    assert first.at is not None
+    assert first.at.tolist() == list(range(1200))
+    least = decimation.decimated(busy, linear(gap, busy), period=0.002, floor=1e-5)
+    assert least.size == 200
+    lines = records_of(np.sin(6.0 * t), np.where(t < 0.5, 0.0, 1.0), input_between="lines")
+    assert decimation.decimated(lines, linear(gap, lines), period=1.0, floor=1e-5) is lines
+
+
+def fault(kind: str, size: float, *, error: float = 0.0, scatter: float = 0.0) -> Any:
+    layout = SimpleNamespace(mass=lambda _: np.array([2.0, 3.0]), stiffness=slice(0, 1), damping=slice(1, 2))
+    records = SimpleNamespace(sample_time=[0.01, 0.02], spring=[0, 0], damper=[0, 0])
+    optimum = SimpleNamespace(problem=SimpleNamespace(layout=layout, records=records), shared=np.array([200.0, 8.0]))
+    return SimpleNamespace(kind=kind, size=size, error=error, scatter=scatter, run=1, optimum=optimum)
+
+
+def test_a_fault_is_told_in_the_unit_that_users_know() -> None:
+    assert _told(fault("stiffness", 0.5)) == 100.0
+    assert _told(fault("damping", -0.25)) == -2.0
+    assert _told(fault("gain", 1.0)) == 2.0
+    assert _told(fault("start_time", 0.03)) == 0.03
+
+
+@pytest.mark.parametrize(("kind", "unit"), [("added_mass", 3.0), ("start_time", 0.02), ("gain", 1.0), ("damping", 1.0)])
+def test_a_fault_has_a_size_worth_mentioning(kind: str, unit: float) -> None:
+    from stepid.fitting.run_fault import _WORTH
+
+    least = _WORTH[kind] * unit
+    assert _has_size(fault(kind, 1.01 * least), 5.0)
+    assert not _has_size(fault(kind, 0.99 * least), 5.0)
+    assert _has_size(fault(kind, -2 * least, error=0.39 * least), 5.0)
+    assert not _has_size(fault(kind, -2 * least, error=0.41 * least), 5.0)
+    assert not _has_size(fault(kind, -2 * least, scatter=0.41 * least), 5.0)
+
+
+def test_the_run_with_the_largest_or_smallest_input_is_extreme() -> None:
+    t = 0.01 * np.arange(60)
+    runs = tuple(
+        stepid.Experiment(
+            name=f"{i}", time=t, position=1e-3 * np.sin(t), input=np.where(t < 0.1, 0.0, size), added_mass=0.0,
+            spring="s", damper="d",
+        )
+        for i, size in enumerate((0.5, -1.0, 2.0, 0.0))
+    )  # fmt: skip
+    records = lay_out(stepid.Campaign(name="c", experiments=runs))
+    assert [_extreme(records, run) for run in range(4)] == [True, False, True, False]

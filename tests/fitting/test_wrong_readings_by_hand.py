@@ -1,0 +1,156 @@
+"""Rules for wrong readings and wrong runs, each at its edge, on samples that are written down."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stepid
+from stepid.core.base import Array
+from stepid.fitting.reading_faults import _fault, _outliers, _stand_out, _stuck, mend, outliers_of, trust
+from stepid.fitting.run_fault_words import _explanation, _factor, fault_words
+from stepid.simulation.records import lay_out
+
+
+def record(position: Array, **more: Any) -> stepid.Experiment:
+    time = 0.01 * np.arange(position.size)
+    return stepid.Experiment(
+        name="r", time=time, position=position, input=np.where(time < 0.05, 0.0, 1.0), added_mass=0.0, spring="s",
+        damper="d", **more,
+    )  # fmt: skip
+
+
+def test_a_block_stands_out_by_the_misfit_of_a_cubic_through_its_neighbors() -> None:
+    y = 1e-4 * np.random.default_rng(1).standard_normal(30)
+    places = np.r_[8:12, 14:18]
+    fit = np.polynomial.Polynomial.fit(places, y[places], 3)
+    basis = np.vander(places, 4)
+    spread = math.sqrt(np.sum((fit(places) - y[places]) ** 2) / (8 - 4))
+    score, off = _stand_out(y, 2, np.array([12]), 0.0)
+    assert off[0] == pytest.approx(y[12:14] - fit(np.array([12, 13])), rel=1e-6)
+    for i, at in enumerate((12.0, 13.0)):
+        row = np.vander([at], 4) @ np.linalg.pinv(basis)
+        assert score[0, i] == pytest.approx(abs(off[0, i]) / spread / math.sqrt(1 + float(np.sum(row**2))), rel=1e-6)
+    loud, _ = _stand_out(y, 2, np.array([12]), 10 * spread)
+    assert loud[0] == pytest.approx(score[0] / 10)
+
+
+@pytest.mark.parametrize(("times", "length", "found"), [(10.0, 1, True), (8.0, 1, False), (10.0, 3, True)])
+def test_nine_standard_deviations_make_an_outlier(times: float, length: int, found: bool) -> None:
+    unit = _stand_out(np.eye(1, 21, 10)[0], 1, np.array([10]), 1.0)[0][0, 0]  # of one sample off by one
+    y = np.zeros(40)
+    y[20 : 20 + length] = 1.3 * times / unit if length > 1 else times / unit
+    assert ((20, length) in [(begin, size) for _, begin, size in _outliers(y, 1.0, 0.0)]) is found
+    assert not _outliers(y, 1.0, 2 * float(y.max()))
+
+
+def stopped(length: int, share: float, after: float = 1.0) -> Array:
+    """One unit a sample; the reading stays for `length` samples and then makes good a share of the way missed."""
+    before, late = np.arange(20.0), after * np.arange(20.0)
+    return np.concatenate([before, np.full(length, before[-1]), before[-1] + share * (length + 1) + late])
+
+
+@pytest.mark.parametrize(
+    ("length", "share", "after", "found"),
+    [
+        (3, 1.0, 1.0, True),
+        (3, 0.75, 1.0, True),
+        (3, 0.65, 1.0, False),  # the cart itself was held for a while
+        (3, 0.25, 1.0, False),  # it stood, and went on
+        (3, 1.0, 0.6, True),
+        (3, 1.0, 0.4, False),  # it does not move on as before
+        (3, 1.0, -1.0, False),
+        (9, 1.0, 1.0, False),
+    ],
+)
+def test_a_reading_sticks_where_the_cart_moved_on_meanwhile(
+    length: int, share: float, after: float, found: bool
+) -> None:
+    y = stopped(length, share, after)
+    assert [(begin, size) for _, begin, size in _stuck(y, 1e-3, 0.0)] == ([(20, length)] if found else [])
+    small = _stuck(1e-4 * y, 1e-7, 0.0)
+    assert [(begin, size) for _, begin, size in small] == ([(20, length)] if found else [])
+
+
+@pytest.mark.parametrize(("count", "found"), [(15, False), (19, False), (20, True), (21, True)])
+def test_one_of_twenty_samples_may_be_wrong(count: int, found: bool) -> None:
+    y = 1e-4 * np.arange(count) ** 2 / count
+    y[7] += 5e-3
+    mended = mend(record(y))
+    assert bool(mended.wrong.any()) is found
+    if found:
+        assert mended.run.position[7] == pytest.approx(1e-4 * 49 / count, abs=1e-5)
+
+
+def test_what_is_wrong_too_often_is_left_alone() -> None:
+    rng, clean = np.random.default_rng(2), 2e-6 * np.random.default_rng(3).standard_normal(400)
+    for count, found in ((12, 12), (28, 0)):  # 3 and 7 per cent
+        y = clean.copy()
+        y[8 + 13 * np.arange(count)] += 1e-3 * rng.choice([-1, 1], count)
+        assert int(mend(record(y)).wrong.sum()) == found
+
+
+def test_ten_counts_are_no_rounding() -> None:
+    count = 1e-4
+    y = np.round(np.cumsum(np.full(100, 0.37))) * count
+    y[50] += 10 * count
+    assert np.flatnonzero(mend(record(y, counts_per_meter=1 / count)).wrong).tolist() == [50]
+
+
+def test_words_of_a_fault_say_what_its_kind_does() -> None:
+    mask, off = np.arange(40) == 7, np.full(40, 2e-3)
+    assert _fault("r", "outliers", mask, off).words.startswith("Run 'r': 1 reading (sample 7) stands out by 2 mm;")
+    stuck = _fault("r", "stuck readings", mask | (np.arange(40) == 9), off)
+    assert stuck.words.startswith("Run 'r': 2 readings (samples 7, 9) repeat the one before while the cart moves;")
+
+
+def test_good_readings_count_in_full() -> None:
+    records = lay_out(stepid.Campaign(name="c", experiments=(record(np.linspace(0, 1e-2, 50)),)))
+    wrong = np.arange(50) == 20
+    assert trust(records, {}).tolist() == [1.0] * 50
+    assert np.flatnonzero(trust(records, {"r": wrong}) < 1e-3).tolist() == [20]
+
+
+@pytest.mark.parametrize("rest", [0.0, 0.3])
+def test_outliers_of_a_residual_stand_alone(rest: float) -> None:
+    residual = 1e-5 * np.random.default_rng(4).standard_normal(300)
+    residual[[50, 119, 120]] += 1e-3
+    assert np.flatnonzero(outliers_of(rest + residual, 1e-6)).tolist() == [50, 119, 120]
+    for beside in (117, 118, 121, 122):  # half of what an outlier takes, beside it: no calm
+        ring = residual.copy()
+        ring[beside] += 7e-5
+        assert np.flatnonzero(outliers_of(rest + ring, 1e-6)).tolist() == [50]
+    assert not outliers_of(rest + residual, 2e-4).any()
+
+
+@pytest.mark.parametrize("factor", [2.0, 0.5, -2.0, -0.5, 4.0, 0.25, 10.0, 0.1, 100.0, 0.01, 1e3, 1e-3, 2.54])
+def test_a_round_factor_is_told_as_such(factor: float) -> None:
+    for off in (0.98, 1.0, 1.02):
+        assert f"Its readings are {factor:.4g} times" in _factor(off * factor)
+    assert "Its readings, or its input, are" in _factor(1.04 * factor)
+    assert "sign turned" in _factor(-1.01)
+
+
+def test_each_kind_of_fault_has_its_words() -> None:
+    layout = SimpleNamespace(stiffness=slice(0, 2), damping=slice(2, 3))
+    labels = {"springs": ("soft", "hard"), "spring": [0], "dampers": ("d",), "damper": [0]}
+    run = SimpleNamespace(name="a")
+    records = SimpleNamespace(runs=[run], added_mass=[0.5], sample_time=[0.01], **labels)
+    problem = SimpleNamespace(layout=layout, records=records)
+    optimum: Any = SimpleNamespace(problem=problem, shared=np.array([200.0, 300.0, 10.0]))
+    assert "With 0.75 kg added instead of 0.5 kg it agrees" in _explanation(optimum, 0, "added_mass", 0.25)
+    assert "Its readings are 2 times" in _explanation(optimum, 0, "gain", 1.0)
+    assert "come 2 samples after its input" in _explanation(optimum, 0, "start_time", 0.02)
+    assert "zero drifting by 3 µm/s" in _explanation(optimum, 0, "sensor_drift", 3e-6)
+    near = _explanation(optimum, 0, "stiffness", 0.45)
+    assert "With a stiffness of 290 N/m, that of spring 'hard' instead of the 200 N/m of spring 'soft'" in near
+    assert "'hard'" not in _explanation(optimum, 0, "stiffness", 1.0)
+    assert "With a damping of 15 N·s/m instead of the 10 N·s/m of damper 'd'" in _explanation(
+        optimum, 0, "damping", 0.5
+    )
+    assert "'a' or 'b'; without it the others agree" in fault_words(optimum, 0, "gain", 1.0, ("b",))
+    assert fault_words(optimum, 0, "gain", 1.0, ()).startswith("Run 'a' disagrees with the others, which agree")
