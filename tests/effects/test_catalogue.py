@@ -96,3 +96,13 @@ def test_the_lab_knows_a_size(effect: Effect) -> None:
 def test_sizes_are_for_effects_of_the_catalogue() -> None:
     assert SIZES.keys() == {e.name for e in CATALOGUE}
     assert set(stepid.lab.Draw().among) <= SIZES.keys()
+
+
+def test_what_one_sees_of_a_law_is_told_where_its_parameters_do_not() -> None:
+    """0.1 kg on 39.5 N/m swing at √(k/m)/2π = 3.16 Hz; a branch of 50 N/m and 10 N·s/m forgets in 0.2 s."""
+    values = {"flexible_coupling": (0.1, 39.5, 0.0), "viscoelastic_spring": (50.0, 10.0)}
+    said = {e.name: e.remark(values.get(e.name, (1.0, 1.0, 1.0, 1.0))) for e in CATALOGUE}
+    assert {name: words for name, words in said.items() if words} == {
+        "flexible_coupling": "The second mass alone swings at 3.16 Hz: a further mode of the plant.",
+        "viscoelastic_spring": "The spring creeps with a relaxation time of 0.2 s.",
+    }

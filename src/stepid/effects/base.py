@@ -217,6 +217,10 @@ class Effect:
         """Say which linear parameter the effect can stand in for at these values, or nothing."""
         return ""
 
+    def remark(self, values: tuple[float, ...]) -> str:
+        """Say what one sees or hears of the effect at these values, where its parameters do not, in a sentence."""
+        return ""
+
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         """Forces on the measured motion that would be this effect, for starts by linear least squares (optional)."""
         return ()

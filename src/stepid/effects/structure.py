@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import ClassVar
 
@@ -36,6 +37,9 @@ class ViscoelasticSpring(Effect):
         if time * min(swing.rates) > swing.slow:
             return "the stiffness of the spring"
         return "the damper" if time * max(swing.rates) < swing.fast else ""
+
+    def remark(self, values: tuple[float, ...]) -> str:
+        return f"The spring creeps with a relaxation time of {values[1] / values[0]:.3g} s." if values[0] else ""
 
     @staticmethod
     def force(p: Values, m: Moment) -> float:
@@ -76,6 +80,10 @@ class FlexibleCoupling(Effect):
 
     def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
         return "the plant's own oscillation" if swing.near(float(np.sqrt(values[1] / values[0]))) else ""
+
+    def remark(self, values: tuple[float, ...]) -> str:
+        rate = math.sqrt(values[1] / values[0]) / math.tau
+        return f"The second mass alone swings at {rate:.3g} Hz: a further mode of the plant."
 
     @staticmethod
     def force(p: Values, m: Moment) -> float:
