@@ -189,9 +189,7 @@ class Effect:
     reverses: ClassVar[bool] = False  # its law changes where the velocity changes sign
     rests_anywhere: ClassVar[bool] = False  # the cart may start off the spring's rest position
     never_rests: ClassVar[bool] = False  # the cart may be in motion at the start of any record
-    drive_order: ClassVar[int] = (
-        2  # place in the chain from command to force: delay 0, dead zone, saturation, rate, lag 4
-    )
+    drive_order: ClassVar[int] = 2  # place from command to force: delay 0, dead zone, saturation, rate, lag 4
     repeats: ClassVar[bool] = False  # a sine of the position (amplitude, pitch [m], phase); `regressors` scan the pitch
     n_switches: ClassVar[int] = 0  # positions or states where its law changes
     n_extra: ClassVar[int] = 0  # own states with a rate in time
