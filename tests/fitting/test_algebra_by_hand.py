@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,9 +14,12 @@ import stepid
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
 from stepid.fitting import decimation, profile
+from stepid.fitting.absent import Absent, linearized
+from stepid.fitting.added_masses import weight_errors, with_added_masses
 from stepid.fitting.correlation import Block
 from stepid.fitting.covariance import _precision, _triangle
 from stepid.fitting.levenberg_marquardt import Problem, _blocked, _held
+from stepid.fitting.random_effects import _information
 from stepid.fitting.run_fault import _extreme, _has_size, _told
 from stepid.simulation.records import Records, lay_out
 
@@ -253,3 +256,40 @@ def test_the_run_with_the_largest_or_smallest_input_is_extreme() -> None:
     )  # fmt: skip
     records = lay_out(stepid.Campaign(name="c", experiments=runs))
     assert [_extreme(records, run) for run in range(4)] == [True, False, True, False]
+
+
+def test_errors_of_weights_that_were_found_come_back() -> None:
+    runs = tuple(
+        records_of(np.zeros(60), np.ones(60), added_mass=mass).runs[0].model_copy(update={"name": f"{mass}"})
+        for mass in (0.0, 0.5, 1.5)
+    )
+    records = lay_out(stepid.Campaign(name="c", experiments=runs, weight_uncertainty=0.005))
+    moved = with_added_masses(records, np.array([1.0, -2.0]))
+    np.testing.assert_allclose(moved.added_mass, [0.0, 0.505, 1.505 - 2 * 0.005 * math.sqrt(2)])
+    np.testing.assert_allclose(weight_errors(moved).found, [1.0, -2.0])
+
+
+def test_a_deviation_is_known_by_the_weighted_variance_of_its_derivative() -> None:
+    rng = np.random.default_rng(5)
+    plain = records_of(np.zeros(80), np.ones(80))
+    records, slope = replace(plain, weight=rng.uniform(0.2, 3.0, 80)), rng.standard_normal((1, 80))
+    simulator = SimpleNamespace(derivatives=lambda *_: (None, slope))
+    told = {"records": records, "simulator": simulator, "free": np.array([True]), "active": np.array([[True]])}
+    problem = SimpleNamespace(layout=SimpleNamespace(deviations=slice(0, 1)), **told)
+    solved = SimpleNamespace(reading=None, states=None)
+    optimum: Any = SimpleNamespace(problem=problem, solved=solved, shared=None, local=None)
+    expected = float(np.cov(slope, aweights=records.weight**2, ddof=0))
+    assert _information(optimum).ravel() == pytest.approx([expected])
+
+
+def test_derivatives_of_a_row_that_is_taken_away_go_with_it() -> None:
+    jacobian, reading = np.arange(12.0).reshape(2, 6), np.array([0.5, -0.5])
+    records = SimpleNamespace(position=np.array([1.0, 2.0]), weighted=lambda values: 2 * values)
+    fit = {"residual": lambda _: np.zeros(2), "jacobian": lambda _: jacobian, "records": records}
+    simulator = SimpleNamespace(readings=lambda _, local: reading[None] if not local[0, 0].any() else None)
+    problem = SimpleNamespace(free=np.ones(2, bool), active=np.ones((2, 2), bool), simulator=simulator, **fit)
+    base: Any = SimpleNamespace(problem=problem, solved=None, shared=np.zeros(2), local=np.ones((2, 2)))
+    residual, left, place = linearized(base, Absent(row=0))
+    assert residual.tolist() == [1.0, 5.0]
+    assert left.tolist() == jacobian[:, [0, 1, 4, 5]].tolist()  # the global ones, and the other row's
+    assert place.tolist() == [0, 1]

@@ -271,3 +271,26 @@ def test_periods_resonances_and_lines_are_found_where_they_are() -> None:
     line = 2e-6 * np.cos(2 * np.pi * 21.3 * t)
     assert sharp_line(made, slow + noise + line, above=6.0) == pytest.approx(21.3, abs=0.01)
     assert resonances(made, slow + noise + line, count=2)[2] == pytest.approx(21.3, abs=0.01)
+
+
+def test_a_jump_near_the_beginning_is_no_noise() -> None:
+    y = 1e-5 * np.random.default_rng(9).standard_normal(400)
+    for at in (2, 5, 9):
+        volts = np.where(np.arange(400) < at, 0.0, 1.0)
+        made = records(y + 1e-2 * (np.arange(400) >= at), volts=volts)
+        found = noise_floor._moving_differences(made.runs[0], 0)
+        assert found.size == 400 - 8 - (at + 3)
+        assert np.abs(found).max() < 6e-5
+        assert noise_floor._moving_differences(made.runs[0], 20).size == 400 - 20 - 8  # it was before these
+
+
+@pytest.mark.parametrize(("frequency", "found"), [(14.0, False), (20.0, True)])
+def test_a_line_is_a_hum_where_a_force_would_have_to_be_huge(frequency: float, found: bool) -> None:
+    """Of masses alike nothing else tells: beyond eight times the plant's own frequency, here 2 Hz."""
+    t, rng = 0.01 * np.arange(800), np.random.default_rng(10)
+    line = 1e-4 * np.cos(2 * np.pi * frequency * t)
+    made = records(*(line + 1e-6 * rng.standard_normal(800) for _ in range(3)))
+    plant = linear(np.full(3, 200.0 / (4 * np.pi) ** 2))
+    hums = hum._hum(made, plant, made.position, frequency, 2.0)
+    assert (hums is not None) is found
+    assert hums is None or hums.frequency == pytest.approx(frequency, abs=0.01)

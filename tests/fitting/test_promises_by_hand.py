@@ -12,6 +12,7 @@ import pytest
 import stepid
 from stepid.core.base import Array
 from stepid.fitting import covariance, deviations, left_over, problem, run_fault, score_test
+from stepid.fitting.coordinates import Coordinates
 from stepid.fitting.input_fault import InputFault, changes_throughout
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.screening import _why_still
@@ -240,3 +241,41 @@ def test_phases_are_read_off_by_least_squares() -> None:
     made: Any = Made(simulator=Made(records=records, readings=readings))
     found = problem._read_phases(made, np.zeros(1), np.zeros((1, 2)), 0)
     np.testing.assert_allclose(found, [phases])
+
+
+def test_an_interval_takes_the_scatter_of_runs_times_students_quantile(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half of it is √(1.96² (σ_noise² + σ_weights²) + t² σ_runs²); without scatter 1.96 σ is told by σ alone."""
+    records = SimpleNamespace(scale_uncertainty=0.0)
+    optimum: Any = SimpleNamespace(
+        problem=SimpleNamespace(free=np.array([True, True]), records=records), shared=np.array([200.0, 8.0])
+    )
+    noise, weights, runs = np.array([3.0, 0.3]), np.array([2.0, 0.4]), np.array([1.5, 0.0])
+    near = SimpleNamespace(noise=np.diag(noise**2), weights=np.diag(weights**2), open=np.zeros(2, bool))
+    monkeypatch.setattr(covariance, "centered", lambda made: made)
+    monkeypatch.setattr(covariance, "uncertain", lambda *_: near)
+    monkeypatch.setattr(covariance, "mean_of_runs", lambda _: np.eye(2))
+    monkeypatch.setattr(covariance, "between_runs", lambda _: (np.diag(runs**2), np.array([4.3, 1.96])))
+    monkeypatch.setattr(covariance, "parameter_names", lambda *_: (("stiffness", "N/m"), ("damping", "N·s/m")))
+    found, correlation = covariance.estimates(optimum, (), 1e-5)
+    assert found["stiffness"].uncertainty == pytest.approx(math.sqrt(9.0 + 4.0 + 2.25))
+    half = math.hypot(1.96 * math.hypot(3.0, 2.0), 4.3 * 1.5)
+    assert found["stiffness"].limits == pytest.approx((200.0 - half, 200.0 + half))
+    assert (found["damping"].uncertainty, found["damping"].limits) == (pytest.approx(0.5), None)
+    np.testing.assert_allclose(correlation, np.eye(2))
+
+
+@pytest.mark.parametrize("coefficient", [0.3, 30.0])
+def test_a_power_moves_along_its_force_at_the_motions_speed(coefficient: float) -> None:
+    """By the exponent at c·vᵖ held: ∂/∂p − ln v · c ∂/∂c."""
+    effect, solved = SimpleNamespace(power=(0, 1)), SimpleNamespace(states=np.full((2, 9), 0.2))
+    problem: Any = SimpleNamespace(
+        simulator=SimpleNamespace(effects=(effect,)), layout=SimpleNamespace(values=(slice(0, 2),)),
+        free=np.ones(2, bool), lower=np.full(2, -99.0), upper=np.full(2, 99.0),
+    )  # fmt: skip
+    shared = np.array([coefficient, 1.5])
+    along: Any = SimpleNamespace(derivatives=(np.array([[2.0], [7.0]]), None))
+    made = Coordinates(problem, shared, solved)  # type: ignore[arg-type]
+    slopes = made.slopes(shared, along)[0]
+    assert slopes.ravel() == pytest.approx([2 * coefficient, 7 - math.log(0.2) * 2 * coefficient])
+    c, p = made.moved(shared, np.array([0.0, 0.4]))
+    assert c * 0.2**p == pytest.approx(coefficient * 0.2**1.5)

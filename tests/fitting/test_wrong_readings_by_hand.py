@@ -11,6 +11,8 @@ import pytest
 
 import stepid
 from stepid.core.base import Array
+from stepid.fitting import run_fault
+from stepid.fitting.eccentricity import find_eccentricity
 from stepid.fitting.reading_faults import _fault, _outliers, _stand_out, _stuck, mend, outliers_of, trust
 from stepid.fitting.run_fault_words import _explanation, _factor, fault_words
 from stepid.simulation.records import lay_out
@@ -154,3 +156,90 @@ def test_each_kind_of_fault_has_its_words() -> None:
     )
     assert "'a' or 'b'; without it the others agree" in fault_words(optimum, 0, "gain", 1.0, ("b",))
     assert fault_words(optimum, 0, "gain", 1.0, ()).startswith("Run 'a' disagrees with the others, which agree")
+
+
+def off_axis(sizes: tuple[float, ...], noise: float) -> Any:
+    """A fit that leaves an encoder's line of these amplitudes in each run, and noise."""
+    t, rng = 0.01 * np.arange(400), np.random.default_rng(5)
+    path = 5e-3 * (1 - np.exp(-t) * np.cos(4.0 * t))
+    told: dict[str, Any] = {"input": np.where(t < 0.05, 0.0, 1.0), "added_mass": 0.0, "spring": "s", "damper": "d"}
+    runs = [
+        stepid.Experiment(
+            name=f"{i}", time=t, position=path + size * np.sin(2 * np.pi * path / 1.5e-3 + 0.4), **told
+        )
+        for i, size in enumerate(sizes)
+    ]  # fmt: skip
+    records = lay_out(stepid.Campaign(name="c", experiments=tuple(runs)))
+    line = np.concatenate([run.position - path for run in runs]) + noise * rng.standard_normal(records.size)
+    problem = SimpleNamespace(
+        records=records, residual=lambda _: records.weighted(line), jacobian=lambda _: np.ones((records.size, 1))
+    )
+    return SimpleNamespace(problem=problem, solved=None)
+
+
+def test_an_encoder_off_its_axis_takes_most_of_what_is_left() -> None:
+    found = find_eccentricity(off_axis((2e-5,) * 3, 5e-6), 5e-6)
+    assert found is not None
+    assert found.amplitude == pytest.approx(2e-5, rel=0.05)
+    assert found.pitch == pytest.approx(1.5e-3, rel=0.02)
+    half = 2e-5 / math.sqrt(2)  # as much again is something else
+    assert find_eccentricity(off_axis((2e-5,) * 3, half), 5e-6) is None
+    assert find_eccentricity(off_axis((2e-5,) * 3, half), half) is not None
+
+
+def test_an_encoder_off_its_axis_is_so_in_all_runs() -> None:
+    assert find_eccentricity(off_axis((2e-5, 2e-5, 2e-5, 1.7e-5), 1e-6), 1e-6) is not None
+    assert find_eccentricity(off_axis((2e-5, 2e-5, 2e-5, 1.0e-5), 1e-6), 1e-6) is None
+
+
+@pytest.mark.parametrize(("apart", "accused"), [(0.9, True), (1.1, False)])
+def test_a_worse_explanation_of_a_misfit_is_none(monkeypatch: pytest.MonkeyPatch, apart: float, accused: bool) -> None:
+    """Worse by χ² = 10 at the level of the noise; the cost told is the least that was reached."""
+    records = SimpleNamespace(runs=[SimpleNamespace(name=name) for name in "abc"], weight=np.full(400, 1.0))
+    held = SimpleNamespace(layout=None, records=records)
+    last: Any = SimpleNamespace(problem=held, shared=None, local=None)
+    level, fields = 2e-5, {"kind": "gain", "error": 0.0, "scatter": 0.0, "optimum": last}
+    costs = [400 * level**2, (400 + 10 * apart) * level**2]
+    found = [SimpleNamespace(run=i, size=float(i), cost=cost, **fields) for i, cost in enumerate(costs)]
+    optimum: Any = SimpleNamespace(problem=SimpleNamespace(records=records), cost=1.0)
+    monkeypatch.setattr(run_fault, "_candidates", lambda *_: [])
+    monkeypatch.setattr(run_fault, "_all_fitted", lambda *_: found)
+    monkeypatch.setattr(run_fault, "_has_size", lambda one, _: one.size > 0.5)  # of the second alone
+    monkeypatch.setattr(run_fault, "_explains", lambda *_: True)
+    monkeypatch.setattr(run_fault, "fault_words", lambda *_: "words")
+    ends: list[Any] = [None, SimpleNamespace(cost=0.5 * costs[1]), SimpleNamespace(cost=2.0)]
+    for done, cost in zip(ends, (costs[1], 0.5 * costs[1], costs[1]), strict=True):
+        monkeypatch.setattr(run_fault, "minimize", lambda *_, end=done, **__: end)
+        told = run_fault.accuse(optimum, 1e-6)
+        assert (told is not None) is accused
+        assert told is None or (told.fault.run, told.cost) == ("b", cost)
+
+
+@pytest.mark.parametrize(("read", "factor"), [(2.07, 2.0), (-0.93, -1.0), (0.48, 0.5), (1.3, 1.3)])
+def test_a_rough_factor_is_taken_for_the_round_one_that_fits_as_well(
+    monkeypatch: pytest.MonkeyPatch, read: float, factor: float
+) -> None:
+    runs = tuple(record(np.linspace(0.0, size, 50)).model_copy(update={"name": f"{size}"}) for size in (1e-3, 2e-3))
+    records = lay_out(stepid.Campaign(name="c", experiments=runs))
+    layout = SimpleNamespace(deviation=lambda _: 0)
+    problem = SimpleNamespace(layout=layout, records=records, simulator=SimpleNamespace(effects=("one",)))
+    optimum: Any = SimpleNamespace(problem=problem, shared=None, local=None, cost=1.0)
+    rough = SimpleNamespace(local=np.array([[0.0, read - 1]]), cost=0.5)
+    tried: list[Any] = []
+
+    def refit(_: Any, mended: Any, __: float) -> Any:
+        tried.append(mended)
+        return SimpleNamespace(cost=0.4)
+
+    monkeypatch.setattr(run_fault, "with_fault", lambda *_: problem)
+    monkeypatch.setattr(run_fault, "minimize", lambda *_, **__: rough)
+    monkeypatch.setattr(run_fault, "_refit", refit)
+    monkeypatch.setattr(run_fault, "standard_error", lambda *_: 0.0)
+    monkeypatch.setattr(run_fault, "scatter_of_others", lambda *_: 0.0)
+    found = run_fault._fitted(optimum, 1, "gain", 1e-6)
+    assert found is not None
+    assert found.size == pytest.approx(factor - 1)
+    assert len(tried) == (factor != read)
+    for mended in tried:
+        np.testing.assert_allclose(mended.position, np.append(runs[0].position, runs[1].position / factor))
+        np.testing.assert_allclose(mended.weight, np.repeat([1.0, abs(factor)], 50))

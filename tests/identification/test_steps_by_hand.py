@@ -9,9 +9,10 @@ import pytest
 
 import stepid
 from closed_form import Plant, make_run
+from stepid.errors import NotSettledError
 from stepid.identification.errors_in_variables import _unbiased
-from stepid.identification.free_response import Extrema, constant_loss
-from stepid.identification.peak import _CUT, InterpolatedPeak, fit_peak
+from stepid.identification.free_response import Extrema, _free_part, constant_loss, find_extrema
+from stepid.identification.peak import _CUT, InterpolatedPeak, SampledPeak, fit_peak
 from stepid.identification.pooling import pool_steps
 from stepid.identification.steady_state import steady_state
 from stepid.identification.step_response import _read, _response, _rest, _spreads
@@ -138,3 +139,44 @@ def test_what_rings_long_before_a_later_step_does_not_count() -> None:
     back = stepid.characterize_each(run)[1]
     assert isinstance(back, stepid.Characteristics)
     assert abs(back.peak_time - light.peak(2.0)[0]) < 3 * back.uncertainty.peak_time
+
+
+def test_a_short_tail_counts_by_what_the_fit_leaves_free() -> None:
+    """Of n samples a level and a swing of known frequency take three."""
+    decay, frequency, rng = 5.0, 20.0, np.random.default_rng(4)
+    time = np.arange(0.0, 0.6, 0.05)
+    position = 0.018 * (1 - np.exp(-decay * time) * np.cos(frequency * time)) + 1e-4 * rng.standard_normal(time.size)
+    found = steady_state(
+        time, position, peak_time=math.pi / frequency, noise=1e-9, damped_frequency=frequency,
+        damping_ratio=decay / math.hypot(decay, frequency), overshoot=0.45,
+    )  # fmt: skip
+    free = time.size - found.first - 3
+    halves = (time[-1] - time[found.first]) / (math.pi / frequency)
+    assert 0 < free < 6
+    square = float(found.residual @ found.residual) / free / halves
+    assert found.uncertainty == pytest.approx(math.sqrt(square), rel=1e-6)
+
+
+def test_a_swing_that_goes_on_for_ever_is_told_with_its_size() -> None:
+    free = Plant(base_mass=0.954, stiffness=216.2, damping=0.0)
+    with pytest.raises(NotSettledError, match=r"still swings ±(9\d|10\d)\.\d % of its steady displacement"):
+        stepid.characterize(make_run(free, 0.0, count=500))
+
+
+def test_a_turning_point_needs_a_quarter_of_a_half_period_on_either_side() -> None:
+    """And a sample: of half periods of 40 samples eleven."""
+    for before, after, told in ((11, 11, 3), (11, 10, 2), (10, 11, 2)):
+        place = np.arange(-before, 80 + after + 1) + 2000
+        position = np.cos(math.pi / 40 * (place - 2000))
+        position[0] = 0.0  # else the hand might hold the plant there
+        found = find_extrema(0.01 * place, position, rest=0.0, noise=0.0, peak=SampledPeak())
+        assert found.time.size == told
+
+
+def test_whether_it_was_let_go_from_afar_is_read_off_the_first_sample() -> None:
+    turning = np.array([-1.0, 0.8, -0.6, 0.4])
+    found = Extrema(0.1 + 0.2 * np.arange(4), 0.3 + turning, *np.full((2, 4), 1e-6))
+    for first, kept in (([0.6, 0.4], 4), ([0.4, 0.6], 3)):  # of the largest swing, from rest; a half decides
+        part, start = _free_part(found, 0.3 + np.array(first), 0.3)
+        assert part.time.size == kept
+        assert start == found.time[4 - kept]

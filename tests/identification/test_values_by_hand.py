@@ -183,3 +183,39 @@ def test_correlations_lie_within_one() -> None:
         covariance_labels=("masses[a]", "stiffness[s]"),
     )  # fmt: skip
     assert found.correlation("masses[a]", "stiffness[s]") == 1.0
+
+
+def test_the_most_likely_answer_does_not_hang_on_where_its_search_begins() -> None:
+    rng = np.random.default_rng(3)
+    made = make_campaign(draw_plant(rng), rng, noise=300e-6, weight_spread=0.005)
+    system = stepid.assemble([stepid.characterize(e) for e in made.experiments], made.mass_offsets)
+    solver = stepid.ErrorsInVariables()
+    known = solver.readings(system.characteristics), np.array([o.difference for o in made.mass_offsets])
+    best = solver.unknowns(system, *known)
+    for times in (0.2, 5.0, 1000.0):
+        np.testing.assert_allclose(solver.unknowns(system, *known, start=times * best), best, rtol=1e-8)
+
+
+def test_what_a_fit_would_give_is_not_told_where_the_input_is_beyond_all_numbers() -> None:
+    made = make_campaign(PLANT, np.random.default_rng(8), noise=2e-5)
+    found = stepid.identify(made)
+    assert tightness.tighter_by_fit(made.experiments, found, 1e-7) is not None
+    huge = [e.model_copy(update={"input": 1e200 * e.input}) for e in made.experiments]
+    assert tightness.tighter_by_fit(huge, found, 1e-7) is None
+
+
+def test_a_run_that_moves_from_its_first_sample_on_rests_there() -> None:
+    """Of an input by lines from its value before the record: what it was at rest is the first reading."""
+    masses = {"a": 1.0}
+    found = stepid.IdentifiedParameters(
+        masses=masses, damping={"a": 10.0}, stiffness={"s": 200.0}, static_gain={"a": 0.04}, springs={"a": "s"}
+    )
+    time = 0.01 * np.arange(300)
+    decay, frequency = 5.0, math.sqrt(200.0 - 25.0)
+    ring = np.cos(frequency * time) + decay / frequency * np.sin(frequency * time)
+    step = stepid.Experiment(
+        name="a", time=time, position=0.004 + 0.02 * (1 - np.exp(-decay * time) * ring), input=np.full(300, 0.5),
+        input_before=0.0, input_between="lines", added_mass=0.0, spring="s", damper="d",
+    )  # fmt: skip
+    (run_,) = stepid.verify(found, stepid.Campaign(name="c", experiments=(step,))).runs
+    assert run_.simulated[0] == pytest.approx(0.004, abs=1e-9)
