@@ -14,17 +14,11 @@ from scipy.special import ellipk
 
 from exact_plants import EFFECTS, NEW_EFFECTS
 from hidden import EVERY, Run, fast, reference, sets
+from paper_run import paper_run
 
 COUNT = 1 / 226600
 T = 0.0088542
 EXAMPLES = {**EFFECTS, **NEW_EFFECTS}
-
-
-def paper_run(**changes: object) -> Run:
-    inputs = np.zeros(400)
-    inputs[5:200] = 0.5
-    run = Run(mass=1.45, stiffness=216.0, damping=6.0, gain=7.8, sample_time=T, inputs=inputs, phase=0.7)
-    return replace(run, **changes)  # type: ignore[arg-type]
 
 
 def both(run: Run) -> list[np.ndarray]:

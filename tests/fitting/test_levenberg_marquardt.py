@@ -112,6 +112,6 @@ def test_all_samples_are_kept_where_the_linear_plant_runs_away_on_some(
     few = decimation.decimated(context.records, context.linear, 10.0, context.floor)  # s, as if it swung that slowly
     assert few.size < context.records.size
     monkeypatch.setattr(decimation, "minimize", lambda *a, **k: None)
-    records, optimum = decimation.fit_coarsely(few, context.linear)
-    assert records is context.records
+    optimum = decimation.fit_coarsely(few, context.linear)
     assert optimum is context.linear
+    assert optimum.problem.records is context.records

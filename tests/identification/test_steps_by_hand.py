@@ -18,6 +18,7 @@ from stepid.identification.steady_state import steady_state
 from stepid.identification.step_response import _read, _response, _rest, _spreads
 from stepid.identification.steps import find_steps
 from stepid.identification.trends import Trend
+from turning_points import losing
 
 PLANT = Plant(base_mass=0.954, stiffness=216.2, damping=14.0)
 
@@ -74,12 +75,7 @@ def test_what_slowly_wanders_counts_by_half_periods() -> None:
 
 
 def test_a_loss_is_clear_only_beyond_what_the_turning_points_leave_open() -> None:
-    ranges = [0.02]
-    while len(ranges) < 6:
-        ranges.append(0.9 * ranges[-1] - 1e-3)
-    sizes = [0.011]
-    for one in ranges:
-        sizes.append(one - sizes[-1])
+    ranges, sizes = losing(6)
     position = np.resize([1.0, -1.0], len(sizes)) * sizes
     time, clear, last, first = 0.1 * np.arange(len(sizes)), *np.full((3, len(sizes)), 1e-9)
     assert constant_loss(Extrema(time, position, clear, clear)) == pytest.approx(1e-3)

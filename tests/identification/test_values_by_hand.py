@@ -18,6 +18,7 @@ from stepid.identification.peak import _CUT, _fit, fit_peak
 from stepid.identification.pooling import pool_steps
 from stepid.identification.solvers import _constrained
 from stepid.identification.steady_state import last_swing, settling_time_measured, steady_state
+from turning_points import losing
 
 PLANT = Plant(base_mass=0.954, stiffness=216.2, damping=14.0)
 
@@ -38,12 +39,7 @@ def test_decrement_of_three_turning_points() -> None:
 
 def test_constant_loss_needs_five_ranges() -> None:
     """D' = ρD − L."""
-    ranges = [0.02]
-    while len(ranges) < 5:
-        ranges.append(0.9 * ranges[-1] - 1e-3)
-    sizes = [0.011]
-    for one in ranges:
-        sizes.append(one - sizes[-1])
+    _, sizes = losing(5)
     assert constant_loss(extrema(sizes, 1e-9)) == pytest.approx(1e-3, rel=1e-6)
     assert constant_loss(extrema(sizes[:-1], 1e-9)) is None
 

@@ -37,7 +37,8 @@ def notes_on(context: FitContext, final: Optimum, effects: tuple[Effect, ...]) -
             "No two runs differ in added mass: the total mass is set to 1 kg and every parameter is per unit mass."
         )
     for effect, place in zip(effects, final.problem.layout.values, strict=True):
-        out += filter(None, [effect.remark(tuple(map(float, final.shared[place])))])
+        if said := effect.remark(tuple(map(float, final.shared[place]))):
+            out.append(said)
     values, _ = estimates(final, effects, context.floor)
     own = effect_parameters(effects)
     for name, value in values.items():

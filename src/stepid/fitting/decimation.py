@@ -109,21 +109,17 @@ def shortest_period(linear: Optimum) -> float:
     return float(np.min(2 * np.pi / (natural * (ratio + np.sqrt(ratio**2 - 1)))))
 
 
-def fit_coarsely(records: Records, linear: Optimum) -> tuple[Records, Optimum]:
+def fit_coarsely(records: Records, linear: Optimum) -> Optimum:
     """Fit the linear plant to decimated records, from its fit to all samples.
 
-    Returns
-    -------
-    records : Records
-        All of them where the plant runs away on the decimated ones, as one that hardly a spring holds may.
-    optimum : Optimum
+    That fit itself where nothing is left out, or where the plant runs away on the decimated records, as one that hardly
+    a spring holds may.
     """
-    whole = linear.problem.records
     if records.at is None:
-        return whole, linear
+        return linear
     problem = replace(build(records, ()), free=linear.problem.free, active=linear.problem.active)
     found = minimize(problem, linear.shared, linear.local, tolerance=1e-6 * linear.cost, iterations=6)
-    return (whole, linear) if found is None else (records, found)
+    return found or linear
 
 
 def full_residual(optimum: Optimum, linear: Optimum, coarse: Optimum) -> Array:

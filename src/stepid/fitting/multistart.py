@@ -90,8 +90,8 @@ class FitContext:
             self.motion = self.motion._replace(v=v, sign=np.where(v < 0, -1.0, 1.0))
             if linear.rms**2 < 2 * floor**2:  # it misses the position by less than the noise does
                 self.motion = self.motion._replace(x=x)
-        few = decimated(records, linear, shortest_period(linear), floor)
-        self.decimated, self.coarse_linear = fit_coarsely(few, linear)
+        self.coarse_linear = fit_coarsely(decimated(records, linear, shortest_period(linear), floor), linear)
+        self.decimated = self.coarse_linear.problem.records
         self.tangent = np.linalg.qr(self.coarse_linear.problem.jacobian(self.coarse_linear.solved))[0]
         self.weak = WeakForm(records, 0.6 * period, fixed_mass=fixes_mass(records))
 

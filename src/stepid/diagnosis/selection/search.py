@@ -13,11 +13,9 @@ from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, 
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
-from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, TOGETHER
+from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, TOGETHER, UNFORESEEN
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
-from stepid.diagnosis.selection.moves.exchange import Exchange
-from stepid.diagnosis.selection.moves.regeneralize import Regeneralize
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.promote import promote
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
@@ -29,7 +27,6 @@ from stepid.fitting.multistart import CandidateFit, FitContext
 _RIVALS = {move.name for move in CONFIRMING}
 _RIVALS_AND_RUNS = {*_RIVALS, Deviate.name}
 _TOGETHER = {move.name for move in TOGETHER}
-_UNFORESEEN = {Exchange.name, Regeneralize.name}  # a linearized step tells little of them
 Tell = Callable[["Search", Proposal], None]
 
 
@@ -203,11 +200,12 @@ class Search:
         new = [p for p in by.worthy(order, self.nodes, self.effort, _RIVALS) if self._new(p)]
         out = [p for p in new if self._gains(least, named, p)]
         if bases is not None:
-            nearest = [p for p in new if p.move in _UNFORESEEN and p not in out][: self.effort.share]
+            nearest = [p for p in new if p.move in UNFORESEEN and p not in out][: self.effort.share]
             out.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
             return [*out, *nearest][: self.effort.width]
         together = by.first_together(self.proposals, self.nodes, self.effort.share, TOGETHER)
-        out = [p for p in out if p.key not in {q.key for q in together}]
+        sets = {p.key for p in together}
+        out = [p for p in out if p.key not in sets]
         smallest = min((p.size for p in out), default=0)
         larger = [p for p in out if p.size > smallest and not p.deviations][: self.effort.share]
         out = [*[p for p in out if p.size == smallest][: self.effort.width], *together, *larger]

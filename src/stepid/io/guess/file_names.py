@@ -7,6 +7,9 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from stepid.io.guess.draft import TURNS
+from stepid.io.guess.words import SCALES, unit_for
+
 _NUMBER = r"(?P<number>\d+(?:[.,p]\d+)?|[.,]\d+)"
 _KG = re.compile(rf"(?<![\d.,]){_NUMBER}[\s_-]*(?:kg|kilo(?:gram(?:me)?)?s?)(?![a-z])", re.IGNORECASE)
 _GRAM = re.compile(rf"(?<![\d.,]){_NUMBER}[\s_-]*(?:g|gr|gramm?e?s?|gramos|grammi)(?![a-z])", re.IGNORECASE)
@@ -28,21 +31,8 @@ _PERIOD = re.compile(
     r"(?:(?i:interval|sampl\w*|abtast\w*|period)|\bdt|\bTs)[^\d]*"
     r"(?P<number>[1-9]\d*(?:[.,]\d+)?|0[.,]0*[1-9]\d*)\s*(?P<unit>s|ms|us|µs)\b"
 )
-_PER_COUNT = {  # m, or rad where it turns, of what an encoder may be said to have counts of
-    "m": 1.0,
-    "meter": 1.0,
-    "mm": 1e-3,
-    "cm": 1e-2,
-    "in": 0.0254,
-    "inch": 0.0254,
-    "rad": 1.0,
-    "deg": math.pi / 180,
-    "rev": 2 * math.pi,
-    "turn": 2 * math.pi,
-    "umdrehung": 2 * math.pi,
-    "tour": 2 * math.pi,
-}
-_TURNING = ("rad", "deg", "rev", "turn", "umdrehung", "tour")
+_TURN = ("rev", "turn", "umdrehung", "tour")
+_PER_COUNT = ("m", "meter", "mm", "cm", "in", "inch", "rad", "deg", *_TURN)  # what an encoder may have counts of
 _COUNTS_OF = (
     rf"(?:counts?|cts|ticks|inkremente|increments|impulse)\s*(?:/|per|pro|par|je)\s*(?P<unit>{'|'.join(_PER_COUNT)})"
     r"(?:ol\w*|rees?|s)?\b"
@@ -144,10 +134,12 @@ def encoder_above(lines: tuple[str, ...]) -> tuple[float, bool] | None:
     told = set()
     for line in lines:
         if (found := _ENCODER.search(line)) is not None:
-            unit = (found["unit"] or found["of"]).lower()
+            word = (found["unit"] or found["of"]).lower()
             number = found["before"] or found["after"]
+            unit = "rad" if word in _TURN else unit_for(word, "position") or ""
+            size = SCALES["position"][unit] * (math.tau if word in _TURN else 1.0)
             if _THOUSANDS.fullmatch(number) is None and _float(number) > 0:
-                told.add((_PER_COUNT[unit] / _float(number), unit in _TURNING))
+                told.add((size / _float(number), unit in TURNS))
     return told.pop() if len(told) == 1 else None
 
 

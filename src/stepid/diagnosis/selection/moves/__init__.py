@@ -25,5 +25,8 @@ CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Regeneralize(), Exch
 A move in this list and in `EXPLORING` makes rivals in both.
 """
 
+UNFORESEEN = frozenset({Exchange.name, Regeneralize.name})
+"""Names of moves of which a linearized step tells little: the nearest are fitted whatever they promise."""
+
 MOVES: tuple[Move, ...] = tuple({m.name: m for m in (*EXPLORING, *TOGETHER, *CONFIRMING)}.values())
 """All of them, each once: follows from those above."""

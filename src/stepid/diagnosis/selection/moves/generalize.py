@@ -15,12 +15,11 @@ class Generalize:
 
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
         """Propose the node's effects with one of them more general."""
-        out = []
+        here, out = standing(node), []
         for place, effect in enumerate(node.effects):
             for general in context.catalogue:
                 if effect.name in general.contains and all(general.name != e.name for e in node.effects):
-                    inner = standing(node).values[place]
-                    out += grown_from(node, place, inner, general, context, self.name)
+                    out += grown_from(node, place, here.values[place], general, context, self.name)
         return out
 
 

@@ -19,10 +19,10 @@ class Regeneralize:
 
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
         """Propose the node's effects with a general one exchanged for each other that shares a simpler law with it."""
-        out = []
+        here, out = standing(node), []
         names = {e.name for e in node.effects}
         for place, effect in enumerate(node.effects):
-            values = np.array(standing(node).values[place])
+            values = np.array(here.values[place])
             for general in context.catalogue:
                 shared = [e for e in context.catalogue if e.name in effect.contains and e.name in general.contains]
                 levels = [level_within(effect, values, e) for e in shared]
