@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 import pytest
@@ -270,7 +271,11 @@ def test_report_says_why_the_hand_method_refused() -> None:
 
 def test_it_says_when_the_weights_rule_the_uncertainties() -> None:
     d = example.named().model_copy(update={"data": example.campaign()})
-    assert "which are taken as known to 1 %" in d.summary()
+    # 5 g in a weight of 0.5 kg, as the root of the mass: Campaign.weight_uncertainty
+    heaviest = max(run.added_mass for run in example.campaign())
+    known = 0.005 * math.sqrt(heaviest / 0.5)
+    said = f"{heaviest:.3g} kg, is taken as known to {known:.2g} kg, by the campaign's weight_uncertainty of 0.005 kg"
+    assert said in d.summary()
     sure = d.model_copy(update={"data": None})
     assert "taken as known" not in sure.summary()
     parts = {name: e.model_copy(update={"parts": {"noise": e.uncertainty or 0.0}}) for name, e in d.parameters.items()}

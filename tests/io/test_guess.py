@@ -217,8 +217,11 @@ def test_notes_are_no_recordings_and_folders_are_runs(tmp_path: Path) -> None:
         (tmp_path / mass).mkdir()
         (tmp_path / mass / "run.csv").write_text(table("t_s,x_mm,u_V\n"))
     (tmp_path / "notes.txt").write_text("We met on Monday.\n")
-    files, refused = recordings([tmp_path / "0kg" / "run.csv", tmp_path / "notes.txt", tmp_path / "0.5kg" / "run.csv"])
-    assert len(refused) == 1
+    (tmp_path / "photo.jpg").write_bytes(bytes(range(256)) * 20)
+    runs = [tmp_path / "0kg" / "run.csv", tmp_path / "0.5kg" / "run.csv"]
+    files, refused = recordings([runs[0], tmp_path / "notes.txt", tmp_path / "photo.jpg", runs[1]])
+    assert len(refused) == 2
+    assert "photo.jpg: is not text but binary" in refused[1]
     assert [(d.name, d.mass.value) for d in draft_runs(files)] == [("0kg", 0.0), ("0.5kg", 0.5)]
 
 

@@ -56,11 +56,12 @@ def _of_weights(d: Diagnosis) -> tuple[str, ...]:
         return ()
     if base.parts.get("weights", 0.0) < base.uncertainty / math.sqrt(2):
         return ()
-    known = per_cent(d.data.weight_uncertainty / WEIGHT)
+    heaviest = max(run.added_mass for run in d.data)
+    known = d.data.weight_uncertainty * math.sqrt(heaviest / WEIGHT)
     return (
-        f"Of the base mass's uncertainty, {per_cent(base.uncertainty / base.value)}, most comes from the weights, "
-        f"which are taken as known to {known}; stiffness, damping and forces share it. The campaign's "
-        "weight_uncertainty says what they are known to.",
+        f"Most of the base mass's uncertainty of {per_cent(base.uncertainty / base.value)} comes from the weights. "
+        f"The largest added mass, {heaviest:.3g} kg, is taken as known to {known:.2g} kg, by the campaign's "
+        f"weight_uncertainty of {d.data.weight_uncertainty:.2g} kg. Stiffness, damping and forces share it.",
     )
 
 

@@ -135,7 +135,7 @@ def _where(d: Diagnosis) -> Chapter:
     return Chapter(
         name="where",
         title="Where they part",
-        lead="One linear plant fitted to all runs together is the best that any linear model can do. It leaves "
+        lead="No linear plant that is the same in all runs comes nearer than the one fitted to all of them. It leaves "
         f"{length(d.gap.before)} RMS where noise alone would leave {length(d.gap.noise)}{times}.",
         points=tuple(_sentence(s) for s in d.where.sentences),
         pictures=captions.where(d),

@@ -52,7 +52,7 @@ class Block:
 
 
 def find_encoding(raw: bytes, file: Path) -> tuple[str, str | None]:
-    """Return a file's text, and the encoding to name to its reader, None for UTF-8; InputError where it is binary."""
+    """Return a file's text, and the encoding to name to its reader, None for UTF-8; NoTableError where it is binary."""
     if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
         candidates = ["utf-16"]
     elif b"\0" in raw[:4000]:
@@ -67,7 +67,9 @@ def find_encoding(raw: bytes, file: Path) -> tuple[str, str | None]:
             continue
         if "\0" not in text:
             return text, None if encoding == "utf-8-sig" else encoding
-    raise InputError(f"{file}: holds zero bytes, so it is not text", "Export the record as text, CSV or .xlsx.")
+    raise NoTableError(
+        f"{file}: is not text but binary, as pictures and programs are", "Export the record as text, CSV or .xlsx."
+    )
 
 
 def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> Block:

@@ -83,6 +83,8 @@ class RecordsView:
         self._used.param.watch(self._choose, "value")
         self._pictures = grid()
         self._heads: list[pn.pane.HTML] = []
+        self._sizes: list[int] = []
+        self._put_back: set[tuple[int, str]] = set()  # cells to which the value before was sent
         self._telling = False
         self._lead = html()
         choice = html(f"<p>{_CHOICE}</p>")
@@ -99,7 +101,8 @@ class RecordsView:
         self._telling = False
         recorded = session.intake.recorded
         runs = tuple(recorded or ())
-        self._heads = [html(f"<h3>{escape(run.name)} <small>{run.time.size} samples</small></h3>") for run in runs]
+        self._sizes = [run.time.size for run in runs]
+        self._heads = [html(_head(run.name, run.time.size)) for run in runs]
         self._pictures[:] = [
             column(head, picture(pictures.record(run, session.say), f"Position and input of {run.name} against time."))
             for head, run in zip(self._heads, runs, strict=True)
@@ -152,15 +155,19 @@ class RecordsView:
             if _text(getattr(before, key)) != str(event.value).strip():
                 self._session.edit(place, key, event.value)
         except StepidError as error:
-            self._message.object = said(str(error), bad=True)
+            self._message.object = said(f"{error} The value before stays.", bad=True)
             self._table.patch({key: [(row, _text(getattr(before, key)))]})
+            self._put_back.add((place, key))
             return
         self._ask()
+        if (place, key) in self._put_back:  # that may have come after this one was typed, and hide it
+            self._put_back.discard((place, key))
+            self._table.patch({key: [(row, str(event.value).strip())]})
         # what was taken stays as it was typed: a change from here would close the cell that is being written in now
         if (now := self._session.rows[place]) == before:
             return
         if key == "name":
-            self._heads[place].object = f"<h3>{escape(now.name)}</h3>"
+            self._heads[place].object = _head(now.name, self._sizes[place])
             self._offer()
         self._changed()
 
@@ -173,6 +180,10 @@ class RecordsView:
             self._message.object = said(str(error), bad=True)
             return
         self._changed()
+
+
+def _head(name: str, samples: int) -> str:
+    return f"<h3>{escape(name)} <small>{samples} samples</small></h3>"
 
 
 def _text(value: object) -> str:
