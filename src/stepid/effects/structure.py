@@ -39,7 +39,10 @@ class ViscoelasticSpring(Effect):
         return "the damper" if time * max(swing.rates) < swing.fast else ""
 
     def remark(self, values: tuple[float, ...]) -> str:
-        return f"The spring creeps with a relaxation time of {values[1] / values[0]:.3g} s." if values[0] else ""
+        if not values[0]:
+            return ""
+        several = "Step responses hardly tell one such time from several."
+        return f"The spring creeps with a relaxation time of {values[1] / values[0]:.3g} s. {several}"
 
     @staticmethod
     def force(p: Values, m: Moment) -> float:
