@@ -105,6 +105,14 @@ def test_a_run_is_renamed_and_left_out(page: Page) -> None:
     settle(page)
 
 
+def test_a_run_is_renamed_while_the_files_leave_a_question_open(page: Page) -> None:
+    page.session.drop({f"{kg}kg.csv": webapp_files.recording(kg, units=False) for kg in (0.0, 0.5)})
+    page._records_changed()
+    assert page.session.intake.questions
+    typed(page, 0, "name", "first")
+    assert page.session.rows[0].name == "first"
+
+
 def test_a_diagnosis_that_fails_is_told(page: Page) -> None:
     page.session.drop(webapp_files.three())
     page._records_changed()

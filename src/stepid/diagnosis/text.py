@@ -8,7 +8,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from stepid.core.estimate import Estimate
-from stepid.core.mass_offset import WEIGHT
+from stepid.core.mass_offset import weight_spread
 from stepid.core.tables import Rows, html_table, text_table
 from stepid.diagnosis.headline import advice_beside, answer
 from stepid.diagnosis.wording import candidate_name, chance, digits, effect_names, length, per_cent
@@ -57,7 +57,7 @@ def _of_weights(d: Diagnosis) -> tuple[str, ...]:
     if base.parts.get("weights", 0.0) < base.uncertainty / math.sqrt(2):
         return ()
     heaviest = max(run.added_mass for run in d.data)
-    known = d.data.weight_uncertainty * math.sqrt(heaviest / WEIGHT)
+    known = weight_spread(heaviest, d.data.weight_uncertainty)
     return (
         f"Most of the base mass's uncertainty of {per_cent(base.uncertainty / base.value)} comes from the weights. "
         f"The largest added mass, {heaviest:.3g} kg, is taken as known to {known:.2g} kg, by the campaign's "

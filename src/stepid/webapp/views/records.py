@@ -8,6 +8,7 @@ from typing import Any
 
 import panel as pn
 
+from stepid.core.experiment import Experiment
 from stepid.core.frames import make_frame
 from stepid.errors import StepidError
 from stepid.webapp import pictures
@@ -83,7 +84,6 @@ class RecordsView:
         self._used.param.watch(self._choose, "value")
         self._pictures = grid()
         self._heads: list[pn.pane.HTML] = []
-        self._sizes: list[int] = []
         self._put_back: set[tuple[int, str]] = set()  # cells to which the value before was sent
         self._telling = False
         self._lead = html()
@@ -101,8 +101,7 @@ class RecordsView:
         self._telling = False
         recorded = session.intake.recorded
         runs = tuple(recorded or ())
-        self._sizes = [run.time.size for run in runs]
-        self._heads = [html(_head(run.name, run.time.size)) for run in runs]
+        self._heads = [html(_head(run.name, run)) for run in runs]
         self._pictures[:] = [
             column(head, picture(pictures.record(run, session.say), f"Position and input of {run.name} against time."))
             for head, run in zip(self._heads, runs, strict=True)
@@ -111,6 +110,7 @@ class RecordsView:
 
     def _fill(self) -> None:
         say, rows = self._session.say, self._shown
+        self._put_back.clear()
         self._offer()
         self._table.titles = {key: say.text(title) for key, title in _TITLES.items()}
         self._table.value = make_frame({key: [_text(getattr(row, key)) for row in rows] for key in COLUMNS})
@@ -167,7 +167,8 @@ class RecordsView:
         if (now := self._session.rows[place]) == before:
             return
         if key == "name":
-            self._heads[place].object = _head(now.name, self._sizes[place])
+            if (recorded := self._session.intake.recorded) is not None:  # else there are no pictures to head
+                self._heads[place].object = _head(now.name, recorded.experiments[place])
             self._offer()
         self._changed()
 
@@ -182,8 +183,8 @@ class RecordsView:
         self._changed()
 
 
-def _head(name: str, samples: int) -> str:
-    return f"<h3>{escape(name)} <small>{samples} samples</small></h3>"
+def _head(name: str, run: Experiment) -> str:
+    return f"<h3>{escape(name)} <small>{run.time.size} samples</small></h3>"
 
 
 def _text(value: object) -> str:
