@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from made_up_evidence import candidate
-from stepid.diagnosis.selection.order import no_answer, of_each_size, singles, starts_in_order
+from stepid.diagnosis.selection.order import larger, largest_lead, no_answer, of_each_size, singles, starts_in_order
 from stepid.diagnosis.selection.proposal import overshadowed
 from stepid.effects import resolve
 from stepid.fitting.multistart import Start
@@ -72,3 +72,37 @@ def test_starts_follow_their_effects() -> None:
 def test_more_effects_than_may_lead_are_an_answer_at_the_floor_only(count: int, cost: float, none: bool) -> None:
     effects = resolve(["coulomb_friction", "free_play", "cogging", "actuator_lag"])[:count]
     assert no_answer(SimpleNamespace(floored=1.1), effects, cost) is none  # type: ignore[arg-type]
+
+
+def test_the_largest_set_that_may_lead_is_the_one_of_two_effects_that_leaves_least() -> None:
+    pairs = [made_up("coulomb_friction", "cogging", cost=2.0), made_up("free_play", "cogging", cost=1.0)]
+    others = [COGGING, made_up("free_play", "sensor_drift", deviations=("gain",), cost=0.1), made_up(cost=9.0)]
+    assert largest_lead([*pairs, *others]) is pairs[1]
+    assert largest_lead(others) is None
+
+
+def proposed(names: str, base: str, left: float, deviations: tuple[str, ...] = ()) -> Any:
+    effects = resolve(tuple(names.split()))
+    key = frozenset(e.name for e in effects), frozenset(deviations)
+    on = frozenset(base.split()), frozenset[str]()
+    return SimpleNamespace(effects=effects, deviations=key[1], key=key, base=on, rank=left, left=left)
+
+
+def test_larger_sets_are_the_first_few_on_the_best_pair_and_of_those_scored_together() -> None:
+    pair = made_up("free_play", "cogging")
+    pair.key = frozenset(e.name for e in pair.effects), frozenset()
+    own = [
+        proposed(f"free_play cogging {name}", "free_play cogging", left)
+        for name, left in (("sensor_drift", 3.0), ("coulomb_friction", 1.0), ("cubic_stiffness", 2.0))
+    ]
+    together = [proposed("sensor_drift free_play cogging", "", 5.0), proposed("end_stop free_play cogging", "", 6.0)]
+    others = [
+        proposed("end_stop sensor_drift cogging", "end_stop cogging", 0.1),  # on another pair
+        proposed("free_play end_stop", "free_play", 0.1),
+        proposed("free_play cogging input_delay", "free_play cogging", 0.1, ("gain",)),
+    ]
+    known: Any = {others[0].key: None}
+    assert larger([*own, *together, *others], known, pair, 2) == [*together, own[1], own[2]]
+    assert larger([*own, *together, *others], known, pair, 3) == [own[0], together[1], own[1], own[2]]  # the same once
+    assert larger([*own, *together, *others], known | {own[1].key: None}, pair, 1) == [together[0], own[2]]
+    assert larger([*own, *together], {}, None, 1) == [together[0]]

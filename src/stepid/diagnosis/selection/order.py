@@ -64,6 +64,21 @@ def first_together(
     return out
 
 
+def largest_lead(nodes: Iterable[Node]) -> Node | None:
+    """Of the sets of as many effects as may lead, conditions alike in all runs, the one that leaves least."""
+    most = [n for n in nodes if len(n.effects) == LEADING and not n.deviations]
+    return min(most, key=lambda n: n.cost, default=None)
+
+
+def larger(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: Node | None, share: int) -> list[Proposal]:
+    """Sets of one effect more than may lead, not fitted yet: the first few on a base, and of those scored together."""
+    able = [p for p in proposals if len(p.effects) > LEADING and not p.deviations and p.key not in nodes]
+    able.sort(key=lambda p: p.rank)
+    own = [p for p in able if base is not None and p.base == base.key][:share]
+    together = [p for p in able if not p.base[0]][:share]
+    return list({p.key: p for p in (*together, *own)}.values())  # the same set once, from its base
+
+
 def sources(proposal: Proposal, proposals: Sequence[Proposal], rivals: Collection[str]) -> list[Proposal]:
     """A proposal, and those of the same set from other bases: they begin in other valleys."""
     if proposal.move in rivals:

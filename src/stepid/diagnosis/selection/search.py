@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection, Sequence
 
-import numpy as np
-
-from stepid.core.base import Array
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, is_white, price
+from stepid.diagnosis.evidence import block_means
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
@@ -19,9 +15,8 @@ from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.promote import promote
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
-from stepid.diagnosis.vetoes import imitators
+from stepid.diagnosis.selection.standings import Standings
 from stepid.effects.base import Effect
-from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import CandidateFit, FitContext
 
 _RIVALS = {move.name for move in CONFIRMING}
@@ -30,7 +25,7 @@ _TOGETHER = {move.name for move in TOGETHER}
 Tell = Callable[["Search", Proposal], None]
 
 
-class Search:
+class Search(Standings):
     """One search on one campaign.
 
     Parameters
@@ -52,26 +47,33 @@ class Search:
         effort: Effort,
         tell: Tell = lambda search, proposal: None,
     ) -> None:
-        self.fit, self.criteria, self.effort, self.tell = fit, criteria, effort, tell
+        super().__init__(fit, criteria, effort)
+        self.tell = tell
         self.context = SearchContext(fit, catalogue, effort)
         root = CandidateFit(fit, ())
         root.best, root.polished = fit.coarse_linear, fit.linear
         self.root = Node(root)
-        self.nodes: dict[Key, Node] = {self.root.key: self.root}
+        self.nodes[self.root.key] = self.root
         self.proposals: list[Proposal] = []
-        self.candidates: dict[Key, Candidate] = {}
         self.fits = 0
         self._tried: set[tuple[Key, Key]] = set()  # base and set
-        self._counted: tuple[Candidate, Array] | None = None
         self._polish(self.root)
 
     # ---- the loop -------------------------------------------------------------------------------------------------
 
     def run(self) -> list[Candidate]:
         """Search until nothing promises more or the effort is used up; candidates, least cost first."""
+        self._explore(self.effort.fits)
+        if self._try_larger():
+            self._explore(self.fits + self.effort.width)
+        self._confirm()
+        return sorted(self.candidates.values(), key=lambda c: c.optimum.cost)
+
+    def _explore(self, most: int) -> None:
+        """Go on to sets that explain more, until one leaves only noise, none promises more or `most` are fitted."""
         self._expand(self.root, EXPLORING)
         for _ in range(self.effort.rounds):
-            batch = self._promising()
+            batch = self._promising()[: max(most - self.fits, 0)]
             for proposal in batch:
                 if not self._idle(proposal):
                     self._fit(proposal)
@@ -83,8 +85,22 @@ class Search:
             self._expand(self.root, [m for m in TOGETHER if m.name not in self.root.moves_made][:1])
             if not self._expand_best(EXPLORING) and not batch:
                 break
-        self._confirm()
-        return sorted(self.candidates.values(), key=lambda c: c.optimum.cost)
+
+    def _try_larger(self) -> bool:
+        """Where no set that may lead is enough, try larger ones: far from linear, a step promises too little of them.
+
+        True where one leaves only noise, or takes as much of what the best of those leaves as a lead has to.
+        """
+        least = self._least().cost
+        if least <= self.fit.floored:
+            return False
+        base = by.largest_lead(self.nodes.values())
+        if base is not None:
+            self._expand(base, EXPLORING)
+        for proposal in by.larger(self.proposals, self.nodes, base, self.effort.share):
+            self._fit(proposal, keep=1)
+        promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
+        return self._least().cost < max((1 - self.criteria.lead) * least, self.fit.floored)
 
     def _confirm(self) -> None:
         """Look for rivals of the best: simpler and more general laws, other effects in the place of one."""
@@ -102,24 +118,6 @@ class Search:
             promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
             self._polish_best()
 
-    def _leading(self) -> list[Candidate]:
-        """The best, and others that leave only noise because runs may differ: they may need less for it.
-
-        Where a rest remains, the best of what may lead.
-        """
-        best = self.best
-        if not at_floor(self.fit, self.criteria, best):
-            few = [c for c in self.candidates.values() if len(c.effects) <= LEADING]
-            able = [c for c in few if not imitators(self.fit, self.criteria, c)]
-            return [min(able, key=lambda c: self._qbic(c.optimum))]
-        others = [c for c in self.candidates.values() if c.deviations and c is not best and self._complete(c)]
-        return [best, *sorted(others, key=lambda c: self._qbic(c.optimum))[: self.effort.beam - 1]]
-
-    @property
-    def best(self) -> Candidate:
-        """The candidate of least QBIC so far."""
-        return min(self.candidates.values(), key=lambda c: self._qbic(c.optimum))
-
     @property
     def left(self) -> int:
         """Proposals that are not fitted yet."""
@@ -131,27 +129,6 @@ class Search:
         least = min(node.cost for node in self.nodes.values())
         open_ = [p.left for p in self.proposals if p.key not in self.nodes]
         return max(1.0 - min(open_) / least, 0.0) if open_ and least > 0 else 0.0
-
-    def _counts(self, found: Candidate) -> Array:
-        """Effective samples of each run in a candidate's residual, of the last one asked for kept."""
-        if self._counted is None or self._counted[0] is not found:
-            optimum = found.optimum
-            counts = effective_samples(self.fit.records, optimum.problem.residual(optimum.solved))
-            self._counted = found, counts
-        return self._counted[1]
-
-    def _qbic(self, optimum: Optimum) -> float:
-        """QBIC by the samples that are effective in what the best candidate leaves, but for a constant."""
-        best = min(self.candidates.values(), key=lambda c: c.optimum.cost)
-        counts, variance = self._counts(best), best.optimum.cost / float((self.fit.records.weight**2).sum())
-        cost = max(optimum.cost, np.finfo(float).tiny)
-        return float(counts.sum()) * math.log(cost) + price(optimum, counts, variance)
-
-    def _complete(self, best: Candidate) -> bool:
-        """Tell whether the best may be named and leaves nothing that a further effect could explain."""
-        if imitators(self.fit, self.criteria, best):
-            return False
-        return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, self.criteria.white / 2)
 
     # ---- proposals ------------------------------------------------------------------------------------------------
 
@@ -172,16 +149,6 @@ class Search:
         beam = order[: self.effort.beam]
         beam += [n for n in self._nameable(order)[:1] if not any(n is other for other in beam)]
         return sum(self._expand(node, moves) for node in beam) > 0
-
-    def _nameable(self, order: Sequence[Node]) -> list[Node]:
-        """Of some nodes those that may be named where a rest remains; none where the first leaves only noise."""
-        named = by.nameable(self.fit, self.criteria, order)
-        return [] if order[0].cost <= self.fit.floored and named[:1] == [order[0]] else named
-
-    def _least(self) -> Node:
-        """The node that leaves least, of those at the noise floor one that may be named."""
-        order = sorted(self.nodes.values(), key=lambda n: n.cost)
-        return next(n for n in order if n.cost > self.fit.floored or by.nameable(self.fit, self.criteria, [n]))
 
     def _promising(self, bases: Collection[Key] | None = None) -> list[Proposal]:
         """The proposals to fit next: the smallest sets first, of these the most promising.
@@ -210,7 +177,7 @@ class Search:
         larger = [p for p in out if p.size > smallest and not p.deviations][: self.effort.share]
         out = [*[p for p in out if p.size == smallest][: self.effort.width], *together, *larger]
         out.sort(key=lambda p: p.size)  # what needs less is asked first
-        return out[: max(self.effort.fits - self.fits, 0)]
+        return out
 
     def _idle(self, proposal: Proposal) -> bool:
         """Tell whether a set is no answer by what its parts left, or promises far less than one at the noise floor."""
@@ -243,16 +210,16 @@ class Search:
 
     # ---- fits -----------------------------------------------------------------------------------------------------
 
-    def _fit(self, proposal: Proposal) -> None:
-        """Fit a proposal a little."""
+    def _fit(self, proposal: Proposal, keep: int | None = None) -> None:
+        """Fit a proposal a little, from so many of its starts."""
         self.fits += 1
         self._tried.add((proposal.base, proposal.key))
         self.tell(self, proposal)
         fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
         for source in by.sources(proposal, self.proposals, _RIVALS):
-            keep = 1 if source.move in _TOGETHER else self.effort.keep + 1  # those come near
+            most = keep or (1 if source.move in _TOGETHER else self.effort.keep + 1)  # those come near
             fitted.begin(
-                by.starts_in_order(source, proposal.effects), like=proposal.like, keep=keep, laps=self.effort.begin
+                by.starts_in_order(source, proposal.effects), like=proposal.like, keep=most, laps=self.effort.begin
             )
         known = self.nodes.get(proposal.key)
         if known is not None or proposal.move == Drop.name:  # what stands in for more is fitted as well

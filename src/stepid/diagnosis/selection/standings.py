@@ -1,0 +1,88 @@
+"""What a search has found so far, and which of it leads."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.evidence import at_floor, effective_samples, is_white, price
+from stepid.diagnosis.selection import order as by
+from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
+from stepid.diagnosis.selection.effort import Effort
+from stepid.diagnosis.selection.proposal import Node
+from stepid.diagnosis.vetoes import imitators
+from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.multistart import FitContext
+
+
+class Standings:
+    """Sets of effects that were fitted a little, and candidates that were fitted to all samples.
+
+    Parameters
+    ----------
+    fit : FitContext
+    criteria : Criteria
+    effort : Effort
+    """
+
+    def __init__(self, fit: FitContext, criteria: Criteria, effort: Effort) -> None:
+        self.fit, self.criteria, self.effort = fit, criteria, effort
+        self.nodes: dict[Key, Node] = {}
+        self.candidates: dict[Key, Candidate] = {}
+        self._counted: tuple[Candidate, Array] | None = None
+
+    @property
+    def best(self) -> Candidate:
+        """The candidate of least QBIC so far."""
+        return min(self.candidates.values(), key=lambda c: self._qbic(c.optimum))
+
+    def _leading(self) -> list[Candidate]:
+        """The best, and others that leave only noise because runs may differ: they may need less for it.
+
+        Where a rest remains, the best of what may lead, and a larger set that takes as much of it as a lead has to.
+        """
+        best = self.best
+        if not at_floor(self.fit, self.criteria, best):
+            few = [c for c in self.candidates.values() if len(c.effects) <= LEADING]
+            able = [c for c in few if not imitators(self.fit, self.criteria, c)]
+            lead = min(able, key=lambda c: self._qbic(c.optimum))
+            larger = len(best.effects) > LEADING and not best.deviations
+            far = best.optimum.cost < (1 - self.criteria.lead) * lead.optimum.cost  # on its way to the noise
+            return [lead, best] if larger and far else [lead]
+        others = [c for c in self.candidates.values() if c.deviations and c is not best and self._complete(c)]
+        return [best, *sorted(others, key=lambda c: self._qbic(c.optimum))[: self.effort.beam - 1]]
+
+    def _counts(self, found: Candidate) -> Array:
+        """Effective samples of each run in a candidate's residual, of the last one asked for kept."""
+        if self._counted is None or self._counted[0] is not found:
+            optimum = found.optimum
+            counts = effective_samples(self.fit.records, optimum.problem.residual(optimum.solved))
+            self._counted = found, counts
+        return self._counted[1]
+
+    def _qbic(self, optimum: Optimum) -> float:
+        """QBIC by the samples that are effective in what the best candidate leaves, but for a constant."""
+        best = min(self.candidates.values(), key=lambda c: c.optimum.cost)
+        counts, variance = self._counts(best), best.optimum.cost / float((self.fit.records.weight**2).sum())
+        cost = max(optimum.cost, np.finfo(float).tiny)
+        return float(counts.sum()) * math.log(cost) + price(optimum, counts, variance)
+
+    def _complete(self, best: Candidate) -> bool:
+        """Tell whether the best may be named and leaves nothing that a further effect could explain."""
+        if imitators(self.fit, self.criteria, best):
+            return False
+        return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, self.criteria.white / 2)
+
+    def _nameable(self, order: Sequence[Node]) -> list[Node]:
+        """Of some nodes those that may be named where a rest remains; none where the first leaves only noise."""
+        named = by.nameable(self.fit, self.criteria, order)
+        return [] if order[0].cost <= self.fit.floored and named[:1] == [order[0]] else named
+
+    def _least(self) -> Node:
+        """The node that leaves least, of those at the noise floor one that may be named."""
+        order = sorted(self.nodes.values(), key=lambda n: n.cost)
+        return next(n for n in order if n.cost > self.fit.floored or by.nameable(self.fit, self.criteria, [n]))

@@ -1,0 +1,50 @@
+"""Which of what a search has found leads, and what it looks for rivals of."""
+
+from __future__ import annotations
+
+import pytest
+
+from made_up_evidence import candidate, context
+from stepid import Criteria, Effort
+from stepid.diagnosis.selection.standings import Standings
+
+PAIR = candidate(["coulomb_friction", "cogging"], times=8.0)
+THREE = ["coulomb_friction", "cogging", "free_play"]
+
+
+@pytest.fixture(autouse=True)
+def no_imitators(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("stepid.diagnosis.selection.standings.imitators", lambda *_: {})
+
+
+@pytest.mark.parametrize(
+    ("times", "both"),
+    [(2.0, True), (6.0, False), (8.0, False)],  # takes 94 %, 44 % and nothing of the power that the pair leaves
+)
+def test_a_larger_set_on_its_way_to_the_noise_has_its_rivals_looked_for(times: float, both: bool) -> None:
+    larger = candidate(THREE, times=times)
+    found = Standings(context(), Criteria(), Effort())
+    found.candidates = {c.key: c for c in (candidate(times=30.0), PAIR, larger)}
+    assert found._leading() == ([PAIR, larger] if both else [PAIR])
+
+
+def test_how_much_a_larger_set_has_to_take_is_the_criterion_of_a_lead() -> None:
+    larger = candidate(THREE, times=6.0)
+    found = Standings(context(), Criteria(lead=0.4), Effort())
+    found.candidates = {c.key: c for c in (candidate(times=30.0), PAIR, larger)}
+    assert found._leading() == [PAIR, larger]
+
+
+def test_a_pair_that_leaves_least_is_the_only_one_looked_at() -> None:
+    found = Standings(context(), Criteria(), Effort())
+    found.candidates = {c.key: c for c in (candidate(times=30.0), candidate(["cogging"], times=20.0), PAIR)}
+    assert found.best is PAIR
+    assert found._leading() == [PAIR]
+
+
+def test_a_larger_set_that_needs_runs_to_differ_is_not_on_its_way() -> None:
+    larger = candidate(THREE, times=2.0, deviations=["gain"])
+    found = Standings(context(), Criteria(), Effort())
+    found.candidates = {c.key: c for c in (candidate(times=30.0), PAIR, larger)}
+    assert found.best is larger
+    assert found._leading() == [PAIR]
