@@ -6,11 +6,12 @@ import numpy as np
 
 from exact_plants import EFFECTS, exact_campaign
 from search_nodes import FRICTION, GENERAL, SIMPLE, TWO, context, node, prepared, sets, sound
-from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, MOVES, TOGETHER
+from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, IN_PLACE, MOVES, TOGETHER
 from stepid.diagnosis.selection.moves.add import Add
 from stepid.diagnosis.selection.moves.add_together import AddTogether
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.generalize import Generalize
+from stepid.diagnosis.selection.moves.instead import Instead
 from stepid.diagnosis.selection.proposal import Node, related
 from stepid.effects import resolve
 from stepid.fitting.fit import prepare
@@ -18,7 +19,7 @@ from stepid.fitting.multistart import CandidateFit
 
 
 def test_each_move_has_a_name_of_its_own() -> None:
-    kinds = {type(m) for m in (*EXPLORING, *CONFIRMING)}
+    kinds = {type(m) for m in (*EXPLORING, *CONFIRMING, *IN_PLACE)}
     assert len({m.name for m in MOVES}) == len(MOVES) == len(kinds) + len(TOGETHER), "two moves have one name"
 
 
@@ -41,6 +42,15 @@ def test_add_goes_on_from_a_node_with_what_is_not_related() -> None:
     assert all(names[0] == "coulomb_friction" and len(names) == 2 for names in sets(found))
     assert not {e.name for e in GENERAL} & {names[1] for names in sets(found)}
     assert "free_play" in [p.effects[1].name for p in sorted(found, key=lambda p: p.left)[:3]]
+
+
+def test_instead_offers_what_add_does_by_a_name_of_its_own() -> None:
+    fit = prepared("two")
+    one = node(fit, FRICTION)
+    found = Instead().propose(one, context(fit))
+    sound(Instead(), one, found)
+    assert sets(found) == sets(Add().propose(one, context(fit)))
+    assert {p.move for p in found} == {"instead"}
 
 
 def test_add_ends_where_a_set_is_full() -> None:

@@ -9,7 +9,16 @@ import numpy as np
 import pytest
 
 from made_up_evidence import candidate
-from stepid.diagnosis.selection.order import larger, largest_lead, no_answer, of_each_size, singles, starts_in_order
+from stepid.diagnosis.selection.order import (
+    calmer,
+    instead,
+    larger,
+    largest_lead,
+    no_answer,
+    of_each_size,
+    singles,
+    starts_in_order,
+)
 from stepid.diagnosis.selection.proposal import overshadowed
 from stepid.effects import resolve
 from stepid.fitting.multistart import Start
@@ -81,11 +90,11 @@ def test_the_largest_set_that_may_lead_is_the_one_of_two_effects_that_leaves_lea
     assert largest_lead(others) is None
 
 
-def proposed(names: str, base: str, left: float, deviations: tuple[str, ...] = ()) -> Any:
+def proposed(names: str, base: str, left: float, deviations: tuple[str, ...] = (), move: str = "add") -> Any:
     effects = resolve(tuple(names.split()))
     key = frozenset(e.name for e in effects), frozenset(deviations)
     on = frozenset(base.split()), frozenset[str]()
-    return SimpleNamespace(effects=effects, deviations=key[1], key=key, base=on, rank=left, left=left)
+    return SimpleNamespace(effects=effects, deviations=key[1], key=key, base=on, rank=left, left=left, move=move)
 
 
 def test_larger_sets_are_the_first_few_on_the_best_pair_and_of_those_scored_together() -> None:
@@ -106,3 +115,37 @@ def test_larger_sets_are_the_first_few_on_the_best_pair_and_of_those_scored_toge
     assert larger([*own, *together, *others], known, pair, 3) == [own[0], together[1], own[1], own[2]]  # the same once
     assert larger([*own, *together, *others], known | {own[1].key: None}, pair, 1) == [together[0], own[2]]
     assert larger([*own, *together], {}, None, 1) == [together[0]]
+
+
+def test_calmer_nodes_are_those_of_the_best_in_which_one_condition_less_differs() -> None:
+    def keyed(*names: str, deviations: tuple[str, ...] = (), cost: float = 1.0) -> Any:
+        found = made_up(*names, deviations=deviations, cost=cost)
+        found.key = frozenset(names), frozenset(deviations)
+        return found
+
+    one = keyed("free_play", deviations=("gain",), cost=2.0)
+    other = keyed("free_play", deviations=("damping",))
+    nodes = [
+        *(one, other, keyed("free_play"), keyed("cogging", deviations=("gain",))),
+        *(keyed("free_play", deviations=("start_time",)), keyed("free_play", deviations=("gain", "damping"))),
+    ]
+    assert calmer(nodes, candidate(("free_play",), deviations=("gain", "damping"))) == [other, one]
+    assert calmer(nodes, candidate(("free_play",), deviations=("gain",))) == [nodes[2]]
+    assert calmer(nodes, candidate(("free_play",))) == []
+
+
+def test_effects_in_the_place_of_a_condition_are_the_first_few_on_each_base_not_tried() -> None:
+    on_play = [
+        proposed(f"free_play {name}", "free_play", left, move="instead")
+        for name, left in (("sensor_drift", 3.0), ("coulomb_friction", 1.0), ("cubic_stiffness", 2.0))
+    ]
+    on_cogging = [proposed("cogging sensor_drift", "cogging", 9.0, move="instead")]
+    others = [
+        proposed("free_play end_stop", "free_play", 0.1),
+        proposed("end_stop cogging", "end_stop", 0.1, (), "instead"),
+    ]
+    every = [*on_play, *on_cogging, *others]
+    bases = {on_play[0].base, on_cogging[0].base}
+    assert instead(every, set(), bases, 2) == [on_play[1], on_play[2], on_cogging[0]]
+    tried = {(on_play[1].base, on_play[1].key)}
+    assert instead(every, tried, bases, 2) == [on_play[2], on_cogging[0]]  # it was of the first

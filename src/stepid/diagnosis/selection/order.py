@@ -10,6 +10,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key, includes
 from stepid.diagnosis.selection.effort import Effort
+from stepid.diagnosis.selection.moves.instead import Instead
 from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal
 from stepid.diagnosis.vetoes import imitators
@@ -77,6 +78,22 @@ def larger(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: Node 
     own = [p for p in able if base is not None and p.base == base.key][:share]
     together = [p for p in able if not p.base[0]][:share]
     return list({p.key: p for p in (*together, *own)}.values())  # the same set once, from its base
+
+
+def calmer(nodes: Iterable[Node], best: Candidate) -> list[Node]:
+    """Nodes of the best's effects in which one condition less differs from run to run, least cost first."""
+    names = frozenset(best.names)
+    less = [n for n in nodes if n.key[0] == names and n.deviations < best.deviations]
+    return sorted((n for n in less if len(n.deviations) + 1 == len(best.deviations)), key=lambda n: n.cost)
+
+
+def instead(
+    proposals: Sequence[Proposal], tried: Collection[tuple[Key, Key]], bases: Collection[Key], share: int
+) -> list[Proposal]:
+    """The first few effects on each base that may stand in the place of a condition, of those not tried yet."""
+    able = sorted((p for p in proposals if p.move == Instead.name and p.base in bases), key=lambda p: p.rank)
+    first = [p for base in dict.fromkeys(p.base for p in able) for p in [q for q in able if q.base == base][:share]]
+    return [p for p in first if (p.base, p.key) not in tried]
 
 
 def sources(proposal: Proposal, proposals: Sequence[Proposal], rivals: Collection[str]) -> list[Proposal]:

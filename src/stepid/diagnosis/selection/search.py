@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import block_means
+from stepid.diagnosis.evidence import at_floor, block_means
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
-from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, TOGETHER, UNFORESEEN
+from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, IN_PLACE, TOGETHER, UNFORESEEN
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
+from stepid.diagnosis.selection.moves.instead import Instead
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.promote import promote
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
@@ -21,6 +22,7 @@ from stepid.fitting.multistart import CandidateFit, FitContext
 
 _RIVALS = {move.name for move in CONFIRMING}
 _RIVALS_AND_RUNS = {*_RIVALS, Deviate.name}
+_STANDING_IN = {Drop.name, Instead.name}
 _TOGETHER = {move.name for move in TOGETHER}
 Tell = Callable[["Search", Proposal], None]
 
@@ -110,10 +112,13 @@ class Search(Standings):
             made = [self._expand(node, CONFIRMING) for node in bases]
             steady = by.singles(self.nodes.values(), self.best)[: self.effort.beam]
             made += [self._expand(node, (Deviate(),)) for node in steady]
+            calmer = by.calmer(self.nodes.values(), self.best) if at_floor(self.fit, self.criteria, self.best) else []
+            made += [self._expand(node, IN_PLACE) for node in calmer]
             if not any(made):
                 break
             keys = {node.key for node in (*bases, *steady)}
-            for proposal in self._promising(keys):
+            in_place = by.instead(self.proposals, self._tried, {node.key for node in calmer}, self.effort.share)
+            for proposal in (*self._promising(keys), *in_place):
                 self._fit(proposal)
             promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
             self._polish_best()
@@ -222,8 +227,8 @@ class Search(Standings):
                 by.starts_in_order(source, proposal.effects), like=proposal.like, keep=most, laps=self.effort.begin
             )
         known = self.nodes.get(proposal.key)
-        if known is not None or proposal.move == Drop.name:  # what stands in for more is fitted as well
-            fitted.run(laps=self.effort.promote)
+        if known is not None or proposal.move in _STANDING_IN:  # what stands in for more is fitted as well
+            fitted.run(laps=self.effort.polishing if proposal.move == Instead.name else self.effort.promote)
         if fitted.best is not None and (known is None or fitted.cost < known.cost):
             self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
 

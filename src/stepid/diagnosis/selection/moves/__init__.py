@@ -8,6 +8,7 @@ from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.generalize import Generalize
+from stepid.diagnosis.selection.moves.instead import Instead
 from stepid.diagnosis.selection.moves.regeneralize import Regeneralize
 from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.moves.split import Split
@@ -25,8 +26,11 @@ CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Regeneralize(), Exch
 A move in this list and in `EXPLORING` makes rivals in both.
 """
 
+IN_PLACE: tuple[Move, ...] = (Instead(),)
+"""Moves from an answer that leaves only noise, without one of the conditions that differ from run to run in it."""
+
 UNFORESEEN = frozenset({Exchange.name, Regeneralize.name})
 """Names of moves of which a linearized step tells little: the nearest are fitted whatever they promise."""
 
-MOVES: tuple[Move, ...] = tuple({m.name: m for m in (*EXPLORING, *TOGETHER, *CONFIRMING)}.values())
+MOVES: tuple[Move, ...] = tuple({m.name: m for m in (*EXPLORING, *TOGETHER, *CONFIRMING, *IN_PLACE)}.values())
 """All of them, each once: follows from those above."""
