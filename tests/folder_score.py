@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from lab_folders import INPUT, POSITION, TIME, Truth
-from stepid.io.guess.answers import Answers, open_questions, with_answers
+from stepid.io.guess.answers import Answers, with_answers
 from stepid.io.guess.draft import Draft
+from stepid.io.guess.questions import open_questions
 from stepid.io.guess.spoken import spoken
 from stepid.io.guess.understand import draft_runs
 

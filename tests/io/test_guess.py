@@ -12,9 +12,10 @@ import stepid
 from folder_score import asked_by, judge
 from lab_folders import make_folder, write_workbook
 from stepid.errors import InputError
-from stepid.io.guess.answers import Answers, open_questions, with_answers
+from stepid.io.guess.answers import Answers, with_answers
 from stepid.io.guess.file_names import mass_above, read_name, sample_time_above
 from stepid.io.guess.manifest_text import manifest_text
+from stepid.io.guess.questions import open_questions
 from stepid.io.guess.sizes import position_unit, time_unit
 from stepid.io.guess.text import find_encoding
 from stepid.io.guess.understand import draft_runs, recordings

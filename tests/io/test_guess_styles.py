@@ -10,8 +10,9 @@ import pytest
 import stepid
 from folder_score import asked_by, judge
 from lab_styles import STYLES, make_styled_folder
-from stepid.io.guess.answers import Answers, open_questions, with_answers
+from stepid.io.guess.answers import Answers, with_answers
 from stepid.io.guess.file_names import encoder_above
+from stepid.io.guess.questions import open_questions
 from stepid.io.guess.understand import draft_runs
 
 ROWS = "\n".join(f"{0.01 * i:g},{round(900 * np.sin(0.3 * i))},{float(i > 3):g}" for i in range(60))

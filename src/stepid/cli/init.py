@@ -19,8 +19,8 @@ from stepid.io.guess.spoken import spoken
 
 if TYPE_CHECKING:
     from stepid.core.experiment import Campaign
-    from stepid.io.guess.answers import Question
     from stepid.io.guess.draft import Draft
+    from stepid.io.guess.questions import Question
 
 
 @taking_answers
@@ -44,8 +44,8 @@ def init(
 ) -> None:
     """Look at recordings, ask for what they do not say, and write a commented campaign.toml."""
     from stepid.cli.understood import show
-    from stepid.io.guess.answers import open_questions
     from stepid.io.guess.manifest_text import manifest_text
+    from stepid.io.guess.questions import open_questions
 
     found, refused = _files(files, said)
     target = _target(found, out, force=force)
@@ -121,7 +121,7 @@ def _target(files: Sequence[Path], out: Path | None, *, force: bool) -> Path:
 
 def _ask(files: Sequence[Path], said: Said, drafts: tuple[Draft, ...]) -> tuple[Draft, ...]:
     """Ask question by question; an empty answer leaves it open, and marks it."""
-    from stepid.io.guess.answers import open_questions
+    from stepid.io.guess.questions import open_questions
 
     screen, skipped = console(), set()
     while left := [q for q in open_questions(drafts) if q.key not in skipped]:

@@ -9,10 +9,11 @@ from typing import Any
 from stepid.core.experiment import Campaign
 from stepid.errors import InputError
 from stepid.io.campaign_files import MANIFEST, read_as, read_campaign
-from stepid.io.guess.answers import Answers, Question, open_questions, with_answers
+from stepid.io.guess.answers import Answers, with_answers
 from stepid.io.guess.draft import Draft, Found
 from stepid.io.guess.file_names import natural
 from stepid.io.guess.manifest_text import manifest_text
+from stepid.io.guess.questions import Question, open_questions
 from stepid.io.guess.spoken import spoken
 from stepid.io.guess.understand import draft_runs, recordings
 from stepid.webapp.inbox import Inbox

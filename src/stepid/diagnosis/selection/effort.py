@@ -22,7 +22,7 @@ class Effort(Model):
     effects : int
         Most effects in one answer; the kernel holds four.
     fits : int
-        Most proposals that are fitted in one search.
+        Most proposals that are fitted before larger sets and rivals are tried.
     first : int
         Proposals on the linear plant that are fitted whatever they promise less than the best.
     width : int

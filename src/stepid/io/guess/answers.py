@@ -1,10 +1,9 @@
-"""What people say about drafts, and what they still have to say."""
+"""What people say about drafts."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +12,8 @@ from stepid.core.experiment import WEIGHT
 from stepid.core.quantities import MOTIONS
 from stepid.errors import InputError
 from stepid.io.ecp import FEWEST
-from stepid.io.guess.draft import ROLES, TURNS, USUAL, Draft, Found, quantities_of_drafts
+from stepid.io.guess.draft import ROLES, TURNS, USUAL, Draft, Found
+from stepid.io.guess.questions import counts_alone
 from stepid.io.guess.words import COUNTS, SCALES, unit_for
 
 SAID = "as you said"
@@ -40,15 +40,6 @@ class Answers:
     motion: str | None = None
 
 
-class Question(NamedTuple):
-    """What is open: the field of `Answers` (or ``"position"``, a column), the question, the runs that it is about."""
-
-    key: str
-    text: str
-    runs: tuple[str, ...]
-    default: str = ""
-
-
 def with_answers(drafts: Sequence[Draft], answers: Answers) -> tuple[Draft, ...]:
     """Put what was said into drafts; InputError where it cannot be meant."""
     masses = _each(answers.added_mass, len(drafts), "added_mass")
@@ -69,7 +60,7 @@ def with_answers(drafts: Sequence[Draft], answers: Answers) -> tuple[Draft, ...]
 
 def _moving(draft: Draft, motion: Found[str]) -> Draft:
     """Say how the plant moves; where it turns, the encoder's angle is that of the plant."""
-    if motion.value == "rotation" and draft.turn is not None and _is_counts(draft, "position"):
+    if motion.value == "rotation" and draft.turn is not None and counts_alone(draft, "position"):
         draft = draft.having(scales={**draft.scales, "position": draft.turn})
     return draft.having(motion=motion)
 
@@ -84,72 +75,6 @@ def _turned(draft: Draft) -> Draft:
         words = f"{mass.value:g} kg were added by {mass.why}: give their moment of inertia, in kg·m²"
         return draft.having(doubts=(*draft.doubts, words), mass=None, weights=None)
     return draft
-
-
-def open_questions(drafts: Sequence[Draft]) -> tuple[Question, ...]:
-    """List what no file tells and nobody has said, in the order in which to ask."""
-    tables = [d for d in drafts if d.format == "table"]
-
-    def about(*which: Draft) -> tuple[str, ...]:
-        return tuple(d.name for d in which)
-
-    found = [
-        Question(
-            "position",
-            f"Which column is the position ({', '.join(next((d.choices for d in drafts if d.choices), ()))}; "
-            '"all" if each is a run)?',
-            about(*(d for d in tables if "position" not in d.columns)),
-        ),
-        Question(
-            "time_unit",
-            "In which unit is the time: s, ms or us?",
-            about(*(d for d in tables if "time" in d.columns and d.scale("time") is None)),
-        ),
-        Question(
-            "sample_time",
-            "How many seconds are two samples apart?",
-            about(*(d for d in drafts if _needs_sample_time(d))),
-        ),
-        Question(
-            "position_unit",
-            "In which unit is the position: m, cm, mm, um, in, deg, rad or counts?",
-            about(*(d for d in tables if "position" in d.columns and _open_unit(d, "position"))),
-        ),
-        Question(
-            "motion",
-            "The files tell the encoder's counts of a revolution. Does the plant turn (rotation) or move along "
-            "(translation)?",
-            about(*(d for d in drafts if _may_turn(d))),
-        ),
-        Question(
-            "counts_per_meter",
-            "How many counts are one meter?",
-            about(*(d for d in drafts if _is_counts(d, "position") and not _may_turn(d))),
-        ),
-        Question(
-            "input_unit",
-            "In which unit is the input: V, mV, N, A, or how many volts is one of its units?",
-            about(*(d for d in drafts if "input" in d.columns and d.scale("input") is None)),
-        ),
-        Question(
-            "step",
-            "How large was the step of the input in V (0: the cart was let go)?",
-            about(*(d for d in drafts if "input" not in d.columns and d.step is None and not d.release)),
-        ),
-        Question(
-            "weight",
-            "How many kg is one weight?",
-            about(*(d for d in drafts if d.mass is None and d.weights is not None)),
-            "" if any(d.turns for d in drafts) else f"{WEIGHT:g}",
-        ),
-    ]
-    unknown = [d for d in drafts if d.mass is None and d.weights is None]
-    if unknown:
-        names = ", ".join(d.name for d in drafts)
-        text = f"Which masses were added, in kg ({names})?" if len(drafts) > 1 else "Which mass was added, in kg?"
-        found.append(Question("added_mass", text, about(*unknown), "0" if len(drafts) == 1 else ""))
-    say = quantities_of_drafts(drafts).text
-    return tuple(question._replace(text=say(question.text)) for question in found if question.runs)
 
 
 def check_unit(role: str, said: str) -> str | float:
@@ -277,22 +202,3 @@ def _tells_direction(draft: Draft) -> bool:
     return ("input" in draft.readings and bool(np.any(draft.readings["input"]))) or bool(
         draft.step is not None and draft.step.value[0]
     )
-
-
-def _needs_sample_time(draft: Draft) -> bool:
-    if draft.format == "ecp":
-        return draft.sample_time is None
-    return "time" not in draft.columns and draft.sample_time is None
-
-
-def _open_unit(draft: Draft, role: str) -> bool:
-    return draft.scale(role) is None and not _is_counts(draft, role)
-
-
-def _may_turn(draft: Draft) -> bool:
-    return draft.turn is not None and draft.motion is None and _is_counts(draft, "position")
-
-
-def _is_counts(draft: Draft, role: str) -> bool:
-    unit = draft.units.get(role)
-    return unit is not None and unit.value == COUNTS and draft.scale(role) is None

@@ -10,9 +10,9 @@ from pathlib import Path
 from stepid.core.experiment import Campaign
 from stepid.core.tables import html_table, text_table
 from stepid.errors import InputError
-from stepid.io.guess.answers import open_questions
 from stepid.io.guess.draft import Draft
 from stepid.io.guess.manifest_text import manifest_text
+from stepid.io.guess.questions import open_questions
 from stepid.io.guess.read import campaign_of_drafts, folder_of
 from stepid.io.guess.sources import is_unsure, understood
 from stepid.io.textfile import as_path

@@ -9,9 +9,9 @@ from pathlib import Path
 from stepid.core.experiment import Campaign
 from stepid.errors import InputError
 from stepid.io.campaign_files import read_as
-from stepid.io.guess.answers import open_questions
 from stepid.io.guess.draft import Draft
 from stepid.io.guess.manifest_text import manifest_text
+from stepid.io.guess.questions import open_questions
 
 
 def folder_of(drafts: Sequence[Draft]) -> Path:
