@@ -82,18 +82,19 @@ def larger(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: Node 
 
 def calmer(nodes: Iterable[Node], best: Candidate) -> list[Node]:
     """Nodes of the best's effects in which one condition less differs from run to run, least cost first."""
-    names = frozenset(best.names)
-    less = [n for n in nodes if n.key[0] == names and n.deviations < best.deviations]
-    return sorted((n for n in less if len(n.deviations) + 1 == len(best.deviations)), key=lambda n: n.cost)
+    one_less = {(best.key[0], best.deviations - {condition}) for condition in best.deviations}
+    return sorted((n for n in nodes if n.key in one_less), key=lambda n: n.cost)
 
 
 def instead(
     proposals: Sequence[Proposal], tried: Collection[tuple[Key, Key]], bases: Collection[Key], share: int
 ) -> list[Proposal]:
     """The first few effects on each base that may stand in the place of a condition, of those not tried yet."""
-    able = sorted((p for p in proposals if p.move == Instead.name and p.base in bases), key=lambda p: p.rank)
-    first = [p for base in dict.fromkeys(p.base for p in able) for p in [q for q in able if q.base == base][:share]]
-    return [p for p in first if (p.base, p.key) not in tried]
+    able: dict[Key, list[Proposal]] = {}
+    for p in sorted(proposals, key=lambda p: p.rank):
+        if p.move == Instead.name and p.base in bases:
+            able.setdefault(p.base, []).append(p)
+    return [p for own in able.values() for p in own[:share] if (p.base, p.key) not in tried]
 
 
 def sources(proposal: Proposal, proposals: Sequence[Proposal], rivals: Collection[str]) -> list[Proposal]:

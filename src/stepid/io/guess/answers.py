@@ -60,7 +60,7 @@ def with_answers(drafts: Sequence[Draft], answers: Answers) -> tuple[Draft, ...]
 
 def _moving(draft: Draft, motion: Found[str]) -> Draft:
     """Say how the plant moves; where it turns, the encoder's angle is that of the plant."""
-    if motion.value == "rotation" and draft.turn is not None and counts_alone(draft, "position"):
+    if motion.value == "rotation" and draft.turn is not None and counts_alone(draft):
         draft = draft.having(scales={**draft.scales, "position": draft.turn})
     return draft.having(motion=motion)
 

@@ -30,10 +30,10 @@ def open_questions(drafts: Sequence[Draft]) -> tuple[Question, ...]:
     return tuple(found)
 
 
-def counts_alone(draft: Draft, role: str) -> bool:
-    """Tell whether a column is in counts of which nothing says how large one is."""
-    unit = draft.units.get(role)
-    return unit is not None and unit.value == COUNTS and draft.scale(role) is None
+def counts_alone(draft: Draft) -> bool:
+    """Tell whether the position is in counts of which nothing says how large one is."""
+    unit = draft.units.get("position")
+    return unit is not None and unit.value == COUNTS and draft.scale("position") is None
 
 
 class _Asked(NamedTuple):
@@ -62,12 +62,12 @@ def _needs_sample_time(draft: Draft) -> bool:
 
 
 def _has_open_unit(draft: Draft) -> bool:
-    open_ = draft.scale("position") is None and not counts_alone(draft, "position")
+    open_ = draft.scale("position") is None and not counts_alone(draft)
     return open_ and _has_table(draft, "position")
 
 
 def _may_turn(draft: Draft) -> bool:
-    return draft.turn is not None and draft.motion is None and counts_alone(draft, "position")
+    return draft.turn is not None and draft.motion is None and counts_alone(draft)
 
 
 def _needs_step(draft: Draft) -> bool:
@@ -96,7 +96,7 @@ _ASKED: dict[str, _Asked] = {
         ),
     ),
     "counts_per_meter": _Asked(
-        lambda d: counts_alone(d, "position") and not _may_turn(d), _words("How many counts are one meter?")
+        lambda d: counts_alone(d) and not _may_turn(d), _words("How many counts are one meter?")
     ),
     "input_unit": _Asked(
         lambda d: "input" in d.columns and d.scale("input") is None,
