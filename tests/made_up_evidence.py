@@ -50,6 +50,7 @@ def context() -> Any:
         faults=(),
         colored=None,
         by_weights=None,
+        floored=1.2 * RUNS * SAMPLES * FLOOR**2,
     )
 
 

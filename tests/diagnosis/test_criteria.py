@@ -54,12 +54,6 @@ def further(criteria: Criteria) -> int:
     return len(evidence(two, losing(two, 14.0, ["coulomb_friction"]), criteria=criteria).best.effects)
 
 
-def scatter(criteria: Criteria) -> int:
-    """In how many conditions the runs differ under the best where one decreases QBIC by 18."""
-    late = candidate(deviations=["start_time"])
-    return len(evidence(late, losing(late, 18.0, ()), criteria=criteria).best.deviations)
-
-
 def rival(criteria: Criteria) -> bool:
     """Whether a more general law is a rival whose freedom gains 5.5 of χ²."""
     simple = candidate(["quadratic_damping"], times=1.0)
@@ -95,6 +89,14 @@ def rough(criteria: Criteria) -> str:
         patch.setattr(gather, "free_laws", lambda *_: (law,))
         patch.setattr(gather, "states_of_all", lambda *_: (frozenset({"velocity"}),))
         return EvidenceRecord(told, criteria, (candidate(),)).refuted(candidate(["quadratic_damping"], times=3.0))
+
+
+def shape(criteria: Criteria) -> str:
+    """The state that what is as small as the noise follows where a law of it takes four deviates beyond chance."""
+    law = FreeLaw("velocity", share=0.1, power=1e-12, beyond=4.0)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stepid.diagnosis.free_law.free_laws", lambda *_: (FreeLaw("position", 0.9, 1.0), law))
+        return evidence(candidate(["coulomb_friction"]), criteria=criteria).followed(candidate(["coulomb_friction"]))
 
 
 def open_parameters(criteria: Criteria) -> tuple[str, ...]:
@@ -144,7 +146,6 @@ def size(criteria: Criteria) -> bool:
 CASES: Mapping[str, Case] = {
     "tie": Case(10.0, True, 4.0, False, rivals(7.0, ("free_play",))),
     "further": Case(16.0, 1, 11.0, 2, further),
-    "scatter": Case(20.0, 0, 11.0, 1, scatter),
     "rival": Case(5.0, True, 20.0, False, rival),
     "white": Case(5.0, True, 3.0, False, lambda c: at_floor(context(), c, candidate(structure=4.0))),
     "floor": Case(1.12, True, 1.01, False, lambda c: at_floor(context(), c, slow(1.12))),
@@ -161,6 +162,7 @@ CASES: Mapping[str, Case] = {
     "slow": Case(20.0, True, 1000.0, False, imitates("viscoelastic_spring", 10.0, 100.0)),
     "fast": Case(0.05, True, 0.001, False, imitates("viscoelastic_spring", 1000.0, 1.0)),
     "swings": Case(1.0, True, 0.1, False, imitates("periodic_disturbance", 0.1, 0.2)),
+    "shape": Case(3.5, "velocity", 4.5, "", shape),
     "size": Case(5.0, True, 1e4, False, size),
 }
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hidden.campaigns import Request, make_campaigns
-from stepid.diagnosis.free_law import FreeLaw, free_laws, states_of
+from stepid.diagnosis.free_law import FreeLaw, free_laws, memories, states_of
 from stepid.effects import resolve
 from stepid.fitting.fit import fit_effects, prepare
 from stepid.fitting.levenberg_marquardt import Optimum
@@ -72,6 +72,36 @@ def test_a_wrong_law_as_small_as_the_noise_is_seen() -> None:
     assert fitted.rms < 1.15 * context.floor
     law = max(free_laws(context, fitted), key=lambda one: one.beyond)
     assert (law.states, law.beyond > 5) == ({"position", "velocity"}, True)
+
+
+@pytest.mark.parametrize(
+    ("effect", "state"), [("viscoelastic_spring", "past position"), ("actuator_lag", "past input")]
+)
+def test_a_memory_takes_what_a_law_of_the_past_makes(effect: str, state: str) -> None:
+    context = hidden((effect,))
+    every = free_laws(context, context.linear)
+    law = next(law for law in every if law.state == state)
+    assert law.share > 0.8
+    assert law.beyond > 5
+    fitted = fit_effects(context, resolve([effect]))
+    assert fitted is not None
+    assert next(law for law in free_laws(context, fitted) if law.state == state).beyond < 3
+
+
+def test_a_memory_follows_changes_and_forgets_them() -> None:
+    """After a step each force fades at its own rate, the fastest within samples, the slowest hardly."""
+    context = hidden(("cubic_stiffness",))
+    records = context.records
+    forces = memories(records, records.volts)
+    piece = next(p for p in records.pieces() if np.ptp(records.volts[p]) > 0)
+    step = int(np.argmax(np.abs(np.diff(records.volts[piece])))) + 1
+    size = np.diff(records.volts[piece])[step - 1]
+    for force in forces:
+        assert np.all(force[piece][:step] == 0)
+        assert force[piece][step] == pytest.approx(size)
+    after = [abs(force[piece][step + 20] / size) for force in forces]
+    assert np.all(np.diff(after) > 0)
+    assert after[0] == pytest.approx(np.exp(-20 / 2.0), rel=0.02)
 
 
 @pytest.mark.parametrize(("outside", "seen"), [("square_wave", True), (None, False)])

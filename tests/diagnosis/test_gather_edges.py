@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from made_up_evidence import FLOOR, candidate, context, evidence, losing
-from stepid.diagnosis import gather, vetoes
+from stepid.diagnosis import free_law, gather, vetoes
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, is_white
 from stepid.diagnosis.free_law import FreeLaw
@@ -82,15 +82,32 @@ def test_roughness_is_a_share_of_the_misfit_without_the_noise(monkeypatch: pytes
     for noise, refuted in ((half, "position"), (0.0, "")):
         e = told(monkeypatch, of("position", 0.75), states=("position",), noise=noise)
         assert e.refuted(e.lead) == refuted
-        assert e.followed(e.lead) == refuted
 
 
-@pytest.mark.parametrize(("beyond", "parts"), [(CRITERIA.white, 2.0), (9.0, 1.0)])
+@pytest.mark.parametrize(("beyond", "state"), [(CRITERIA.shape, ""), (CRITERIA.shape + 0.01, "velocity")])
 def test_what_is_left_may_follow_a_state_as_much_as_chance_does(
-    beyond: float, parts: float, monkeypatch: pytest.MonkeyPatch
+    beyond: float, state: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    e = told(monkeypatch, of("velocity", parts, beyond=beyond), states=("position",))
-    assert e.followed(FRICTION) == ""
+    """However little that is of the misfit."""
+    monkeypatch.setattr(free_law, "free_laws", lambda *_: (of("velocity", 1e-9, beyond=beyond),))
+    assert evidence(FRICTION).followed(FRICTION) == state
+
+
+@pytest.mark.parametrize(
+    ("law", "refuted"),
+    [
+        (of("position", 0.001, beyond=CRITERIA.shape + 0.01), "position"),  # exact laws leave only noise
+        (of("position", 0.001, beyond=CRITERIA.shape), ""),
+        (of("position", 0.001, share=0.9, beyond=0.0), ""),  # most of next to nothing
+        (of("velocity", 0.001, change=0.6), "velocity"),
+        (of("velocity", 0.001, change=0.4), ""),
+    ],
+)
+def test_a_lead_as_small_as_the_noise_has_no_room_for_roughness(
+    law: FreeLaw, refuted: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    e = told(monkeypatch, law, states=("position",))
+    assert e.refuted(candidate(["cubic_stiffness"])) == refuted
 
 
 def test_two_effects_or_two_states_are_no_patchwork(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -122,7 +139,7 @@ def test_a_further_effect_and_a_condition_must_earn_their_price() -> None:
     for gain, named in ((more + 1, ("coulomb_friction", "free_play")), (more - 1, ("coulomb_friction",))):
         two = losing(one, -gain, ["coulomb_friction", "free_play"])
         assert evidence(one, two).best.names == named
-    for gain, differ in ((CRITERIA.scatter + 1, {"gain"}), (CRITERIA.scatter - 1, set())):
+    for gain, differ in ((more + 1, {"gain"}), (more - 1, set())):
         scattered = losing(one, -gain, ["coulomb_friction"], deviations=["gain"])
         assert evidence(one, scattered).best.deviations == differ
 

@@ -80,7 +80,7 @@ def test_starts_follow_their_effects() -> None:
 @pytest.mark.parametrize(("count", "cost", "none"), [(2, 9.0, False), (3, 1.0, False), (3, 1.2, True), (4, 9.0, True)])
 def test_more_effects_than_may_lead_are_an_answer_at_the_floor_only(count: int, cost: float, none: bool) -> None:
     effects = resolve(["coulomb_friction", "free_play", "cogging", "actuator_lag"])[:count]
-    assert no_answer(SimpleNamespace(floored=1.1), effects, cost) is none  # type: ignore[arg-type]
+    assert no_answer(1.1, effects, cost) is none
 
 
 def test_the_largest_set_that_may_lead_is_the_one_of_two_effects_that_leaves_least() -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
 from made_up_evidence import candidate, context
 from stepid import Criteria, Effort
+from stepid.diagnosis.free_law import FreeLaw
 from stepid.diagnosis.selection.standings import Standings
 
 PAIR = candidate(["coulomb_friction", "cogging"], times=8.0)
@@ -48,3 +51,30 @@ def test_a_larger_set_that_needs_runs_to_differ_is_not_on_its_way() -> None:
     found.candidates = {c.key: c for c in (candidate(times=30.0), PAIR, larger)}
     assert found.best is larger
     assert found._leading() == [PAIR]
+
+
+@pytest.mark.parametrize(("beyond", "lowered"), [(9.0, True), (3.0, False)])
+def test_below_a_wrong_law_as_small_as_the_noise_the_search_goes_on(
+    beyond: float, lowered: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By as much as a law of any shape takes of what it leaves."""
+    best = candidate(["cogging"])
+    asked = []
+    law = FreeLaw("position", 0.1, 0.3 * best.optimum.cost, beyond)
+    monkeypatch.setattr("stepid.diagnosis.free_law.free_laws", lambda _, optimum: asked.append(optimum) or (law,))
+    found = Standings(context(), Criteria(), Effort())
+    found.candidates = {c.key: c for c in (candidate(times=30.0), best)}
+    found.nodes = {best.key: SimpleNamespace(cost=best.optimum.cost)}  # type: ignore[dict-item]
+    before = found.floored
+    assert found._complete(best) is not lowered
+    found._lower_floor(best)
+    assert found.floored == pytest.approx(0.7 * best.optimum.cost if lowered else before)
+    assert asked == [best.optimum]  # once
+
+
+def test_a_set_that_leaves_a_rest_lowers_no_floor() -> None:
+    found = Standings(context(), Criteria(), Effort())
+    before = found.floored
+    found._lower_floor(PAIR)
+    assert found.floored == before
+    assert not found._complete(PAIR)

@@ -22,11 +22,11 @@ class Criteria(Model):
         Difference of QBIC below which two candidates are not told apart. "Very strong" evidence (Kass and Raftery
         1995, J. Am. Stat. Assoc. 90, 773).
     further : float
-        Decrease of QBIC that a further effect must bring: the catalogue offers some twenty, of which the best by
-        chance gains more than one alone (2 ln 23 = 6 above `tie`).
+        Decrease of QBIC that a further effect, or a further condition that differs from run to run, must bring: the
+        catalogue offers some twenty, of which the best by chance gains more than one alone (2 ln 23 = 6 above `tie`).
     white : float
-        Standard deviations of block-mean χ², of the von Neumann ratio and of what a law of any shape takes, that white
-        noise may show; 1 in 3,000,000 for a normal deviate at 5.
+        Standard deviations of block-mean χ², of the von Neumann ratio and of what a law of any shape takes of a rest,
+        that white noise may show; 1 in 3,000,000 for a normal deviate at 5.
     floor : float
         Times the noise floor that a complete model may leave: the floor is estimated from a few hundred differences
         to some 3 per cent.
@@ -63,10 +63,11 @@ class Criteria(Model):
         Shortest relaxation time, in 1/ω₀, that is not damping.
     swings : float
         Least number of periods of a disturbance within the longest record.
+    shape : float
+        Standard deviations beyond chance that a law of any shape may take of what is as small as the noise: 1 in 4,300
+        for a normal deviate at 3.5, and there are a dozen laws.
     size : float
         Standard deviations (of the other runs' scatter and of its own uncertainty) beyond which a run is accused.
-    scatter : float
-        Decrease of QBIC for which runs are said to differ in one of their conditions: as for an effect.
     """
 
     tie: Positive = 10.0
@@ -87,5 +88,5 @@ class Criteria(Model):
     slow: Positive = 20.0
     fast: Positive = 0.05
     swings: Positive = 1.0
+    shape: Positive = 3.5
     size: Positive = 5.0
-    scatter: Positive = 16.0

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.signal import lfilter
 
 from stepid.core.base import Array
 from stepid.diagnosis.evidence import effective_samples
@@ -15,18 +16,20 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.score_test import responses_along
 from stepid.fitting.weak_form import force_along
-from stepid.simulation.records import Index
+from stepid.simulation.records import Index, Records
 from stepid.simulation.simulator import COARSE, Simulator
 
 _SEEN = 200  # samples of the motion that tell what a force depends on
 _PIECES = 6  # straight pieces of the law on each side of zero
+_SHORTEST = 2.0  # samples, of the time in which a memory fades; the longest is a record over as many
 _OPEN = 1e-6  # singular value of a direction that the data leave open
 
 
 class FreeLaw(NamedTuple):
     """What a law of any shape takes: of which state, the share of the rest, and that much power, m².
 
-    `beyond` is what chance does not: a normal deviate as rare as the F ratio of what the law takes to what it leaves.
+    `beyond` is what chance does not: a normal deviate as rare as the F ratio of what the law takes to what it leaves,
+    or to the noise where that is more.
     `changes` says by which share of it each effect's size, its first parameter, changes where the law stands beside it.
     """
 
@@ -47,7 +50,8 @@ def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     """Find what laws of any shape take of a fit's rest, each piecewise linear and free.
 
     A force of position or of velocity; a damping that depends on position or time; a spring that does on time; a drive
-    that does on position, velocity or time. Overtones of the fit's periodic effects are a law each.
+    that does on position, velocity or time; memories of position or input, that fade at rates of any mixture. Overtones
+    of the fit's periodic effects are a law each.
 
     The fitted plant is pushed by each piece along its own trajectory; the responses, and those to the fit's own
     parameters, are fitted to the residual. A share is corrected for the number of coefficients (adjusted coefficient of
@@ -93,10 +97,26 @@ def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
         chance = law.shape[1] * (float(rest @ rest) - taken) / spare
         power = max(taken - chance, 0.0)
         share = min(power / left, 1.0) if left > 0 else 0.0
-        beyond = _deviate(taken / chance, law.shape[1], spare) if chance > 0 else 0.0
+        noise = max(chance, law.shape[1] * context.floor**2)  # readings that rest weigh less
+        beyond = _deviate(taken / noise, law.shape[1], spare) if noise > 0 else 0.0
         changes = _changes(optimum, place, np.hstack([jacobian, pushed]), residual)
         found.append(FreeLaw(state, share, power, beyond, overtones, changes))
     return tuple(found)
+
+
+def followed(context: FitContext, optimum: Optimum, most: float) -> FreeLaw | None:
+    """Law that what a fit leaves follows by more than so many standard deviations of chance, None where there is none.
+
+    Parameters
+    ----------
+    context : FitContext
+    optimum : Optimum
+        Of the candidate, on all samples.
+    most : float
+        Standard deviations.
+    """
+    law = max(free_laws(context, optimum), key=lambda one: one.beyond)
+    return law if law.beyond > most else None
 
 
 def _changes(optimum: Optimum, place: Index, columns: Array, residual: Array) -> tuple[float, ...]:
@@ -123,6 +143,8 @@ def _laws(context: FitContext, optimum: Optimum) -> list[tuple[str, list[Array],
         free["input and time"] = [f * volts for f in when]
         free["position and input"] = [f * volts for f in where]
         free["velocity and input"] = [f * volts for f in speed]
+        free["past input"] = memories(context.records, volts)
+    free["past position"] = memories(context.records, x)
     out = [(state, forces, False) for state, forces in free.items()]
     motion, layout = context.motion._replace(x=x, v=v), optimum.problem.layout
     for effect, place, rows in zip(layout.effects, layout.values, layout.run_values, strict=True):
@@ -193,6 +215,31 @@ def _pieces(values: Array) -> list[Array]:
         for k in range(_PIECES + 1):
             height = np.eye(_PIECES + 1)[k]
             out.append(np.where(side > 0, np.interp(side, knots, height), 0.0))
+    return out
+
+
+def memories(records: Records, values: Array) -> list[Array]:
+    """Forces of a state's past: each follows its changes from the record's start, and forgets them at its own rate.
+
+    Parameters
+    ----------
+    records : Records
+    values : array, shape (S,)
+        Of the state.
+
+    Returns
+    -------
+    list of array, shape (S,)
+        Those that forget fastest first.
+    """
+    step = float(np.median(records.sample_time))
+    longest = max(float(np.ptp(records.time[piece])) for piece in records.pieces())
+    out = []
+    for time in np.geomspace(_SHORTEST * step, longest / _SHORTEST, _PIECES):
+        force, kept = np.zeros(values.size), np.exp(-step / time)
+        for piece in records.pieces():
+            force[piece] = lfilter([1.0, -1.0], [1.0, -kept], values[piece] - values[piece][0])
+        out.append(force)
     return out
 
 

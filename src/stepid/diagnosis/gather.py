@@ -16,7 +16,7 @@ from stepid.core.base import Array
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
-from stepid.diagnosis.free_law import FreeLaw, free_laws, states_of_all
+from stepid.diagnosis.free_law import FreeLaw, followed, free_laws, states_of_all
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.selection.candidate import Candidate, Deviations, includes, is_free
 from stepid.diagnosis.vetoes import imitators, undetermined
@@ -75,11 +75,10 @@ class EvidenceRecord:
         return self.weighed[0].candidate
 
     def simplest(self, weighed: tuple[Weighed, ...]) -> Candidate:
-        """The best of some, where each further effect must earn more than chance does."""
-        effect, condition = self.criteria.further, self.criteria.scatter
+        """The best of some, where each further effect or condition must earn more than chance does."""
 
         def loss(w: Weighed) -> float:
-            return w.loss + effect * len(w.candidate.effects) + condition * len(w.candidate.deviations)
+            return w.loss + self.criteria.further * (len(w.candidate.effects) + len(w.candidate.deviations))
 
         return min(weighed, key=loss).candidate
 
@@ -186,12 +185,13 @@ class EvidenceRecord:
         another state an effect must stay what it is: where its size changes, it stands in for that law.
         """
         states = states_of_all(self.context, lead.optimum)
+        chance, rough = self._chance(lead)
         for law in sorted(self._laws_left(lead), key=lambda one: -one.power):
-            if not (law.share > 0.5 or law.beyond > self.criteria.white):
+            if not ((rough and law.share > 0.5) or law.beyond > chance):
                 continue
             own = law.overtones or any(law.states <= state for state in states)
             patched = own and len(states) > 1 and set(states) == {law.states}
-            if patched or (law.power > self._rough and (own or self._replaces(law, states))):
+            if patched or (law.power > rough and (own or self._replaces(law, states))):
                 return law.state
         return ""
 
@@ -207,9 +207,18 @@ class EvidenceRecord:
         return free_laws(self.context, without_deviations(lead.optimum, self.context.tolerance))
 
     def followed(self, found: Candidate) -> str:
-        """The state that what a candidate leaves follows by more than chance and roughness, '' where there is none."""
-        law = max(free_laws(self.context, found.optimum), key=lambda one: one.beyond)
-        return law.state if law.beyond > self.criteria.white and law.power > self._rough else ""
+        """The state that what is as small as the noise follows by more than chance, '' where there is none."""
+        law = followed(self.context, found.optimum, self.criteria.shape)
+        return law.state if law else ""
+
+    def _chance(self, lead: Candidate) -> tuple[float, float]:
+        """Standard deviations and power, m², that a law of another shape may take of what a lead leaves.
+
+        Real laws are rough, which shows where a rest remains. What is as small as the noise has no room for that.
+        """
+        if self.at_floor(lead):
+            return self.criteria.shape, 0.0
+        return self.criteria.white, self._rough
 
     @property
     def _rough(self) -> float:

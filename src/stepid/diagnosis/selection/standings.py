@@ -10,6 +10,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, effective_samples, is_white, price
+from stepid.diagnosis.free_law import FreeLaw, followed
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
@@ -34,6 +35,8 @@ class Standings:
         self.nodes: dict[Key, Node] = {}
         self.candidates: dict[Key, Candidate] = {}
         self._counted: tuple[Candidate, Array] | None = None
+        self.floored = fit.floored  # cost in the race below which nothing but noise is left, m²
+        self._asked: tuple[Candidate, FreeLaw | None] | None = None  # what the last one's rest follows
 
     @property
     def best(self) -> Candidate:
@@ -75,14 +78,28 @@ class Standings:
         """Tell whether the best may be named and leaves nothing that a further effect could explain."""
         if imitators(self.fit, self.criteria, best):
             return False
-        return at_floor(self.fit, self.criteria, best) and is_white(self.fit, best, self.criteria.white / 2)
+        if not at_floor(self.fit, self.criteria, best) or not is_white(self.fit, best, self.criteria.white / 2):
+            return False
+        return self._followed(best) is None
+
+    def _followed(self, found: Candidate) -> FreeLaw | None:
+        """Law that what a candidate leaves follows by more than chance, of the last one asked for kept."""
+        if self._asked is None or self._asked[0] is not found:
+            self._asked = found, followed(self.fit, found.optimum, self.criteria.shape)
+        return self._asked[1]
+
+    def _lower_floor(self, best: Candidate) -> None:
+        """Search on below a candidate that is as small as the noise, and leaves what a law of some shape can take."""
+        law = self._followed(best) if at_floor(self.fit, self.criteria, best) and best.effects else None
+        if law is not None:
+            self.floored = min(self.floored, self.nodes[best.key].cost - law.power)
 
     def _nameable(self, order: Sequence[Node]) -> list[Node]:
         """Of some nodes those that may be named where a rest remains; none where the first leaves only noise."""
         named = by.nameable(self.fit, self.criteria, order)
-        return [] if order[0].cost <= self.fit.floored and named[:1] == [order[0]] else named
+        return [] if order[0].cost <= self.floored and named[:1] == [order[0]] else named
 
     def _least(self) -> Node:
         """The node that leaves least, of those at the noise floor one that may be named."""
         order = sorted(self.nodes.values(), key=lambda n: n.cost)
-        return next(n for n in order if n.cost > self.fit.floored or by.nameable(self.fit, self.criteria, [n]))
+        return next(n for n in order if n.cost > self.floored or by.nameable(self.fit, self.criteria, [n]))
