@@ -199,3 +199,12 @@ def test_a_plant_that_runs_away_leaves_nothing() -> None:
     away = fitted.shared.copy()
     away[-1] = -1e12 * np.abs(away[-1])
     assert free_law(context, replace(fitted, shared=away)).power == 0.0
+
+
+def test_the_laws_of_a_fit_are_asked_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    context = hidden(("cubic_stiffness",))
+    found = free_laws(context, context.linear)
+    monkeypatch.setattr("stepid.diagnosis.free_law.responses_along", None)
+    assert free_laws(context, context.linear) is found
+    with pytest.raises(TypeError):
+        free_laws(context, replace(context.linear))

@@ -68,6 +68,14 @@ def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     tuple of FreeLaw
         One for each state, then those of overtones; nothing is taken where the plant runs away.
     """
+    known: tuple[FreeLaw, ...] | None = next((laws for asked, laws in context.laws if asked is optimum), None)
+    if known is None:
+        known = _free_laws(context, optimum)
+        context.laws.append((optimum, known))
+    return known
+
+
+def _free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     decimated, problem = context.decimated, optimum.problem
     coarse = replace(problem, simulator=Simulator(decimated, problem.simulator.effects, COARSE))
     solved = coarse.solve(optimum.shared, optimum.local)

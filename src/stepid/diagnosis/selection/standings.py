@@ -10,7 +10,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, effective_samples, is_white, price
-from stepid.diagnosis.free_law import FreeLaw, followed
+from stepid.diagnosis.free_law import followed
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
@@ -36,7 +36,6 @@ class Standings:
         self.candidates: dict[Key, Candidate] = {}
         self._counted: tuple[Candidate, Array] | None = None
         self.floored = fit.floored  # cost in the race below which nothing but noise is left, m²
-        self._asked: tuple[Candidate, FreeLaw | None] | None = None  # what the last one's rest follows
 
     @property
     def best(self) -> Candidate:
@@ -56,7 +55,7 @@ class Standings:
             larger = len(best.effects) > LEADING and not best.deviations
             far = best.optimum.cost < (1 - self.criteria.lead) * lead.optimum.cost  # on its way to the noise
             return [lead, best] if larger and far else [lead]
-        others = [c for c in self.candidates.values() if c.deviations and c is not best and self._complete(c)]
+        others = [c for c in self.candidates.values() if c.deviations and c is not best and self._leaves_noise(c)]
         return [best, *sorted(others, key=lambda c: self._qbic(c.optimum))[: self.effort.beam - 1]]
 
     def _counts(self, found: Candidate) -> Array:
@@ -76,21 +75,19 @@ class Standings:
 
     def _complete(self, best: Candidate) -> bool:
         """Tell whether the best may be named and leaves nothing that a further effect could explain."""
-        if imitators(self.fit, self.criteria, best):
-            return False
-        if not at_floor(self.fit, self.criteria, best) or not is_white(self.fit, best, self.criteria.white / 2):
-            return False
-        return self._followed(best) is None
+        return self._leaves_noise(best) and followed(self.fit, best.optimum, self.criteria.shape) is None
 
-    def _followed(self, found: Candidate) -> FreeLaw | None:
-        """Law that what a candidate leaves follows by more than chance, of the last one asked for kept."""
-        if self._asked is None or self._asked[0] is not found:
-            self._asked = found, followed(self.fit, found.optimum, self.criteria.shape)
-        return self._asked[1]
+    def _leaves_noise(self, found: Candidate) -> bool:
+        """Tell whether a candidate may be named and leaves as little as noise, and as white."""
+        if imitators(self.fit, self.criteria, found):
+            return False
+        return at_floor(self.fit, self.criteria, found) and is_white(self.fit, found, self.criteria.white / 2)
 
     def _lower_floor(self, best: Candidate) -> None:
         """Search on below a candidate that is as small as the noise, and leaves what a law of some shape can take."""
-        law = self._followed(best) if at_floor(self.fit, self.criteria, best) and best.effects else None
+        if not best.effects or not at_floor(self.fit, self.criteria, best):
+            return
+        law = followed(self.fit, best.optimum, self.criteria.shape)
         if law is not None:
             self.floored = min(self.floored, self.nodes[best.key].cost - law.power)
 
