@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from hidden.campaigns import Request, make_campaigns
-from stepid.diagnosis.free_law import FreeLaw, free_laws, memories, states_of
+from stepid.diagnosis.free_forces import memories
+from stepid.diagnosis.free_law import FreeLaw, free_laws
+from stepid.diagnosis.states import states_of
 from stepid.effects import resolve
 from stepid.fitting.fit import fit_effects, prepare
 from stepid.fitting.levenberg_marquardt import Optimum

@@ -6,22 +6,17 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import lfilter
 
 from stepid.core.base import Array
 from stepid.diagnosis.evidence import effective_samples
-from stepid.effects.base import Effect, Motion
+from stepid.diagnosis.free_forces import free_forces
 from stepid.fitting.covariance import at_bound
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.score_test import responses_along
-from stepid.fitting.weak_form import force_along
-from stepid.simulation.records import Index, Records
+from stepid.simulation.records import Index
 from stepid.simulation.simulator import COARSE, Simulator
 
-_SEEN = 200  # samples of the motion that tell what a force depends on
-_PIECES = 6  # straight pieces of the law on each side of zero
-_SHORTEST = 2.0  # samples, of the time in which a memory fades; the longest is a record over as many
 _OPEN = 1e-6  # singular value of a direction that the data leave open
 
 
@@ -42,7 +37,7 @@ class FreeLaw(NamedTuple):
 
     @property
     def states(self) -> frozenset[str]:
-        """As `states_of` an effect has them."""
+        """As `stepid.diagnosis.states.states_of` an effect has them."""
         return frozenset(self.state.split(" and "))
 
 
@@ -92,7 +87,7 @@ def _free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     rest = residual - own @ (own.T @ residual)
     left = float(rest @ rest) - context.noise_cost
     count = float(effective_samples(decimated, residual).sum()) - own.shape[1]
-    laws, found = _laws(context, optimum), []
+    laws, found = free_forces(context, optimum), []
     forces = [force for _, some, _ in laws for force in some]
     responses = responses_along(replace(optimum, problem=coarse), context, forces)
     ends = np.cumsum([len(some) for _, some, _ in laws])
@@ -140,115 +135,11 @@ def _changes(optimum: Optimum, place: Index, columns: Array, residual: Array) ->
     return tuple(float(moved.get(v.start, 0.0) / (optimum.shared[v.start] or np.inf)) for v in of.values)
 
 
-def _laws(context: FitContext, optimum: Optimum) -> list[tuple[str, list[Array], bool]]:
-    """States with the forces of any law of each, and whether these are overtones."""
-    x, v = optimum.solved.states[:2]
-    volts = context.motion.volts
-    where, speed, when = _pieces(x), _pieces(v), _pieces(context.motion.time)
-    free = {"position": where, "velocity": speed, "position and velocity": [f * v for f in where]}
-    free |= {"position and time": [f * x for f in when], "velocity and time": [f * v for f in when]}
-    if volts.any():
-        free["input and time"] = [f * volts for f in when]
-        free["position and input"] = [f * volts for f in where]
-        free["velocity and input"] = [f * volts for f in speed]
-        free["past input"] = memories(context.records, volts)
-    free["past position"] = memories(context.records, x)
-    out = [(state, forces, False) for state, forces in free.items()]
-    motion, layout = context.motion._replace(x=x, v=v), optimum.problem.layout
-    for effect, place, rows in zip(layout.effects, layout.values, layout.run_values, strict=True):
-        waves: list[Array] = []
-        for r, piece in enumerate(context.records.pieces()):
-            values = (*map(float, optimum.shared[place]), *map(float, optimum.local[rows, r]))
-            within = Motion(*(field[piece] for field in motion))
-            parts = effect.overtones(values, within)
-            waves = waves or [np.zeros(x.size) for _ in parts]
-            for wave, part in zip(waves, parts, strict=True):
-                wave[piece] = part
-        if waves:
-            out.append(("time" if effect.run_parameters else "position", waves, True))
-    return out
-
-
 def _deviate(ratio: float, pieces: int, spare: float) -> float:
     """Normal deviate that is as rare as an F ratio (Wilson and Hilferty 1931; Abramowitz and Stegun 26.6.15)."""
     up, down = 2 / (9 * pieces), 2 / (9 * spare)
     root = np.cbrt(ratio)
     return float(((1 - down) * root - (1 - up)) / np.sqrt(up + down * root**2))
-
-
-def states_of(context: FitContext, effect: Effect, values: tuple[float, ...]) -> frozenset[str]:
-    """The states that an effect's force is a law of, 'position' and 'velocity'; none where time or memory is in it.
-
-    Parameters
-    ----------
-    context : FitContext
-    effect : Effect
-    values : tuple of float
-        Of its parameters.
-    """
-    if effect.n_extra or effect.n_memory or effect.run_parameters:
-        return frozenset()
-    some = np.linspace(0, context.motion.x.size - 1, _SEEN).astype(np.intp)
-    motion = Motion(*(field[some] for field in context.motion))
-    zero, one = np.zeros(_SEEN), np.ones(_SEEN)
-
-    def alike(**changed: Array) -> bool:
-        return np.array_equal(force, force_along(effect, values, motion._replace(**changed)))
-
-    force = force_along(effect, values, motion)
-    if not alike(time=zero, volts=zero):
-        return frozenset()
-    free = {"position": alike(x=zero), "velocity": alike(v=zero, sign=one)}
-    return frozenset(state for state, without in free.items() if not without)
-
-
-def states_of_all(context: FitContext, optimum: Optimum) -> tuple[frozenset[str], ...]:
-    """`states_of` each effect of a fit."""
-    layout = optimum.problem.layout
-    values = (tuple(float(v) for v in optimum.shared[place]) for place in layout.values)
-    return tuple(states_of(context, e, v) for e, v in zip(layout.effects, values, strict=True))
-
-
-def _pieces(values: Array) -> list[Array]:
-    """Forces of a state: at each knot on either side of zero one that is 1 N there and falls to 0 at its neighbors.
-
-    Those at zero end there: a law may jump.
-    """
-    out = []
-    for side in (values, -values):
-        reach = float(side.max())
-        if reach <= 0:
-            continue
-        knots = np.linspace(0.0, reach, _PIECES + 1)
-        for k in range(_PIECES + 1):
-            height = np.eye(_PIECES + 1)[k]
-            out.append(np.where(side > 0, np.interp(side, knots, height), 0.0))
-    return out
-
-
-def memories(records: Records, values: Array) -> list[Array]:
-    """Forces of a state's past: each follows its changes from the record's start, and forgets them at its own rate.
-
-    Parameters
-    ----------
-    records : Records
-    values : array, shape (S,)
-        Of the state.
-
-    Returns
-    -------
-    list of array, shape (S,)
-        Those that forget fastest first.
-    """
-    step = float(np.median(records.sample_time))
-    longest = max(float(np.ptp(records.time[piece])) for piece in records.pieces())
-    out = []
-    for time in np.geomspace(_SHORTEST * step, longest / _SHORTEST, _PIECES):
-        force, kept = np.zeros(values.size), np.exp(-step / time)
-        for piece in records.pieces():
-            force[piece] = lfilter([1.0, -1.0], [1.0, -kept], values[piece] - values[piece][0])
-        out.append(force)
-    return out
 
 
 def _basis(columns: Array) -> Array:

@@ -16,9 +16,10 @@ from stepid.core.base import Array
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
-from stepid.diagnosis.free_law import FreeLaw, followed, free_laws, states_of_all
+from stepid.diagnosis.free_law import FreeLaw, followed, free_laws
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.selection.candidate import Candidate, Deviations, includes, is_free
+from stepid.diagnosis.states import states_of_all
 from stepid.diagnosis.vetoes import imitators, undetermined
 from stepid.fitting.cross_validation import held_out_residuals
 from stepid.fitting.deviations import with_deviations, without_deviations
