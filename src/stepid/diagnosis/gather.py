@@ -202,8 +202,11 @@ class EvidenceRecord:
         return any(state != law.states and abs(change) > self.criteria.open for state, change in changes)
 
     def _laws_left(self, lead: Candidate) -> tuple[FreeLaw, ...]:
-        """Laws of any shape in what a lead leaves with conditions alike in all runs: scatter hides a shape."""
-        if not lead.deviations:
+        """Laws of any shape in what a lead leaves with conditions alike in all runs: scatter hides a shape.
+
+        Not of one that leaves only noise: the scatter is known there.
+        """
+        if not lead.deviations or self.at_floor(lead):
             return free_laws(self.context, lead.optimum)
         return free_laws(self.context, without_deviations(lead.optimum, self.context.tolerance))
 
