@@ -77,7 +77,7 @@ def test_a_wrong_law_as_small_as_the_noise_is_seen() -> None:
 
 
 @pytest.mark.parametrize(
-    ("effect", "state"), [("viscoelastic_spring", "past position"), ("actuator_lag", "past input")]
+    ("effect", "state"), [("viscoelastic_spring", "the position's past"), ("actuator_lag", "the input's past")]
 )
 def test_a_memory_takes_what_a_law_of_the_past_makes(effect: str, state: str) -> None:
     context = hidden((effect,))

@@ -38,8 +38,8 @@ def free_forces(context: FitContext, optimum: Optimum) -> list[tuple[str, list[A
         free["input and time"] = [f * volts for f in when]
         free["position and input"] = [f * volts for f in where]
         free["velocity and input"] = [f * volts for f in speed]
-        free["past input"] = memories(context.records, volts)
-    free["past position"] = memories(context.records, x)
+        free["the input's past"] = memories(context.records, volts)
+    free["the position's past"] = memories(context.records, x)
     out = [(state, forces, False) for state, forces in free.items()]
     motion, layout = context.motion._replace(x=x, v=v), optimum.problem.layout
     for effect, place, rows in zip(layout.effects, layout.values, layout.run_values, strict=True):
