@@ -6,7 +6,9 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
-from stepid.core.base import Finite, Label, Model, NonNegative
+import numpy as np
+
+from stepid.core.base import Array, Finite, Label, Model, NonNegative
 
 WEIGHT = 0.5  # kg, one lab weight
 WEIGHT_UNCERTAINTY = 0.005  # kg, how well one lab weight is known (manual: 500 ± 5 g)
@@ -42,6 +44,17 @@ def weight_spread(mass: float, weight_uncertainty: float) -> float:
         kg, of one weight of 0.5 kg.
     """
     return weight_uncertainty * math.sqrt(abs(mass) / WEIGHT)
+
+
+def weight_parts(added: Array, uncertainty: float) -> Array:
+    """Errors of the added masses [kg] as independent parts of unit variance, shape (R, K).
+
+    Weights are put on one after another, each with its own error, as in `stepid.Campaign.mass_offsets`: runs of equal
+    added mass share theirs.
+    """
+    steps = np.unique(added[added > 0]) if uncertainty > 0 else np.zeros(0)
+    sizes = uncertainty * np.sqrt(np.diff(steps, prepend=0.0) / WEIGHT)
+    return (added[:, None] >= steps) * sizes
 
 
 def chained(runs: Sequence[tuple[str, str, float]], weight_uncertainty: float) -> tuple[MassOffset, ...]:

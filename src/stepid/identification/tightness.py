@@ -9,7 +9,8 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.estimate import format_value
-from stepid.core.experiment import WEIGHT, Experiment
+from stepid.core.experiment import Experiment
+from stepid.core.mass_offset import weight_parts
 from stepid.core.noise import noise_level
 from stepid.identification.parameters import IdentifiedParameters
 
@@ -91,22 +92,21 @@ def _joint(
 ) -> Array | None:
     """Standard uncertainties of the shared parameters in a joint fit; None where a run's input is not one of steps."""
     added = np.array([run.added_mass for run in runs])
-    weights = np.unique(added[added > 0])
-    sizes = weight_uncertainty * np.sqrt(np.diff(weights, prepend=0.0) / WEIGHT)
-    n, k = shared.size, weights.size
+    parts = weight_parts(added, weight_uncertainty)
+    n, k = shared.size, parts.shape[1]
     total = np.zeros((n + k, n + k))
     total[n:, n:] = np.eye(k)
     forces = [
         found.static_gain[run.name] * found.run_stiffness(run.name) for run in runs if run.name in found.static_gain
     ]
     gain = float(np.mean(forces))
-    for run in runs:
+    for run, part in zip(runs, parts, strict=True):
         slopes = _slopes(run, found, gain)
         if slopes is None:
             return None
         rows = np.zeros((n + k, slopes.shape[1]))
         rows[shared.of(run)] = slopes
-        rows[n:] = np.outer((run.added_mass >= weights) * sizes, slopes[0])  # an added mass acts as the base's
+        rows[n:] = np.outer(part, slopes[0])  # an added mass acts as the base's
         rows -= rows.mean(axis=1, keepdims=True)  # the rest position is fitted
         noise = noise_level(run.position[run.position.size // 2 :], resolution=run.resolution)
         if not noise > 0:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepid.core.base import Array, Model, NonNegative
+from stepid.core.mass_offset import weight_parts
 from stepid.core.quantities import quantities_of
 from stepid.core.tables import text_table
 from stepid.effects import resolve
@@ -23,7 +24,6 @@ from stepid.lab.design.information import (
     inverted,
     lay_out_steps,
     simulated,
-    weight_parts,
     with_weights,
 )
 from stepid.simulation.records import Records

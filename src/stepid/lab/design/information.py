@@ -9,7 +9,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
-from stepid.core.mass_offset import WEIGHT
+from stepid.core.mass_offset import weight_parts
 from stepid.effects.base import Effect
 from stepid.errors import ConvergenceError
 from stepid.fitting.levenberg_marquardt import Problem
@@ -100,17 +100,6 @@ def inverted(matrix: Array) -> tuple[Array, Array]:
     return inverse / size / size[:, None], open_
 
 
-def weight_parts(added: Array, uncertainty: float) -> Array:
-    """Errors of the added masses [kg] as independent parts of unit variance, shape (R, K).
-
-    Weights are put on one after another, each with its own error, as in `stepid.Campaign.mass_offsets`: runs of equal
-    added mass share theirs.
-    """
-    steps = np.unique(added[added > 0]) if uncertainty > 0 else np.zeros(0)
-    sizes = uncertainty * np.sqrt(np.diff(steps, prepend=0.0) / WEIGHT)
-    return (added[:, None] >= steps) * sizes
-
-
 def with_weights(tables: Sequence[Array], parts: Array, variance: float) -> Array:
     """Information of all runs about n parameters and k errors of weights, these with unit variance, shape (n+k, n+k).
 
@@ -119,7 +108,7 @@ def with_weights(tables: Sequence[Array], parts: Array, variance: float) -> Arra
     tables : sequence of array, shape (n, n)
         Of each run, for noise of 1 m; the first parameter is the base mass, as which an added mass acts.
     parts : array, shape (R, k)
-        From `weight_parts`.
+        From `stepid.core.mass_offset.weight_parts`.
     variance : float
         m², of the noise.
     """
