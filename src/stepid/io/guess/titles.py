@@ -1,0 +1,94 @@
+"""Titles of columns in the lines above them: names, units, groups."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from stepid.io.guess.rows import cells
+from stepid.io.guess.words import is_unit
+from stepid.io.textfile import is_name, is_number
+
+
+class Titles(NamedTuple):
+    """Names, units and groups of columns, one text a column, empty where there is none, and the line of the names."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    groups: tuple[str, ...]
+    place: int | None
+
+    def plain(self, lines: Sequence[str]) -> bool:
+        """Tell whether the table's reader takes the header: right above the rows, one name a column."""
+        return (
+            self.place is not None
+            and (not any(self.units) or self.units == self.names)
+            and not any(self.groups)
+            and not lines[self.place].lstrip().startswith(("#", "%"))
+        )
+
+
+def find_titles(above: Sequence[str], separator: str | None, width: int) -> Titles:
+    """Find the titles of columns in the lines above them."""
+    none = ("",) * width
+    filled = [i for i, line in enumerate(above) if line.strip(" \t;,")]
+    found = [(i, row) for i in filled[-3:] if (row := _row(above[i], separator, width)) is not None]
+    found = found[::-1]
+    units: tuple[str, ...] = none
+    if found and _are_units(found[0][1]):
+        if len(found) == 1 or not _is_header(found[1][1]):  # columns that are called by their units
+            return Titles(found[0][1], found[0][1], none, found[0][0])
+        units, found = found[0][1], found[1:]
+    if not found or not _is_header(found[0][1]) or found[0][0] != filled[-1 - any(units)]:
+        return Titles(none, units, none, None)
+    place, names = found[0]
+    groups = none
+    if len(set(filter(None, names))) < len([n for n in names if n]) and len(found) > 1:
+        groups = _spread(found[1][1])
+    return Titles(names, units, groups, place)
+
+
+def labeled_units(above: Sequence[str], separator: str | None, width: int) -> tuple[str, ...]:
+    """Units of columns from a line that begins with the word, wherever it stands above the rows."""
+    for line in above:
+        label, *units = _row(line, separator, width) or ("",)
+        if re.search(r"(?i)unit(?!ed)|einheit", label) and _are_units(units):
+            return ("", *units)
+    return ("",) * width
+
+
+def usable_names(row: Sequence[str]) -> bool:
+    """Tell whether a reader can take columns by these names."""
+    named = [cell for cell in row if cell]
+    return all(map(is_name, named)) and len(named) == len(set(named)) and all(row[:-1]) and bool(named)
+
+
+def _row(line: str, separator: str | None, width: int) -> tuple[str, ...] | None:
+    bare = line.strip(" ").lstrip("#%").strip(" ") if line.lstrip().startswith(("#", "%")) else line
+    split = cells(bare, separator)
+    if len(split) != width:
+        wide = [cell for cell in bare.replace("\t", "  ").split("  ") if cell.strip()]
+        split = [cell.strip() for cell in wide] if len(wide) == width else split
+    if len(split) < width and separator is not None:  # titles of groups may end early
+        split += [""] * (width - len(split))
+    return tuple(split) if len(split) == width else None
+
+
+def _are_units(row: Sequence[str]) -> bool:
+    filled = [cell for cell in row if cell and cell != "-"]
+    return bool(filled) and all(is_unit(cell) for cell in filled)
+
+
+def _is_header(row: Sequence[str]) -> bool:
+    filled = [cell for cell in row if cell]
+    return bool(filled) and not any(is_number(cell) or is_number(cell, decimal=",") for cell in filled)
+
+
+def _spread(row: Sequence[str]) -> tuple[str, ...]:
+    """Titles of groups, each up to the next one."""
+    out, last = [], ""
+    for cell in row:
+        last = cell or last
+        out.append(last)
+    return tuple(out)
