@@ -127,23 +127,14 @@ def _last_line(lines: Sequence[str]) -> str:
 
 def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object], *, several: bool) -> Draft:
     columns = {role: column for role in ROLES if (column := getattr(group, role)) is not None}
-    rows = _rows(list(columns.values()), own=[c for role, c in columns.items() if role != "time"])
-    readings = {role: column.values[:rows] for role, column in columns.items()}
-    doubts = []
-    for role in [role for role, values in readings.items() if not np.isfinite(values).all()]:
-        bad = int(np.flatnonzero(~np.isfinite(readings[role]))[0])
-        doubts.append(f"the {role} is no number in row {bad + 1} of the table")
-        rows = min(rows, bad)
-    readings = {role: values[:rows] for role, values in readings.items()}
-    if group.doubt:
-        doubts.append(group.doubt)
+    readings, doubts = _readings(columns)
+    doubts += [group.doubt] if group.doubt else []
     if block.unread:
         layout = {**layout, "stop": block.values.shape[0]}
         doubts.append(f"{block.unread} line(s) below the rows are left out")
-    name = _label(group, file) if several else plain_name(file.stem)
     draft = Draft(
         file=file,
-        name=name,
+        name=_label(group, file) if several else plain_name(file.stem),
         layout=layout,
         columns={role: c.name if block.by_name and c.name else c.index for role, c in columns.items()},
         titles={role: c.name or f"column {c.index}" for role, c in columns.items()},
@@ -155,18 +146,42 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
     )
     draft, said = _named(draft.having(doubts=draft.doubts + odd_units(draft)), group.said, None), read_name(file.stem)
     draft = _named(draft, FileName(None, None, said.spring, said.damper, said.release) if several else said, None)
-    if "time" not in draft.columns and block.clock is not None:
-        draft = draft.having(sample_time=Found(block.clock, "the clock times of its rows"))
-    elif "time" not in draft.columns and (period := sample_time_above(block.above)) is not None:
-        draft = draft.having(sample_time=Found(period, "the lines above"))
-    draft = _counted(draft, encoder_above(block.above))
-    above = None if several else mass_above(block.above)
-    if above is not None and draft.mass is None:
-        draft = draft.having(mass=Found(above, "the lines above"))
-    elif above is not None and draft.mass is not None and abs(above - draft.mass.value) > 1e-9:
-        words = f"its name says {draft.mass.value:g} kg, the lines above {above:g} kg; the name is taken"
-        draft = draft.having(doubts=(*draft.doubts, words))
-    return draft
+    draft = _counted(_timed(draft, block), encoder_above(block.above))
+    return draft if several else _weighed(draft, mass_above(block.above))
+
+
+def _readings(columns: Mapping[str, Column]) -> tuple[dict[str, Array], list[str]]:
+    """Readings of each column, up to the first that is no number, and what that leaves in doubt."""
+    rows = _rows(list(columns.values()), own=[c for role, c in columns.items() if role != "time"])
+    doubts, end = [], rows
+    for role, column in columns.items():
+        missing = np.flatnonzero(~np.isfinite(column.values[:rows]))
+        if missing.size:
+            doubts.append(f"the {role} is no number in row {int(missing[0]) + 1} of the table")
+            end = min(end, int(missing[0]))
+    return {role: column.values[:end] for role, column in columns.items()}, doubts
+
+
+def _timed(draft: Draft, block: Block) -> Draft:
+    """Take the sample time from clock times, or from the lines above, where no column has the time."""
+    if "time" in draft.columns:
+        return draft
+    if block.clock is not None:
+        return draft.having(sample_time=Found(block.clock, "the clock times of its rows"))
+    period = sample_time_above(block.above)
+    return draft if period is None else draft.having(sample_time=Found(period, "the lines above"))
+
+
+def _weighed(draft: Draft, above: float | None) -> Draft:
+    """Take the added mass from the lines above where the name says none; another one there is a doubt."""
+    if above is None:
+        return draft
+    if draft.mass is None:
+        return draft.having(mass=Found(above, "the lines above"))
+    if abs(above - draft.mass.value) <= 1e-9:
+        return draft
+    words = f"its name says {draft.mass.value:g} kg, the lines above {above:g} kg; the name is taken"
+    return draft.having(doubts=(*draft.doubts, words))
 
 
 def _counted(draft: Draft, told: tuple[float, bool] | None) -> Draft:
