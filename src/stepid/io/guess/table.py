@@ -1,0 +1,151 @@
+"""From a table of numbers to drafts of the runs that it holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.io.guess.columns import UNKNOWN, Column, Group, find_columns, group_columns
+from stepid.io.guess.draft import ROLES, Draft, Found, falls
+from stepid.io.guess.file_names import FileName, encoder_above, mass_above, plain_name, read_name, sample_time_above
+from stepid.io.guess.named import named
+from stepid.io.guess.sizes import input_unit, odd_units, position_unit, time_unit
+from stepid.io.guess.text import Block, find_block, needs_delimiter
+from stepid.io.guess.words import COUNTS, RUN_WORDS
+from stepid.io.side_by_side import run_name
+
+ALL = "all"
+
+
+def from_table(
+    lines: Sequence[str], file: Path, layout: dict[str, object], chosen: Mapping[str, str], *, workbook: bool = False
+) -> list[Draft]:
+    """Find the table among lines, and the runs in it: one, or several side by side.
+
+    Parameters
+    ----------
+    lines : sequence of str
+    file : pathlib.Path
+    layout : dict
+        What its reader has to be told already.
+    chosen : mapping
+        As in `stepid.io.guess.understand.draft_runs`.
+    workbook : bool
+        Whether the lines come from a workbook.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If the lines hold no table of numbers.
+    """
+    block = find_block(lines, str(file), workbook=workbook)
+    if block.separator is not None and not workbook and needs_delimiter(block, _last_line(lines).strip(" ")):
+        layout = {**layout, "delimiter": block.separator}
+    if block.decimal != ".":
+        layout = {**layout, "decimal": block.decimal}
+    if block.skiprows:
+        layout = {**layout, "skiprows": block.skiprows}
+    groups = group_columns(find_columns(block, chosen), block, all_runs=chosen.get("position") == ALL)
+    return [_from_group(group, block, file, layout, several=len(groups) > 1) for group in groups]
+
+
+def _last_line(lines: Sequence[str]) -> str:
+    """The line by which the table's reader tells the delimiter."""
+    return next(line for line in reversed(lines) if line.strip() and not line.lstrip().startswith(("#", "%")))
+
+
+def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object], *, several: bool) -> Draft:
+    columns = {role: column for role in ROLES if (column := getattr(group, role)) is not None}
+    readings, doubts = _readings(columns)
+    doubts += [group.doubt] if group.doubt else []
+    if block.unread:
+        layout = {**layout, "stop": block.values.shape[0]}
+        doubts.append(f"{block.unread} line(s) below the rows are left out")
+    draft = Draft(
+        file=file,
+        name=_label(group, file) if several else plain_name(file.stem),
+        layout=layout,
+        columns={role: c.name if block.by_name and c.name else c.index for role, c in columns.items()},
+        titles={role: c.name or f"column {c.index}" for role, c in columns.items()},
+        readings=readings,
+        units={role: unit for role, c in columns.items() if (unit := _unit(role, c, readings[role])) is not None},
+        falling=falls(readings),
+        doubts=tuple(doubts),
+        choices=group.choices,
+    )
+    draft, said = named(draft.having(doubts=draft.doubts + odd_units(draft)), group.said, None), read_name(file.stem)
+    draft = named(draft, FileName(None, None, said.spring, said.damper, said.release) if several else said, None)
+    draft = _counted(_timed(draft, block), encoder_above(block.above))
+    return draft if several else _weighed(draft, mass_above(block.above))
+
+
+def _readings(columns: Mapping[str, Column]) -> tuple[dict[str, Array], list[str]]:
+    """Readings of each column, up to the first that is no number, and what that leaves in doubt."""
+    rows = _rows(list(columns.values()), own=[c for role, c in columns.items() if role != "time"])
+    doubts, end = [], rows
+    for role, column in columns.items():
+        missing = np.flatnonzero(~np.isfinite(column.values[:rows]))
+        if missing.size:
+            doubts.append(f"the {role} is no number in row {int(missing[0]) + 1} of the table")
+            end = min(end, int(missing[0]))
+    return {role: column.values[:end] for role, column in columns.items()}, doubts
+
+
+def _timed(draft: Draft, block: Block) -> Draft:
+    """Take the sample time from clock times, or from the lines above, where no column has the time."""
+    if "time" in draft.columns:
+        return draft
+    if block.clock is not None:
+        return draft.having(sample_time=Found(block.clock, "the clock times of its rows"))
+    period = sample_time_above(block.above)
+    return draft if period is None else draft.having(sample_time=Found(period, "the lines above"))
+
+
+def _weighed(draft: Draft, above: float | None) -> Draft:
+    """Take the added mass from the lines above where the name says none; another one there is a doubt."""
+    if above is None:
+        return draft
+    if draft.mass is None:
+        return draft.having(mass=Found(above, "the lines above"))
+    if abs(above - draft.mass.value) <= 1e-9:
+        return draft
+    words = f"its name says {draft.mass.value:g} kg, the lines above {above:g} kg; the name is taken"
+    return draft.having(doubts=(*draft.doubts, words))
+
+
+def _counted(draft: Draft, told: tuple[float, bool] | None) -> Draft:
+    """Take what one count of the encoder is; an angle is kept apart, as it may be that of a wheel on a rail."""
+    unit = draft.units.get("position")
+    if told is None or unit is None or unit.value != COUNTS:
+        return draft
+    found = Found(told[0], "the lines above")
+    return draft.having(turn=found) if told[1] else draft.having(scales={**draft.scales, "position": found})
+
+
+def _rows(columns: Sequence[Column], own: Sequence[Column]) -> int:
+    """Rows until the record ends; beside a longer one its cells are empty from there on."""
+    ends = [int(np.flatnonzero(np.isfinite(c.values))[-1]) + 1 for c in own or columns]
+    return max(ends, default=0)
+
+
+def _label(group: Group, file: Path) -> str:
+    words = group.label.lower().split()
+    if len(words) == 1:
+        return run_name(words[0])
+    return (
+        group.label
+        if words and (RUN_WORDS & set(words) or group.said.mass is not None)
+        else (group.label or plain_name(file.stem))
+    )
+
+
+def _unit(role: str, column: Column, readings: Array) -> Found[str] | None:
+    if column.unit is not None:
+        return Found(column.unit, column.why)
+    if readings.size < 2 or column.why == UNKNOWN:
+        return None
+    by_size = {"time": time_unit, "position": position_unit, "input": input_unit}[role](readings)
+    return None if by_size is None else Found(by_size, "its size")
