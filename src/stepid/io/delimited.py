@@ -187,16 +187,8 @@ def _parse(lines: Sequence[str], layout: Layout, where: str) -> Table:
     if layout.stop is not None and layout.stop > 0:
         last = _last_row(rows, layout.stop, layout.decimal)
         rows, body = rows[:last], body[:last]
-    labels = names
-    if not names or not any(len(row) == len(names) for row in rows):
-        width = common_width(rows)
-        if names:
-            commas = separator == "," and layout.delimiter is None and width == 2 * len(names)
-            raise InputError(
-                f"{where}, line {body[0][0]}: rows hold {width} values under a header of {len(names)} names",
-                _OTHER_MARK["."] if commas else _REPAIR,
-            )
-        labels = tuple(str(i) for i in range(width))
+    mistaken = separator == "," and layout.delimiter is None
+    labels = _labels(names, rows, f"{where}, line {body[0][0]}", decimal_commas=mistaken)
     if len(set(names)) < len(names):
         raise InputError(f"{where}: its header names a column twice ({', '.join(names)})", "Rename one of them.")
     numbers = [i for i, _ in body]
@@ -216,6 +208,24 @@ def _parse(lines: Sequence[str], layout: Layout, where: str) -> Table:
         other_mark=_OTHER_MARK[layout.decimal],
     )
     return Table(names, values, Places([(where, numbers)]))
+
+
+def _labels(
+    names: tuple[str, ...], rows: Sequence[Sequence[str]], where: str, *, decimal_commas: bool
+) -> tuple[str, ...]:
+    """What messages call the columns: their names, or numbers where there are none.
+
+    Where delimiters may be decimal commas, rows of twice as many values as names say that they are.
+    """
+    if names and any(len(row) == len(names) for row in rows):
+        return names
+    width = common_width(rows)
+    if not names:
+        return tuple(str(i) for i in range(width))
+    raise InputError(
+        f"{where}: rows hold {width} values under a header of {len(names)} names",
+        _OTHER_MARK["."] if decimal_commas and width == 2 * len(names) else _REPAIR,
+    )
 
 
 def header(file: Path, layout: Layout) -> tuple[str, ...]:
