@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import lfilter
 
 from stepid.core.base import Array
 from stepid.effects.base import Motion
@@ -87,6 +86,8 @@ def memories(records: Records, values: Array) -> list[Array]:
     list of array, shape (S,)
         Those that forget fastest first.
     """
+    from scipy.signal import lfilter
+
     step = float(np.median(records.sample_time))
     longest = max(float(np.ptp(records.time[piece])) for piece in records.pieces())
     out = []
