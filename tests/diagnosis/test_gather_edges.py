@@ -93,6 +93,22 @@ def test_what_is_left_may_follow_a_state_as_much_as_chance_does(
     assert evidence(FRICTION).followed(FRICTION) == state
 
 
+@pytest.mark.parametrize("known", ["gain", "color"])
+@pytest.mark.parametrize(
+    ("beyond", "parts", "state"),
+    [(4.0, 2.0, ""), (9.0, 0.9, ""), (9.0, 1.1, "velocity")],
+)
+def test_what_runs_that_differ_or_colored_noise_leave_is_not_known_as_well(
+    known: str, beyond: float, parts: float, state: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(free_law, "free_laws", lambda *_: (of("velocity", parts, beyond=beyond),))
+    found = candidate(["coulomb_friction"], deviations=["gain"] if known == "gain" else [])
+    e = evidence(found)
+    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
+    e.context.colored = object() if known == "color" else None
+    assert e.followed(found) == state
+
+
 @pytest.mark.parametrize(
     ("law", "refuted"),
     [

@@ -64,8 +64,8 @@ class Criteria(Model):
     swings : float
         Least number of periods of a disturbance within the longest record.
     shape : float
-        Standard deviations beyond chance that a law of any shape may take of what is as small as the noise: 1 in 4,300
-        for a normal deviate at 3.5, and there are a dozen laws.
+        Standard deviations beyond chance that a law of any shape may take of what is as small as white noise, where no
+        runs differ: 1 in 4,300 for a normal deviate at 3.5, and there are a dozen laws.
     size : float
         Standard deviations (of the other runs' scatter and of its own uncertainty) beyond which a run is accused.
     """

@@ -8,8 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import effective_samples
 from stepid.diagnosis.free_forces import free_forces
+from stepid.diagnosis.selection.candidate import Candidate
 from stepid.fitting.covariance import at_bound
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
@@ -107,19 +109,22 @@ def _free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     return tuple(found)
 
 
-def followed(context: FitContext, optimum: Optimum, most: float) -> FreeLaw | None:
-    """Law that what a fit leaves follows by more than so many standard deviations of chance, None where there is none.
+def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeLaw | None:
+    """Law that what is as small as the noise follows by more than `allowed`, None where there is none."""
+    law = max(free_laws(context, found.optimum), key=lambda one: one.beyond)
+    beyond, power = allowed(context, criteria, found, noise=True)
+    return law if law.beyond > beyond and law.power > power else None
 
-    Parameters
-    ----------
-    context : FitContext
-    optimum : Optimum
-        Of the candidate, on all samples.
-    most : float
-        Standard deviations.
+
+def allowed(context: FitContext, criteria: Criteria, found: Candidate, *, noise: bool) -> tuple[float, float]:
+    """Standard deviations beyond chance, and power [m²], that a law of another shape may take of what is left.
+
+    Real laws are rough, which shows in a rest; what leaves only `noise` has no room for that. Noise that is colored,
+    or stands beside runs that differ, is not known well enough to say so.
     """
-    law = max(free_laws(context, optimum), key=lambda one: one.beyond)
-    return law if law.beyond > most else None
+    if noise and not found.deviations and context.colored is None:
+        return criteria.shape, 0.0
+    return criteria.white, criteria.rough * (context.coarse_linear.cost - context.noise_cost)
 
 
 def _changes(optimum: Optimum, place: Index, columns: Array, residual: Array) -> tuple[float, ...]:

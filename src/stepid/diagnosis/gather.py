@@ -16,7 +16,7 @@ from stepid.core.base import Array
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
-from stepid.diagnosis.free_law import FreeLaw, followed, free_laws
+from stepid.diagnosis.free_law import FreeLaw, allowed, followed, free_laws
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.selection.candidate import Candidate, Deviations, includes, is_free
 from stepid.diagnosis.states import states_of_all
@@ -186,7 +186,7 @@ class EvidenceRecord:
         another state an effect must stay what it is: where its size changes, it stands in for that law.
         """
         states = states_of_all(self.context, lead.optimum)
-        chance, rough = self._chance(lead)
+        chance, rough = allowed(self.context, self.criteria, lead, noise=self.at_floor(lead))
         for law in sorted(self._laws_left(lead), key=lambda one: -one.power):
             if not ((rough and law.share > 0.5) or law.beyond > chance):
                 continue
@@ -202,32 +202,15 @@ class EvidenceRecord:
         return any(state != law.states and abs(change) > self.criteria.open for state, change in changes)
 
     def _laws_left(self, lead: Candidate) -> tuple[FreeLaw, ...]:
-        """Laws of any shape in what a lead leaves with conditions alike in all runs: scatter hides a shape.
-
-        Not of one that leaves only noise: the scatter is known there.
-        """
-        if not lead.deviations or self.at_floor(lead):
+        """Laws of any shape in what a lead leaves with conditions alike in all runs: scatter hides a shape."""
+        if not lead.deviations:
             return free_laws(self.context, lead.optimum)
         return free_laws(self.context, without_deviations(lead.optimum, self.context.tolerance))
 
     def followed(self, found: Candidate) -> str:
         """The state that what is as small as the noise follows by more than chance, '' where there is none."""
-        law = followed(self.context, found.optimum, self.criteria.shape)
+        law = followed(self.context, self.criteria, found)
         return law.state if law else ""
-
-    def _chance(self, lead: Candidate) -> tuple[float, float]:
-        """Standard deviations and power, m², that a law of another shape may take of what a lead leaves.
-
-        Real laws are rough, which shows where a rest remains. What is as small as the noise has no room for that.
-        """
-        if self.at_floor(lead):
-            return self.criteria.shape, 0.0
-        return self.criteria.white, self._rough
-
-    @property
-    def _rough(self) -> float:
-        """Power that a law of another shape may take, m²: real laws are rough."""
-        return self.criteria.rough * (self.context.coarse_linear.cost - self.context.noise_cost)
 
     def patchwork(self, found: Candidate) -> str:
         """The state of which all effects of a candidate of more than two are laws, '' where there is none."""

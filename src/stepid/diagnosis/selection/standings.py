@@ -75,7 +75,7 @@ class Standings:
 
     def _complete(self, best: Candidate) -> bool:
         """Tell whether the best may be named and leaves nothing that a further effect could explain."""
-        return self._leaves_noise(best) and followed(self.fit, best.optimum, self.criteria.shape) is None
+        return self._leaves_noise(best) and followed(self.fit, self.criteria, best) is None
 
     def _leaves_noise(self, found: Candidate) -> bool:
         """Tell whether a candidate may be named and leaves as little as noise, and as white."""
@@ -87,7 +87,7 @@ class Standings:
         """Search on below a candidate that is as small as the noise, and leaves what a law of some shape can take."""
         if not best.effects or not at_floor(self.fit, self.criteria, best):
             return
-        law = followed(self.fit, best.optimum, self.criteria.shape)
+        law = followed(self.fit, self.criteria, best)
         if law is not None:
             self.floored = min(self.floored, self.nodes[best.key].cost - law.power)
 
