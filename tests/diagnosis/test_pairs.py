@@ -27,3 +27,21 @@ def test_both_effects_are_named(number: int) -> None:
     found = stepid.diagnose(campaign)
     assert found.verdict in ("named", "ambiguous")
     assert set(truth["effects"]) in [set(found.effects), *map(set, found.alternatives)]
+
+
+@pytest.mark.slow
+def test_a_wrong_pair_as_small_as_the_noise_is_not_the_end() -> None:
+    """An end stop beside a periodic disturbance leaves 1.11 floors of one beside a second mass."""
+    campaign, truth = one("pairs-all", 55, "devM")
+    assert set(truth["effects"]) == {"end_stop", "flexible_coupling"}
+    found = stepid.diagnose(campaign)
+    assert (found.verdict, set(found.effects)) == ("named", set(truth["effects"]))
+
+
+@pytest.mark.slow
+def test_a_square_wave_is_no_sine_though_that_leaves_only_noise() -> None:
+    campaign, truth = one("outside-seen", 12, "devM")
+    assert truth["outside"] == "square_wave"
+    found = stepid.diagnose(campaign)
+    assert (found.verdict, found.effects) == ("unexplained", ())
+    assert any("leaves" in reason and "but what it leaves follows time" in reason for reason in found.reasons)
