@@ -42,8 +42,10 @@ class MadeUpRecords:
 
 def context() -> Any:
     position = 1e-2 * np.sin(0.3 * np.arange(RUNS * SAMPLES))
+    records = MadeUpRecords(position)
     return SimpleNamespace(
-        records=MadeUpRecords(position),
+        records=records,
+        decimated=records,
         floor=FLOOR,
         period=0.5,
         tolerance=0.0,

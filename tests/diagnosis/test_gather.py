@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -211,6 +212,20 @@ def test_three_laws_of_one_state_are_a_patchwork(monkeypatch: pytest.MonkeyPatch
         found.optimum.names = found.names  # type: ignore[attr-defined]
     e = evidence(three)
     assert [e.patchwork(c) for c in (three, mixed, PLAY)] == ["position", "", ""]
+
+
+@pytest.mark.parametrize(("every", "told"), [(4.0, "position"), (3.0, "")])
+def test_a_law_among_decimated_samples_is_one_of_all_samples(
+    every: float, told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    e = evidence(FRICTION)
+    e.context.decimated = object()
+
+    def laws(context: Any, _: Any, records: Any) -> tuple[FreeLaw, ...]:
+        return (FreeLaw("position", 0.1, 1e-12, 9.0 if records is context.decimated else every),)
+
+    monkeypatch.setattr(free_law, "free_laws", laws)
+    assert e.followed(FRICTION) == told
 
 
 @pytest.mark.parametrize(("beyond", "told"), [(4.0, "velocity"), (3.0, "")])

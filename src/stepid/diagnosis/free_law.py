@@ -16,7 +16,7 @@ from stepid.fitting.covariance import at_bound
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.score_test import responses_along
-from stepid.simulation.records import Index
+from stepid.simulation.records import Index, Records
 from stepid.simulation.simulator import COARSE, Simulator
 
 _OPEN = 1e-6  # singular value of a direction that the data leave open
@@ -43,7 +43,7 @@ class FreeLaw(NamedTuple):
         return frozenset(self.state.split(" and "))
 
 
-def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
+def free_laws(context: FitContext, optimum: Optimum, records: Records | None = None) -> tuple[FreeLaw, ...]:
     """Find what laws of any shape take of a fit's rest, each piecewise linear and free.
 
     A force of position or of velocity; a damping that depends on position or time; a spring that does on time; a drive
@@ -59,22 +59,27 @@ def free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     context : FitContext
     optimum : Optimum
         Of the candidate, on all samples.
+    records : Records, optional
+        The samples that are asked: the context's decimated ones by default, or all of its records.
 
     Returns
     -------
     tuple of FreeLaw
         One for each state, then those of overtones; nothing is taken where the plant runs away.
     """
-    known: tuple[FreeLaw, ...] | None = next((laws for asked, laws in context.laws if asked is optimum), None)
-    if known is None:
-        known = _free_laws(context, optimum)
-        context.laws.append((optimum, known))
-    return known
+    records = records or context.decimated
+    for asked, within, laws in context.laws:
+        if asked is optimum and within is records:
+            known: tuple[FreeLaw, ...] = laws
+            return known
+    found = _free_laws(context, optimum, records)
+    context.laws.append((optimum, records, found))
+    return found
 
 
-def _free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
-    decimated, problem = context.decimated, optimum.problem
-    coarse = replace(problem, simulator=Simulator(decimated, problem.simulator.effects, COARSE))
+def _free_laws(context: FitContext, optimum: Optimum, records: Records) -> tuple[FreeLaw, ...]:
+    problem = optimum.problem
+    coarse = replace(problem, simulator=Simulator(records, problem.simulator.effects, COARSE))
     solved = coarse.solve(optimum.shared, optimum.local)
     nothing = (FreeLaw("position", 0.0, 0.0),)
     if solved is None:
@@ -87,13 +92,14 @@ def _free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
     place = place[free[: place.size]]
     own = _basis(jacobian)
     rest = residual - own @ (own.T @ residual)
-    left = float(rest @ rest) - context.noise_cost
-    count = float(effective_samples(decimated, residual).sum()) - own.shape[1]
+    every = float((records.weight**2).sum()) * context.floor**2
+    left = float(rest @ rest) - (context.noise_cost if records is context.decimated else every)
+    count = float(effective_samples(records, residual).sum()) - own.shape[1]
     laws, found = free_forces(context, optimum), []
     forces = [force for _, some, _ in laws for force in some]
-    responses = responses_along(replace(optimum, problem=coarse), context, forces)
+    responses = responses_along(replace(optimum, problem=coarse), records, forces)
     ends = np.cumsum([len(some) for _, some, _ in laws])
-    parts = np.split(decimated.weighted(responses.T).T, ends[:-1], axis=1)
+    parts = np.split(records.weighted(responses.T).T, ends[:-1], axis=1)
     for (state, _, overtones), part in zip(laws, parts, strict=True):
         pushed = part[:, np.isfinite(part).all(axis=0)]
         law = _basis(pushed - own @ (own.T @ pushed))
@@ -110,10 +116,19 @@ def _free_laws(context: FitContext, optimum: Optimum) -> tuple[FreeLaw, ...]:
 
 
 def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeLaw | None:
-    """Law that what is as small as the noise follows by more than `allowed`, None where there is none."""
-    law = max(free_laws(context, found.optimum), key=lambda one: one.beyond)
+    """Law that what is as small as the noise follows by more than `allowed`, None where there is none.
+
+    Among the decimated samples, which are means of neighbors, it may be chance; then all of them do not tell it.
+    """
+    law = _strongest(context, found, context.decimated)
     beyond, power = allowed(context, criteria, found, noise=True)
-    return law if law.beyond > beyond and law.power > power else None
+    if law.beyond <= beyond or law.power <= power:
+        return None
+    return law if _strongest(context, found, context.records).beyond > beyond else None
+
+
+def _strongest(context: FitContext, found: Candidate, records: Records) -> FreeLaw:
+    return max(free_laws(context, found.optimum, records), key=lambda one: one.beyond)
 
 
 def allowed(context: FitContext, criteria: Criteria, found: Candidate, *, noise: bool) -> tuple[float, float]:

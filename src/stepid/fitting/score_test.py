@@ -57,9 +57,9 @@ def _means(force: Array, records: Records) -> Array:
     return np.append(between, 0.0)
 
 
-def responses_along(base: Optimum, context: FitContext, forces: list[Array]) -> Array:
+def responses_along(base: Optimum, records: Records, forces: list[Array]) -> Array:
     """Reading's response of a fitted plant to slight added forces, per newton, shapes (S,) each to (S, n)."""
-    problem, records = base.problem, context.decimated
+    problem = base.problem
     of, gain = problem.layout, float(base.shared[problem.layout.force_gain])
     stiffness = float(base.shared[of.stiffness].mean())
     shared = base.shared.copy()
@@ -134,7 +134,7 @@ def _columns(
                     weighted = context.decimated.weighted(response.T).T
                     found.append(Column(effect, weighted, _scaled(effect, tuple(values))))
     if forces:
-        pushed = force_responses(context, forces) if base is None else responses_along(base, context, forces)
+        pushed = force_responses(context, forces) if base is None else responses_along(base, context.decimated, forces)
         responses = context.decimated.weighted(pushed.T).T
         at = 0
         for effect, width, convert in pending:
