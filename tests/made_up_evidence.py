@@ -52,7 +52,7 @@ def context() -> Any:
         faults=(),
         colored=None,
         by_weights=None,
-        floored=1.2 * RUNS * SAMPLES * FLOOR**2,
+        noise_limit=1.2 * RUNS * SAMPLES * FLOOR**2,
     )
 
 

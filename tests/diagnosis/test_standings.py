@@ -64,15 +64,15 @@ def test_below_a_wrong_law_as_small_as_the_noise_the_search_goes_on(
     found = Standings(context(), Criteria(), Effort())
     found.candidates = {c.key: c for c in (candidate(times=30.0), best)}
     found.nodes = {best.key: SimpleNamespace(cost=best.optimum.cost)}  # type: ignore[dict-item]
-    before = found.floored
+    before = found.noise_limit
     assert found._complete(best) is not lowered
     found._lower_floor(best)
-    assert found.floored == pytest.approx(0.7 * best.optimum.cost if lowered else before)
+    assert found.noise_limit == pytest.approx(0.7 * best.optimum.cost if lowered else before)
 
 
 def test_a_set_that_leaves_a_rest_lowers_no_floor() -> None:
     found = Standings(context(), Criteria(), Effort())
-    before = found.floored
+    before = found.noise_limit
     found._lower_floor(PAIR)
-    assert found.floored == before
+    assert found.noise_limit == before
     assert not found._complete(PAIR)

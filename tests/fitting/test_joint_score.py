@@ -92,7 +92,7 @@ def test_the_start_of_the_true_set_leads_to_the_noise(hidden: Mapping[str, Mappi
     candidate = CandidateFit(fit, mine[0].effects)
     candidate.begin([Start(s.shared, s.values) for s in mine if s.effects == mine[0].effects], like=fit.coarse_linear)
     candidate.run(laps=20)
-    assert candidate.cost < fit.floored
+    assert candidate.cost < fit.noise_limit
     for effect, place in zip(mine[0].effects, candidate.coarse.layout.values, strict=True):
         assert candidate.best is not None
         size = candidate.best.shared[place][0]

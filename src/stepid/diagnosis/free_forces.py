@@ -39,7 +39,13 @@ def free_forces(context: FitContext, optimum: Optimum) -> list[tuple[str, list[A
         free["velocity and input"] = [f * volts for f in speed]
         free["the input's past"] = memories(context.records, volts)
     free["the position's past"] = memories(context.records, x)
-    out = [(state, forces, False) for state, forces in free.items()]
+    return [*((state, forces, False) for state, forces in free.items()), *_overtones(context, optimum)]
+
+
+def _overtones(context: FitContext, optimum: Optimum) -> list[tuple[str, list[Array], bool]]:
+    """Forces of the overtones of a fit's periodic effects, as `free_forces` has them."""
+    x, v = optimum.solved.states[:2]
+    out: list[tuple[str, list[Array], bool]] = []
     motion, layout = context.motion._replace(x=x, v=v), optimum.problem.layout
     for effect, place, rows in zip(layout.effects, layout.values, layout.run_values, strict=True):
         waves: list[Array] = []

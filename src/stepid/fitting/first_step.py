@@ -64,9 +64,9 @@ def from_rest(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
     lags = sorted(a.lag for one in seen for a in one.answers if a.lag is not None)
     if not lags:
         return runs
-    moving, out = _already_moving(seen), []
+    usual, moving, out = lags[len(lags) // 4], _already_moving(seen), []
     for one in seen:
-        stretch = _unusable(one, lags[len(lags) // 4], moving)
+        stretch = _unusable(one, usual, moving)
         begun = one.run if stretch is None else _begun_after(one, stretch, notes)
         if begun is not None:
             out.append(begun)

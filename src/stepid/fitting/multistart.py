@@ -108,7 +108,7 @@ class FitContext:
         return float((square if self.decimated.at is None else square[self.decimated.at]).sum()) * self.floor**2
 
     @property
-    def floored(self) -> float:
+    def noise_limit(self) -> float:
         """Cost in the race below which nothing but noise is left, m²: the noise's own scatter above its cost."""
         return (1.05 + 3.0 / math.sqrt(2.0 * self.decimated.size)) ** 2 * self.noise_cost
 

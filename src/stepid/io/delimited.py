@@ -19,6 +19,7 @@ from stepid.io.textfile import (
     common_width,
     decode,
     decode_as,
+    is_comment,
     is_name,
     is_number,
     parse_numbers,
@@ -168,7 +169,7 @@ def _body(lines: Sequence[str], layout: Layout) -> list[tuple[int, str]]:
     """Lines that are neither blank nor comments, each with its number."""
     kept = list(enumerate(lines, 1))[layout.skiprows :]
     texts = [(i, text) for i, line in kept if (text := line.strip(" ")) and text.strip()]
-    return [(i, text) for i, text in texts if not text.lstrip().startswith(("#", "%"))]
+    return [(i, text) for i, text in texts if not is_comment(text)]
 
 
 def _parse(lines: Sequence[str], layout: Layout, where: str) -> Table:
@@ -231,7 +232,7 @@ def _labels(
 def header(file: Path, layout: Layout) -> tuple[str, ...]:
     """Names of a file's columns, () where it has no header; InputError where it has no line."""
     lines = [line for line in layout.lines(read_bytes(file), str(file))[layout.skiprows :] if line.strip()]
-    body = [line.strip(" ") for line in lines if not line.lstrip().startswith(("#", "%"))]
+    body = [line.strip(" ") for line in lines if not is_comment(line)]
     if not body:
         raise InputError(f"{file}: holds no rows of numbers", "Export the record again.")
     cells = _cells(body[0], layout.separator(body[-1]))

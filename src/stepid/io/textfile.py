@@ -114,6 +114,11 @@ def decode(raw: bytes, where: str) -> str:
     return text
 
 
+def is_comment(line: str) -> bool:
+    """Tell whether a line is a comment."""
+    return line.lstrip().startswith(("#", "%"))
+
+
 def is_number(token: str, *, decimal: str = ".") -> bool:
     """Say whether `token` is a plain decimal number (no NaN, no infinity, no underscores)."""
     return _NUMBER.fullmatch(_pointed(token, decimal)) is not None

@@ -95,7 +95,7 @@ class Search(Standings):
         True where one leaves only noise, or takes as much of what the best of those leaves as a lead has to.
         """
         least = self._least().cost
-        if least <= self.floored:
+        if least <= self.noise_limit:
             return False
         base = by.largest_lead(self.nodes.values())
         if base is not None:
@@ -103,7 +103,7 @@ class Search(Standings):
         for proposal in by.larger(self.proposals, self.nodes, base, self.effort.share):
             self._fit(proposal, keep=1)
         promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
-        return self._least().cost < max((1 - self.criteria.lead) * least, self.floored)
+        return self._least().cost < max((1 - self.criteria.lead) * least, self.noise_limit)
 
     def _confirm(self) -> None:
         """Look for rivals of the best: simpler and more general laws, other effects in the place of one."""
@@ -188,9 +188,9 @@ class Search(Standings):
     def _idle(self, proposal: Proposal) -> bool:
         """Tell whether a set is no answer by what its parts left, or promises far less than one at the noise floor."""
         least = self._least()
-        if least.cost > self.floored:
+        if least.cost > self.noise_limit:
             hoped = by.hoped_of_parts(proposal, self.proposals, self.nodes, self.effort)
-            return by.no_answer(self.floored, proposal.effects, hoped)
+            return by.no_answer(self.noise_limit, proposal.effects, hoped)
         return by.outdone(proposal, least, self.root, self.proposals, self.effort, self.criteria.tie * self.fit.unit)
 
     def _new(self, proposal: Proposal) -> bool:
@@ -210,7 +210,9 @@ class Search(Standings):
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
         hoped = by.hoped(proposal, self.effort)
-        if (proposal.base != self.root.key and hoped > named) or by.no_answer(self.floored, proposal.effects, hoped):
+        if (proposal.base != self.root.key and hoped > named) or by.no_answer(
+            self.noise_limit, proposal.effects, hoped
+        ):
             return False
         return proposal.left < proposal.like.cost - slack
 
@@ -244,7 +246,7 @@ class Search(Standings):
             known = node.key in self.candidates
             if known and not by.nameable(self.fit, self.criteria, [node]):
                 continue
-            if by.no_answer(self.floored, node.effects, node.cost / 2):
+            if by.no_answer(self.noise_limit, node.effects, node.cost / 2):
                 continue
             if by.value(self.fit, node) < near or (any(node is f for f in first) and not known):
                 self._polish(node)

@@ -35,7 +35,7 @@ class Standings:
         self.nodes: dict[Key, Node] = {}
         self.candidates: dict[Key, Candidate] = {}
         self._counted: tuple[Candidate, Array] | None = None
-        self.floored = fit.floored  # cost in the race below which nothing but noise is left, m²
+        self.noise_limit = fit.noise_limit  # cost in the race below which nothing but noise is left, m²
 
     @property
     def best(self) -> Candidate:
@@ -89,14 +89,14 @@ class Standings:
             return
         law = followed(self.fit, self.criteria, best)
         if law is not None:
-            self.floored = min(self.floored, self.nodes[best.key].cost - law.power)
+            self.noise_limit = min(self.noise_limit, self.nodes[best.key].cost - law.power)
 
     def _nameable(self, order: Sequence[Node]) -> list[Node]:
         """Of some nodes those that may be named where a rest remains; none where the first leaves only noise."""
         named = by.nameable(self.fit, self.criteria, order)
-        return [] if order[0].cost <= self.floored and named[:1] == [order[0]] else named
+        return [] if order[0].cost <= self.noise_limit and named[:1] == [order[0]] else named
 
     def _least(self) -> Node:
         """The node that leaves least, of those at the noise floor one that may be named."""
         order = sorted(self.nodes.values(), key=lambda n: n.cost)
-        return next(n for n in order if n.cost > self.floored or by.nameable(self.fit, self.criteria, [n]))
+        return next(n for n in order if n.cost > self.noise_limit or by.nameable(self.fit, self.criteria, [n]))

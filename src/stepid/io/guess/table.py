@@ -14,8 +14,9 @@ from stepid.io.guess.file_names import FileName, encoder_above, mass_above, plai
 from stepid.io.guess.named import named
 from stepid.io.guess.sizes import input_unit, odd_units, position_unit, time_unit
 from stepid.io.guess.text import Block, find_block, needs_delimiter
-from stepid.io.guess.words import COUNTS, RUN_WORDS
+from stepid.io.guess.words import COUNTS
 from stepid.io.side_by_side import run_name
+from stepid.io.textfile import is_comment
 
 ALL = "all"
 
@@ -54,7 +55,7 @@ def from_table(
 
 def _last_line(lines: Sequence[str]) -> str:
     """The line by which the table's reader tells the delimiter."""
-    return next(line for line in reversed(lines) if line.strip() and not line.lstrip().startswith(("#", "%")))
+    return next(line for line in reversed(lines) if line.strip() and not is_comment(line))
 
 
 def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object], *, several: bool) -> Draft:
@@ -135,11 +136,7 @@ def _label(group: Group, file: Path) -> str:
     words = group.label.lower().split()
     if len(words) == 1:
         return run_name(words[0])
-    return (
-        group.label
-        if words and (RUN_WORDS & set(words) or group.said.mass is not None)
-        else (group.label or plain_name(file.stem))
-    )
+    return group.label or plain_name(file.stem)
 
 
 def _unit(role: str, column: Column, readings: Array) -> Found[str] | None:

@@ -13,8 +13,8 @@ from stepid.core.base import Array
 from stepid.errors import InputError
 from stepid.io.delimited import Layout
 from stepid.io.guess.rows import cells, find_marks, longest_rows, numbers
-from stepid.io.guess.titles import find_titles, labeled_units, usable_names
-from stepid.io.textfile import split_lines
+from stepid.io.guess.titles import find_titles, labeled_units
+from stepid.io.textfile import is_comment, split_lines
 
 _CLOCK = re.compile(r"(?:^|[ T])(\d{1,2}):(\d\d):(\d\d(?:[.,]\d+)?)$")
 
@@ -87,7 +87,7 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
     stepid.errors.InputError
         If there are fewer than 8 rows of numbers.
     """
-    body = [(i, line) for i, line in enumerate(lines) if line.strip() and not _is_comment(line)]
+    body = [(i, line) for i, line in enumerate(lines) if line.strip() and not is_comment(line)]
     marks = find_marks([line for _, line in body], workbook=workbook)
     if marks is None:
         raise NoTableError(
@@ -98,17 +98,16 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
     first, last, width, _ = longest_rows(rows, decimal)
     top = body[first][0]
     titles = find_titles(lines[:top], separator, width)
-    place = titles.place
-    by_name = place is not None and titles.plain(lines) and usable_names(cells(lines[place], separator))
-    above = tuple(line for i, line in enumerate(lines[:top]) if i != place)
+    header = titles.header(lines, separator)
+    above = tuple(line for i, line in enumerate(lines[:top]) if i != titles.place)
     return Block(
         separator,
         decimal,
-        _skipped(lines, place if by_name and place is not None else top),
+        _skipped(lines, top if header is None else header),
         titles.names,
         titles.units if any(titles.units) else labeled_units(above, separator, width),
         titles.groups,
-        by_name,
+        header is not None,
         above,
         numbers([row[:width] for row in rows[first:last]], decimal),
         unread=len(body) - last,
@@ -116,13 +115,9 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
     )
 
 
-def _is_comment(line: str) -> bool:
-    return line.lstrip().startswith(("#", "%"))
-
-
 def _skipped(lines: Sequence[str], top: int) -> int:
     """Lines that the reader has to skip: comments and blank lines are left out anyway."""
-    return 0 if all(not line.strip() or _is_comment(line) for line in lines[:top]) else top
+    return 0 if all(not line.strip() or is_comment(line) for line in lines[:top]) else top
 
 
 def needs_delimiter(block: Block, line: str) -> bool:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from stepid.io.guess.rows import cells
 from stepid.io.guess.words import is_unit
-from stepid.io.textfile import is_name, is_number
+from stepid.io.textfile import is_comment, is_name, is_number
 
 
 class Titles(NamedTuple):
@@ -19,14 +19,12 @@ class Titles(NamedTuple):
     groups: tuple[str, ...]
     place: int | None
 
-    def plain(self, lines: Sequence[str]) -> bool:
-        """Tell whether the table's reader takes the header: right above the rows, one name a column."""
-        return (
-            self.place is not None
-            and (not any(self.units) or self.units == self.names)
-            and not any(self.groups)
-            and not lines[self.place].lstrip().startswith(("#", "%"))
-        )
+    def header(self, lines: Sequence[str], separator: str | None) -> int | None:
+        """Line of the header if the table's reader takes it: right above the rows, one usable name a column."""
+        place = self.place
+        if place is None or any(self.groups) or (any(self.units) and self.units != self.names):
+            return None
+        return place if not is_comment(lines[place]) and _usable(cells(lines[place], separator)) else None
 
 
 def find_titles(above: Sequence[str], separator: str | None, width: int) -> Titles:
@@ -58,14 +56,14 @@ def labeled_units(above: Sequence[str], separator: str | None, width: int) -> tu
     return ("",) * width
 
 
-def usable_names(row: Sequence[str]) -> bool:
+def _usable(row: Sequence[str]) -> bool:
     """Tell whether a reader can take columns by these names."""
     named = [cell for cell in row if cell]
     return all(map(is_name, named)) and len(named) == len(set(named)) and all(row[:-1]) and bool(named)
 
 
 def _row(line: str, separator: str | None, width: int) -> tuple[str, ...] | None:
-    bare = line.strip(" ").lstrip("#%").strip(" ") if line.lstrip().startswith(("#", "%")) else line
+    bare = line.strip(" ").lstrip("#%").strip(" ") if is_comment(line) else line
     split = cells(bare, separator)
     if len(split) != width:
         wide = [cell for cell in bare.replace("\t", "  ").split("  ") if cell.strip()]
