@@ -117,7 +117,9 @@ def imitates(name: str, *values: float) -> Callable[[Criteria], bool]:
         linear, effects = small().linear, resolve([name])
         layout = replace(linear.problem.layout, effects=effects)
         optimum: Any = SimpleNamespace(
-            problem=SimpleNamespace(layout=layout), shared=np.concatenate([linear.shared, values])
+            problem=SimpleNamespace(layout=layout, records=None),
+            shared=np.concatenate([linear.shared, values]),
+            cost=2.0 * small().noise_limit,
         )
         return bool(vetoes.imitators(small(), criteria, Candidate(effects, frozenset(), optimum, 0.0)))
 

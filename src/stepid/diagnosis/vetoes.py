@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.effects.base import Effect
 from stepid.effects.swing import Swing
@@ -36,8 +37,11 @@ def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
 
 
 def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict[str, str]:
-    """Effects of a candidate that a linear parameter can stand in for, to which one."""
-    if all(type(e).imitates is Effect.imitates for e in found.effects):
+    """Effects of a candidate that a linear parameter can stand in for, to which one.
+
+    None where it leaves only noise: what could be told as well without the effect would have been.
+    """
+    if all(type(e).imitates is Effect.imitates for e in found.effects) or _leaves_noise(context, criteria, found):
         return {}
     how = swing(context, criteria, found)
     places = found.optimum.problem.layout.values
@@ -46,6 +50,12 @@ def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict
         for e, place in zip(found.effects, places, strict=True)
     }
     return {name: words for name, words in said.items() if words}
+
+
+def _leaves_noise(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
+    if found.optimum.problem.records is context.records:
+        return at_floor(context, criteria, found)
+    return found.optimum.cost <= context.noise_limit
 
 
 def undetermined(context: FitContext, criteria: Criteria, found: Candidate) -> tuple[str, ...]:

@@ -121,10 +121,8 @@ class Scales(NamedTuple):
 
     Parameters
     ----------
-    displacement : float
-        m, largest excursion from rest.
-    velocity : float
-        m/s, largest.
+    displacement, velocity : float
+        m and m/s, largest from rest.
     force : float
         N, largest spring force.
     mass, stiffness, damping : float
@@ -195,6 +193,7 @@ class Effect:
     n_extra: ClassVar[int] = 0  # own states with a rate in time
     n_memory: ClassVar[int] = 0  # own states that follow the displacement, not time
     settled: ClassVar[bool] = False  # own states are known even where a record starts in motion
+    own_units: ClassVar[tuple[str, ...] | None] = None  # of its own states; then units tell how its laws scale
     run_parameters: ClassVar[tuple[Parameter, ...]] = ()  # refitted for every run, appended to the values
     power: ClassVar[tuple[int, int] | None] = None  # places of a coefficient and of the speed's exponent it belongs to
     contains: ClassVar[tuple[str, ...]] = ()  # simpler effects that this one reduces to

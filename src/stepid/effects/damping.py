@@ -24,6 +24,7 @@ class QuadraticDamping(Effect):
     symbols = ("c_2",)
     seen = "first swings shrink most, later ones hardly"
     advice = "open the damper's plug or take smaller steps; keep it in the model"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
     reverses: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
@@ -83,6 +84,7 @@ class PositionDependentDamping(Effect):
     symbols = (r"\beta",)
     seen = "damping differs in and out (air damper)"
     advice = "center the damper's piston at the rest position; keep it in the model"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share / scales.displacement,) for share in (0.1, -0.1)]

@@ -23,6 +23,7 @@ class ActuatorLag(Effect):
     symbols = (r"\tau",)
     seen = "rounded start, later peak"
     advice = "faster amplifier, or keep it in the model"
+    own_units: ClassVar[tuple[str, ...] | None] = ("V",)
     linear: ClassVar[bool] = True
     n_extra: ClassVar[int] = 1
     settled: ClassVar[bool] = True
@@ -63,6 +64,7 @@ class InputDelay(Effect):
     symbols = ("T_d",)
     seen = "whole response shifted late"
     advice = "check the clocks of drive and logger; keep it in the model"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
     linear: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
@@ -83,6 +85,7 @@ class ActuatorDeadZone(Effect):
     symbols = ("u_0",)
     seen = "gain depends on step size: needs runs of two sizes"
     advice = "drive with larger steps, or add the level to the command"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
     linear: ClassVar[bool] = True  # a fixed change of a known input
     drive_order: ClassVar[int] = 1
 
@@ -104,6 +107,7 @@ class ActuatorSaturation(Effect):
     symbols = ("u_0",)
     seen = "gain depends on step size: needs runs of two sizes"
     advice = "drive with smaller steps"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
     linear: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
@@ -127,6 +131,7 @@ class ActuatorRateLimit(Effect):
     symbols = ("r",)
     seen = "large steps start late, small ones do not: needs two sizes"
     advice = "raise the amplifier's slew rate, or drive with smaller steps"
+    own_units: ClassVar[tuple[str, ...] | None] = ("V",)
     n_extra: ClassVar[int] = 1
     settled: ClassVar[bool] = True
     drive_order: ClassVar[int] = 3
@@ -182,6 +187,7 @@ class PeriodicDisturbance(Effect):
     symbols = ("A", "f", r"\varphi")
     seen = "steady ripple that does not decay"
     advice = "find the shaker: fans, pumps, mains; isolate the table"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(0.01 * scales.force, f) for f in scales.resonances]
@@ -209,6 +215,7 @@ class Cogging(Effect):
     symbols = ("A", "p", r"\varphi")
     seen = "wiggles that slow down with the cart, several rest positions"
     advice = "record at several rest positions; a slotless motor; keep it in the model"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
     rests_anywhere: ClassVar[bool] = True
     repeats: ClassVar[bool] = True
 

@@ -36,6 +36,7 @@ class CoulombFriction(_DryFriction):
     symbols = ("F_c",)
     seen = "straight-line envelope, dead stop off zero, c and K that drift with mass in the paper's table"
     advice = "clean and align the rails, oil the bearings; keep it in the model"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
     affine: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
@@ -59,6 +60,7 @@ class LoadProportionalFriction(_DryFriction):
     symbols = (r"\mu",)
     seen = "as Coulomb friction, growing with added mass"
     advice = "the friction sits under the cart's weight: check wheels and rails, keep it in the model"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
     affine: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
@@ -82,6 +84,7 @@ class StribeckFriction(_DryFriction):
     symbols = ("F_c", "F_s", "v_s")
     seen = "stick-slip, longer dead stops"
     advice = "thin the lubricant, dither the drive; keep it in the model"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
     contains = ("coulomb_friction",)
 
     def grow(self, inner: tuple[float, ...], scales: Scales) -> Sequence[tuple[float, ...]]:
@@ -126,6 +129,7 @@ class AsymmetricFriction(_DryFriction):
     symbols = ("F_c^+", "F_c^-")
     seen = "halves of the envelope shrink differently"
     advice = "look for a tilted rail or a one-sided seal; record steps in both directions"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
     affine: ClassVar[bool] = True
     contains = ("coulomb_friction",)
 
@@ -162,6 +166,7 @@ class PreslidingHysteresis(Effect):
     symbols = ("F", "d")
     seen = "stiff at small moves, loops"
     advice = "let the cart make one full swing before the record; keep it in the model"
+    own_units: ClassVar[tuple[str, ...] | None] = ("m",)
     reverses: ClassVar[bool] = True
     n_memory: ClassVar[int] = 1
     n_switches: ClassVar[int] = 1  # loading and unloading differ in their curvature

@@ -20,6 +20,7 @@ class SensorDrift(Effect):
     symbols = ("r",)
     seen = "settled part slopes"
     advice = "let the sensor warm up; check for a slipping encoder wheel"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
     linear: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:

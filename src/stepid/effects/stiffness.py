@@ -21,6 +21,7 @@ class CubicStiffness(Effect):
     symbols = ("k_3",)
     seen = "frequency changes with amplitude"
     advice = "take smaller steps or use a longer spring; keep it in the model"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.stiffness / scales.displacement**2,) for share in (0.1, -0.1)]
@@ -43,6 +44,7 @@ class QuadraticStiffness(Effect):
     symbols = ("k_2",)
     seen = "swings lopsided about rest"
     advice = "preload the spring so that it stays in its linear range; record steps in both directions"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(share * scales.stiffness / scales.displacement,) for share in (0.1, -0.1)]
@@ -65,6 +67,7 @@ class SineStiffness(Effect):
     symbols = ("a",)
     seen = "slower at large swings, by more than a cubic allows"
     advice = "take smaller swings; keep it in the model: a pendulum's moment is a sine"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
         return [(part / scales.displacement,) for part in (0.5, 1.2)]
@@ -94,6 +97,7 @@ class FreePlay(Effect):
     symbols = ("g",)
     seen = "floats about zero, lower frequency at small amplitude"
     advice = "tighten the spring's clamps"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
     affine: ClassVar[bool] = True
     n_switches: ClassVar[int] = 2
     rests_anywhere: ClassVar[bool] = True
@@ -134,6 +138,7 @@ class EndStop(Effect):
     symbols = ("k_s", "x_s")
     seen = "clipped, kinked peaks"
     advice = "move the stop out of the cart's way or take smaller steps"
+    own_units: ClassVar[tuple[str, ...] | None] = ()
     affine: ClassVar[bool] = True
     n_switches: ClassVar[int] = 1
 

@@ -22,6 +22,7 @@ class ViscoelasticSpring(Effect):
     symbols = ("k_v", "c_v")
     seen = "creep after the step, stiffness that depends on speed"
     advice = "use a steel spring, wait longer between runs; keep it in the model"
+    own_units: ClassVar[tuple[str, ...] | None] = ("N",)
     linear: ClassVar[bool] = True
     n_extra: ClassVar[int] = 1
 
@@ -67,6 +68,7 @@ class FlexibleCoupling(Effect):
     symbols = ("m_2", "k_2", "c_2")
     seen = "a faster ripple on the response"
     advice = "tighten what is loose on the cart (weights, rack); keep it in the model"
+    own_units: ClassVar[tuple[str, ...] | None] = ("m", "m/s")
     linear: ClassVar[bool] = True
     n_extra: ClassVar[int] = 2
 

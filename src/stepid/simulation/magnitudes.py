@@ -58,3 +58,24 @@ def lengths(parameters: tuple[Parameter, ...], values: Array) -> Array:
             power[i] = 1.0 - values[i + 1]
     out: Array = power * values
     return out
+
+
+def masses(parameters: tuple[Parameter, ...], values: Array) -> Array:
+    """By how much each parameter changes where all masses, and so all forces, are measured larger, shape (n,)."""
+    powers = exponents(parameters)
+    out: Array = (powers[:, 0] + powers[:, 3]) * values
+    return out
+
+
+def times(parameters: tuple[Parameter, ...], values: Array) -> Array:
+    """By how much each parameter changes where all times are measured longer, shape (n,).
+
+    A share of the weight's force stands beside gravity, m/s², which is a number of the law.
+    """
+    powers = exponents(parameters)
+    power = powers[:, 2] - 2.0 * powers[:, 0]
+    for i, parameter in enumerate(parameters):
+        if parameter.length is not None:
+            power[i] = -2.0 * parameter.length
+    out: Array = power * values
+    return out

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect
+from stepid.simulation.homogeneity import Homogeneity
 from stepid.simulation.layout import ParameterLayout
 from stepid.simulation.magnitudes import exponents, magnitudes
 from stepid.simulation.records import Records
@@ -56,7 +57,8 @@ class Simulator:
 
     Derivatives are forward differences of copies of the plant: measured beside tangents and closed forms, they cost one
     simulation a parameter and know nothing of the law, so that they hold for every effect, one from outside too. A
-    parameter of some runs costs those runs only.
+    parameter of some runs costs those runs only; what follows from other derivatives costs nothing, see
+    `stepid.simulation.homogeneity`.
 
     Parameters
     ----------
@@ -102,6 +104,10 @@ class Simulator:
         local = self._local_steps.copy()
         local[self.layout.deviation("added_mass")] *= typical[self.layout.base_mass.start]
         return np.concatenate([_DIFFERENCE * np.maximum(np.abs(shared), 1e-2 * typical), local])
+
+    @cached_property
+    def _homogeneity(self) -> Homogeneity:
+        return Homogeneity(self.layout, self.scale)
 
     @cached_property
     def _local_steps(self) -> Array:
@@ -243,10 +249,13 @@ class Simulator:
         states : array, shape (2, S), optional
             m and m/s, position and velocity of that plant, where known: start times ask for them.
         """
-        from stepid.simulation.triangles import slopes
+        from stepid.simulation.slopes import follow, slopes
 
         r, of = self.records, self.layout
         row, copies, run = self._replicas(wanted, active)
+        following = self._homogeneity.following(shared, local, wanted, active, flow=states is not None)
+        simulated = ~following.spared[row[copies], run]
+        copies, run = copies[simulated], run[simulated]
         steps = self.steps(shared)[row]
         moved = [np.repeat(a[None], row.size, axis=0) for a in (shared, local)]
         here = np.arange(row.size)
@@ -264,6 +273,8 @@ class Simulator:
             self._shift(late[copies, run], run, offset, out.ravel(), apart)
         with np.errstate(all="ignore"):  # plain Python would warn of a runaway
             slopes(out.ravel(), reading, steps[copies], run, offset, r.bounds)
+            velocity = reading if states is None else states[1]
+            follow(out, reading, velocity, r.time, r.bounds, following.row, following.weight)
         started = active[of.deviation("start_time")] & ~r.moving
         if started.any():
             if states is None:

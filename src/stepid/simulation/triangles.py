@@ -46,29 +46,6 @@ def _fold(triangle: Array, rows: Array, pivots: int, size: int, count: int) -> N
                 y[i] += x[i] * share
 
 
-@compiled
-def slopes(moved: Array, reading: Array, steps: Array, run: Array, offset: Array, bounds: Array) -> None:
-    """Turn the readings of replicas, each of a plant with one parameter moved, into derivatives.
-
-    Parameters
-    ----------
-    moved : array, shape (N,)
-        m, changed into derivatives.
-    reading : array, shape (S,)
-        m, of the plant itself.
-    steps : array, shape (L,)
-        By how much each replica's parameter is moved.
-    run, offset : arrays of int, shape (L,)
-        Record of each replica, and where its samples begin in `moved`.
-    bounds : array of int, shape (R + 1,)
-        Where each record's samples begin and end.
-    """
-    for replica in range(run.size):
-        first, at = bounds[run[replica]], offset[replica]
-        for i in range(bounds[run[replica] + 1] - first):
-            moved[at + i] = (moved[at + i] - reading[first + i]) / steps[replica]
-
-
 @compiled_sums
 def weigh(position: Array, reading: Array, weight: Array, bounds: Array, out: Array) -> float:
     """Write measured minus simulated, each run's rest position fitted, times the weights, m; return its square, m².

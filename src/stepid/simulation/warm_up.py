@@ -36,11 +36,11 @@ _loaded: list[bool] = []  # in this process
 
 def _mark(version: str) -> Path | None:
     """File that says that this kernel has been compiled on this machine; None where no cache can be written."""
-    from stepid.simulation import kernel, triangles
+    from stepid.simulation import kernel, slopes, triangles
     from stepid.simulation.laws import cache_folder
 
     folder = cache_folder()
-    sources = [Path(str(module.__file__)).read_bytes() for module in (kernel, triangles)]
+    sources = [Path(str(module.__file__)).read_bytes() for module in (kernel, slopes, triangles)]
     what = [*sources, version.encode(), platform.platform().encode()]
     digest = hashlib.sha256(b"\0".join(what)).hexdigest()[:24]
     return None if folder is None else folder / f"compiled_{digest}"
@@ -48,7 +48,7 @@ def _mark(version: str) -> Path | None:
 
 def _simulate() -> None:
     """Simulate two samples of a linear plant, and take one step of a fit to them."""
-    from stepid.simulation import kernel, triangles
+    from stepid.simulation import kernel, slopes, triangles
     from stepid.simulation.work import structure
 
     time = np.array([0.0, 0.01])
@@ -59,7 +59,8 @@ def _simulate() -> None:
     )  # fmt: skip
     bounds, one, by_one = np.array([0, 2]), np.ones(1), np.eye(2)
     residual, none, first = np.empty(2), np.zeros(1, dtype=np.intp), np.zeros((1, 1), dtype=np.intp)
-    triangles.slopes(np.ones(2), time, one, none, none, bounds)
+    slopes.slopes(np.ones(2), time, one, none, none, bounds)
+    slopes.follow(by_one, time, time, time, bounds, np.full((3, 1), -1, dtype=np.intp), np.zeros((3, 1, 2)))
     triangles.weigh(time, np.zeros(2), np.ones(2), bounds, residual)
     found, size, no_own = np.zeros((1, 2, 2)), np.zeros(1), np.zeros((1, 0))
     triangles.reduce_runs(
