@@ -10,24 +10,45 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect
-from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.score_test import Column
-from stepid.fitting.tangent import Tangent, scaled_to_one
+from stepid.fitting.tangent import scaled_to_one
 
 _OPEN = 1e-6  # eigenvalue, over the largest, of a direction that the responses leave open
 _BEAM = 40  # sets of which each is scored with every further effect
 
 
-class ScoredSet(NamedTuple):
-    """A start of several effects on a fit: their values, the fit's parameters then, and the cost left, m².
+class Beside(Protocol):
+    """What parts of a residual and of responses a plant's own parameters can follow: `Tangent`, or another."""
 
-    `inner` is the least cost that a set with one effect less promises to leave, m².
+    @property
+    def left(self) -> Array:
+        """Residual that they leave, shape (rows,)."""
+        ...
+
+    @property
+    def samples(self) -> float:
+        """How many of the residual's samples are independent, less those parameters."""
+        ...
+
+    def beyond(self, seen: Array) -> Array:
+        """What they cannot follow of responses, shape (rows,) or (rows, k)."""
+        ...
+
+    def adapted(self, seen: Array) -> Array:
+        """The plant's shared parameters beside a response of shape (rows,)."""
+        ...
+
+
+class ScoredSet(NamedTuple):
+    """A start of several effects on a fit: their values, the fit's parameters then, and the share of the residual left.
+
+    `inner` is the least share that a set with one effect less promises to leave.
     """
 
     effects: tuple[Effect, ...]
@@ -46,7 +67,7 @@ class _Found(NamedTuple):
 class _Blocks:
     """Responses of a fit to every start of the effects, less what its own parameters can follow."""
 
-    def __init__(self, tangent: Tangent, table: Sequence[Column]) -> None:
+    def __init__(self, tangent: Beside, table: Sequence[Column]) -> None:
         self.columns: list[Column] = []
         self.scales: list[Array] = []
         parts: list[Array] = []
@@ -58,7 +79,7 @@ class _Blocks:
                 self.columns.append(column)
         every = np.concatenate(parts, axis=1) if parts else np.zeros((tangent.left.size, 0))
         self._gram, self._along = every.T @ every, every.T @ tangent.left
-        self._total = float(tangent.left @ tangent.left)
+        self._total, self._samples = float(tangent.left @ tangent.left), tangent.samples
         ends = np.cumsum([0, *(scale.size for scale in self.scales)])
         self._places = [np.arange(a, b) for a, b in pairwise(ends)]
 
@@ -71,8 +92,10 @@ class _Blocks:
         values, vectors = np.linalg.eigh(self._gram[np.ix_(place, place)])
         kept = values > _OPEN * values[-1]
         seen = vectors[:, kept].T @ self._along[place]
-        gain = float(np.sum(seen**2 / values[kept]))
-        return _Found(blocks, max(self._total - gain, 0.0), vectors[:, kept] @ (seen / values[kept]))
+        gain = float(np.sum(seen**2 / values[kept])) / self._total
+        free = 1.0 - min(place.size / self._samples, 1.0)
+        left = max(1.0 - gain, 0.0) / free**2 if free > 0 else math.inf  # as cross-validation would find
+        return _Found(blocks, left, vectors[:, kept] @ (seen / values[kept]))
 
     def start(self, found: _Found) -> tuple[tuple[tuple[float, ...], ...], Array] | None:
         """Values of the effects, and their responses together; None where a law cannot have such a strength."""
@@ -89,15 +112,18 @@ class _Blocks:
 
 
 def score_sets(
-    base: Optimum, table: Sequence[Column], size: int, count: int, *, apart: Callable[[Effect, Effect], bool]
+    beside: Beside, table: Sequence[Column], size: int, count: int, *, apart: Callable[[Effect, Effect], bool]
 ) -> list[ScoredSet]:
-    """Score sets of starts against the residual of a fit to the decimated records: all pairs, larger ones by a beam.
+    """Score sets of starts against a residual: all pairs, larger ones by a beam.
+
+    What is left counts by generalized cross-validation (Golub, Heath and Wahba, Technometrics 21, 1979).
 
     Parameters
     ----------
-    base : Optimum
+    beside : Beside
+        Whose residual, and what need not be explained of it.
     table : sequence of Column
-        From `stepid.fitting.score_test.columns`.
+        From `stepid.fitting.score_test.columns`, or of the same rows.
     size : int
         Effects of a set, 2 or more.
     count : int
@@ -108,12 +134,9 @@ def score_sets(
     Returns
     -------
     list of ScoredSet
-        The best few of each set of effects; least cost first.
+        The best few of each set of effects; what leaves least first.
     """
-    tangent = Tangent(base)
-    if not tangent.directed:
-        return []
-    blocks = _Blocks(tangent, table)
+    blocks = _Blocks(beside, table)
     numbers = range(len(blocks.columns))
     level = [blocks.solved((b,)) for b in numbers]
     inner: dict[frozenset[str], float] = {}
@@ -136,12 +159,12 @@ def score_sets(
             continue
         taken[names] = taken.get(names, 0) + 1
         within = min(inner.get(names - {name}, math.inf) for name in names)
-        out.append(ScoredSet(effects, begun[0], tangent.adapted(begun[1]), found.left, within))
+        out.append(ScoredSet(effects, begun[0], beside.adapted(begun[1]), found.left, within))
     return out
 
 
 def _least(blocks: _Blocks, level: Sequence[_Found]) -> dict[frozenset[str], float]:
-    """Least cost left by each set of effects, by its starts that a law can have."""
+    """Least share left by each set of effects, by its starts that a law can have."""
     out: dict[frozenset[str], float] = {}
     for found in level:
         names = frozenset(e.name for e in blocks.effects(found.blocks))

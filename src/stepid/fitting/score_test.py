@@ -128,11 +128,11 @@ def _columns(
             for values in effect.starts(scales):
                 key = (effect, tuple(values))
                 if key not in context.responses:
-                    context.responses[key] = _difference(context, *key)
+                    context.responses[key] = difference(context.coarse_linear, *key)
                 response = context.responses[key]
                 if response is not None:
                     weighted = context.decimated.weighted(response.T).T
-                    found.append(Column(effect, weighted, _scaled(effect, tuple(values))))
+                    found.append(Column(effect, weighted, scaled(effect, tuple(values))))
     if forces:
         pushed = force_responses(context, forces) if base is None else responses_along(base, context.decimated, forces)
         responses = context.decimated.weighted(pushed.T).T
@@ -143,7 +143,7 @@ def _columns(
     return found
 
 
-def _scaled(effect: Effect, values: tuple[float, ...]) -> Callable[[Array], tuple[float, ...] | None]:
+def scaled(effect: Effect, values: tuple[float, ...]) -> Callable[[Array], tuple[float, ...] | None]:
     """Values at which the effect is as strong as the coefficient of its response says, a factor of 20 at most."""
 
     def convert(coefficients: Array) -> tuple[float, ...]:
@@ -155,8 +155,13 @@ def _scaled(effect: Effect, values: tuple[float, ...]) -> Callable[[Array], tupl
     return convert
 
 
-def _difference(context: FitContext, effect: Effect, values: tuple[float, ...]) -> Array | None:
-    records, linear = context.decimated, context.coarse_linear
+def difference(linear: Optimum, effect: Effect, values: tuple[float, ...]) -> Array | None:
+    """What an effect changes in the motion of a linear plant, and the derivatives of that, m, shape (S, k).
+
+    None where the plant runs away. Beside the change at these values stand the derivatives by them, and those by the
+    effect's own states where a run starts in motion; of an effect with a phase, cosine and sine of each run.
+    """
+    records = linear.problem.records
     problem = build(records, (effect,), tolerance=COARSE)
     of = problem.layout
     free = problem.free.copy()

@@ -29,6 +29,7 @@ class Tangent:
         self._size[self._size == 0] = np.inf
         self._basis, self._upper = np.linalg.qr(jacobian / self._size)
         self.left = self.beyond(self._residual) if instead is not None else self._residual
+        self.samples = float(self.left.size - self._basis.shape[1])
 
     def beyond(self, seen: Array) -> Array:
         """The part of some responses, shape (S,) or (S, k), that the fit's own parameters cannot follow."""

@@ -17,6 +17,8 @@ from stepid.effects.base import Effect, Moment, Motion
 from stepid.simulation.records import Records
 
 _LONG = 200  # samples of a kernel that is applied by transforms
+_SLOW = 0.05  # of the largest speed, below which dry friction may hold the cart soon
+_RESTING = 0.25  # of a bump, that may be slower
 
 
 class WeakSolution(NamedTuple):
@@ -50,12 +52,15 @@ class WeakForm:
         s, width of the bumps.
     fixed_mass : float or None
         kg, base mass to assume where the campaign does not determine it.
+    speed : array, shape (S,), optional
+        m/s, of the measured motion: only bumps along which it hardly rests count. What friction holds a cart at rest
+        with, no equation of motion tells.
     """
 
-    def __init__(self, records: Records, width: float, *, fixed_mass: float | None) -> None:
+    def __init__(self, records: Records, width: float, *, fixed_mass: float | None, speed: Array | None = None) -> None:
         self._records, self._fixed_mass = records, fixed_mass
         self._labels = len(records.bases), len(records.springs), len(records.dampers)
-        self._bumps: list[tuple[int, int, Array]] = []
+        self._bumps: list[tuple[int, int, float, Array]] = []
         a, b, c = self._labels
         runs = len(records.runs)
         blocks, sides, owners = [], [], []
@@ -64,8 +69,12 @@ class WeakForm:
             n = min(max(7, round(width / h)), x.size)
             phi, first, second = _bump(n, h)
             stride = max(1, n // 8)
-            self._bumps.append((n, stride, phi * h))
             windows = self._windows(x - x[0], n, stride)
+            moves = np.ones(len(windows), dtype=bool)
+            if speed is not None:
+                along = self._windows(records.evenly(r, np.abs(speed))[1], n, stride)
+                moves = np.quantile(along, _RESTING, axis=1) > _SLOW * np.abs(speed).max()
+            self._bumps.append((n, stride, h, moves))
             if records.runs[r].input_between == "held":  # its integral over a step goes with the step's middle
                 u = 0.5 * (u + np.concatenate([[records.before[r]], u[:-1]]))
             block = np.zeros((windows.shape[0], a + b + c + 1 + runs))
@@ -75,9 +84,9 @@ class WeakForm:
             block[:, a + b + records.damper[r]] = -(windows @ first) * h
             block[:, a + b + c] = -(self._windows(u, n, stride) @ phi) * h
             block[:, a + b + c + 1 + r] = phi.sum() * h
-            blocks.append(block)
-            owners.append(np.full(len(block), r))
-            sides.append(-records.added_mass[r] * inertia)
+            blocks.append(block[moves])
+            owners.append(np.full(len(blocks[-1]), r))
+            sides.append(-records.added_mass[r] * inertia[moves])
         self._matrix, self._rhs, self._run = np.concatenate(blocks), np.concatenate(sides), np.concatenate(owners)
         if fixed_mass is not None:
             self._rhs = self._rhs - fixed_mass * self._matrix[:, :a].sum(axis=1)
@@ -92,8 +101,19 @@ class WeakForm:
     def test(self, values: Array) -> Array:
         """∫φ g for samples of g, shape (S,) to (rows,)."""
         parts = []
-        for r, (n, stride, phi) in enumerate(self._bumps):
-            parts.append(self._windows(self._records.evenly(r, values)[1], n, stride) @ phi)
+        for r, (n, stride, h, moves) in enumerate(self._bumps):
+            parts.append((self._windows(self._records.evenly(r, values)[1], n, stride) @ _bump(n, h)[0] * h)[moves])
+        return np.concatenate(parts)
+
+    def force_behind(self, change: Array, shared: Array) -> Array:
+        """∫φ g for the force g that changes the motion of a linear plant by `change` [m], shape (S,) to (rows,)."""
+        a, b, _ = self._labels
+        r, parts = self._records, []
+        for i, (n, stride, h, moves) in enumerate(self._bumps):
+            phi, first, second = _bump(n, h)
+            mass = shared[:a][r.base[i]] + r.added_mass[i]
+            kernel = mass * second - shared[a + b + r.damper[i]] * first + shared[a + r.spring[i]] * phi
+            parts.append((self._windows(r.evenly(i, change)[1], n, stride) @ kernel * h)[moves])
         return np.concatenate(parts)
 
     def solve(self, forces: tuple[Array, ...] = ()) -> WeakSolution | None:
@@ -109,7 +129,6 @@ class WeakForm:
         WeakSolution or None
             None where the result is no stable plant.
         """
-        a, b, _ = self._labels
         matrix, rhs = self._matrix, self._rhs
         if forces:
             matrix = np.column_stack([matrix, *(-self.test(g) for g in forces)])
@@ -118,10 +137,19 @@ class WeakForm:
         solution, *_ = np.linalg.lstsq(matrix / scale, rhs, rcond=1e-9)
         left = float(np.sqrt(np.mean((rhs - (matrix / scale) @ solution) ** 2)))
         solution = solution / scale
+        plant = self.plant(solution[: self._matrix.shape[1]])
+        if plant is None:
+            return None
+        shared, displacement = plant
+        mass = shared[: self._labels[0]][self._records.base] + self._records.added_mass
+        # in units of force per kg-free row, so that solutions with other masses compare
+        return WeakSolution(shared, solution[self._matrix.shape[1] :], left / float(np.mean(mass)), displacement)
+
+    def plant(self, solution: Array) -> tuple[Array, Array] | None:
+        """Shared parameters and each run's first position from rest [m] of a solution; None for no stable plant."""
+        a, b, _ = self._labels
         runs = len(self._records.runs)
-        coefficients = solution[len(solution) - len(forces) :]
-        shared = solution[: len(solution) - len(forces) - runs]
-        held = solution[len(shared) : len(shared) + runs]
+        shared, held = solution[: len(solution) - runs], solution[len(solution) - runs :]
         if self._fixed_mass is not None:
             shared = np.concatenate([np.full(a, self._fixed_mass), shared])
         if not (np.any(self._records.volts) or np.any(self._records.before)):
@@ -129,20 +157,24 @@ class WeakForm:
         mass = shared[:a][self._records.base] + self._records.added_mass
         if not (np.isfinite(shared).all() and (shared[a : a + b] > 0).all() and (mass > 0).all()):
             return None
-        # in units of force per kg-free row, so that solutions with other masses compare
-        displacement = held / shared[a : a + b][self._records.spring]
-        return WeakSolution(shared, coefficients, left / float(np.mean(mass)), displacement)
+        return shared, held / shared[a : a + b][self._records.spring]
+
+    def plant_beside(self, tested: Array) -> tuple[Array, Array] | None:
+        """The plant, as `plant` gives it, that is left with forces that are known, ∫φ g of shape (rows,)."""
+        scale = np.linalg.norm(self._matrix, axis=0)
+        scale[scale == 0] = 1.0
+        return self.plant(np.linalg.lstsq(self._matrix / scale, self._rhs + tested, rcond=1e-9)[0] / scale)
 
     @cached_property
-    def _plain(self) -> tuple[Array, Array]:
+    def plain(self) -> tuple[Array, Array]:
         """Basis of the plain plant's columns, and what it leaves."""
         scale = np.linalg.norm(self._matrix, axis=0)
-        q = np.linalg.qr(self._matrix / np.where(scale > 0, scale, 1.0))[0]
+        q = np.linalg.qr(self._matrix[:, scale > 0] / scale[scale > 0])[0]
         return q, self._rhs - q @ (q.T @ self._rhs)
 
     def valleys(self, scan: Sequence[tuple[Array, ...]]) -> list[int]:
         """Places in a scan of forces that leave less than their neighbors do, what leaves least first."""
-        q, plain = self._plain
+        q, plain = self.plain
         left = np.empty(len(scan))
         for i, forces in enumerate(scan):
             added = np.column_stack([self.test(force) for force in forces])
@@ -153,7 +185,7 @@ class WeakForm:
 
     def left_by_run(self, forces: list[Array]) -> float:
         """Share of what the plain plant leaves that is left with forces of other strength in every run."""
-        q, left = self._plain
+        q, left = self.plain
         own = self._run == np.arange(len(self._records.runs))[:, None]
         added = np.column_stack([np.where(mine, tested, 0.0) for tested in map(self.test, forces) for mine in own])
         added = added - q @ (q.T @ added)

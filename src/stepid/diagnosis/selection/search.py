@@ -85,7 +85,7 @@ class Search(Standings):
             if self._complete(best):
                 break
             self._lower_floor(best)
-            self._expand(self.root, [m for m in TOGETHER if m.name not in self.root.moves_made][:1])
+            self._expand(self.root, [m for m in TOGETHER if m.name not in self.root.moves_made][:2])
             if not self._expand_best(EXPLORING) and not batch:
                 break
 
