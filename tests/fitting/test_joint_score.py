@@ -29,7 +29,12 @@ def apart(one: Effect, other: Effect) -> bool:
 
 
 def scored(fit: FitContext, size: int, catalogue: tuple[Effect, ...] = CATALOGUE, count: int = 3) -> list[ScoredSet]:
-    return score_sets(fit.coarse_linear, columns(fit, catalogue), size, count, apart=apart)
+    return score_sets(Tangent(fit.coarse_linear), columns(fit, catalogue), size, count, apart=apart)
+
+
+def unseen(fit: FitContext, count: int) -> float:
+    """By how much more than so many coefficients leave they would leave of samples that they were not fitted to."""
+    return (1.0 - count / Tangent(fit.coarse_linear).samples) ** -2
 
 
 def names(found: ScoredSet) -> set[str]:
@@ -48,7 +53,8 @@ def test_what_a_pair_leaves_is_the_least_squares_solution(two: FitContext) -> No
     tangent = Tangent(two.coarse_linear)
     both = np.column_stack([tangent.beyond(column.responses) for column in table])
     plain = tangent.left - both @ np.linalg.lstsq(both, tangent.left, rcond=None)[0]
-    assert found.left == pytest.approx(float(plain @ plain), rel=1e-6)
+    share = float(plain @ plain) / float(tangent.left @ tangent.left)
+    assert found.left == pytest.approx(share * unseen(two, 2), rel=1e-6)
 
 
 def test_a_pair_leaves_no_more_than_either_alone(two: FitContext) -> None:
@@ -59,8 +65,9 @@ def test_a_pair_leaves_no_more_than_either_alone(two: FitContext) -> None:
     pairs = scored(two, 2, of_any_sign, count=1)
     assert len(pairs) == 6
     for pair in pairs:
-        assert pair.inner == pytest.approx(min(alone[name] for name in names(pair)), rel=1e-6)
-        assert pair.left <= pair.inner * (1 + 1e-9)
+        least = min(alone[name] for name in names(pair)) / two.coarse_linear.cost
+        assert pair.inner == pytest.approx(least * unseen(two, 1), rel=1e-6)
+        assert pair.left <= least * unseen(two, 3) * (1 + 1e-9)  # a drift has two
 
 
 def test_the_least_comes_first_and_no_set_has_more_starts_than_asked(two: FitContext) -> None:
@@ -73,9 +80,9 @@ def test_the_least_comes_first_and_no_set_has_more_starts_than_asked(two: FitCon
 
 
 def test_effects_that_may_not_stand_beside_each_other_do_not(two: FitContext) -> None:
-    table = columns(two, CATALOGUE)
-    assert score_sets(two.coarse_linear, table, 2, 1, apart=lambda a, b: False) == []
-    assert score_sets(two.coarse_linear, [], 2, 1, apart=apart) == []
+    table, tangent = columns(two, CATALOGUE), Tangent(two.coarse_linear)
+    assert score_sets(tangent, table, 2, 1, apart=lambda a, b: False) == []
+    assert score_sets(tangent, [], 2, 1, apart=apart) == []
 
 
 def test_a_law_of_the_wrong_sign_is_no_start(two: FitContext) -> None:

@@ -19,9 +19,9 @@ from stepid.fitting.problem import fixes_mass
 from stepid.fitting.score_test import Column, difference, scaled
 from stepid.fitting.weak_form import WeakForm
 
-_WIDTHS = (0.3, 0.15, 0.08)  # of a bump, of the strongest period: the next where hardly one fits into the motion
+_WIDTHS = (0.45, 0.3, 0.2, 0.15, 0.1)  # of a bump, of the strongest period: the next where few fit into the motion
 _OVERLAP = 4.0  # bumps that say as much as one
-_FEWEST = 20.0  # independent bumps
+_FEWEST = 8.0  # independent bumps, less the linear plant's parameters
 
 
 class EquationOfMotion:
@@ -30,14 +30,21 @@ class EquationOfMotion:
     Parameters
     ----------
     context : FitContext
+
+    Attributes
+    ----------
+    width : float
+        s, of the bumps that test it.
+    samples : float
+        Independent bumps, less the linear plant's parameters.
     """
 
     def __init__(self, context: FitContext) -> None:
         self._context = context
-        for width in _WIDTHS:
-            self._weak = WeakForm(
-                context.records, width * context.period, fixed_mass=fixes_mass(context.records), speed=context.motion.v
-            )
+        mass, speed = fixes_mass(context.records), context.motion.v
+        for share in _WIDTHS:
+            self.width = share * context.period
+            self._weak = WeakForm(context.records, self.width, fixed_mass=mass, speed=speed)
             basis, left = self._weak.plain
             self.samples = left.size / _OVERLAP - basis.shape[1]
             if self.samples > _FEWEST:
