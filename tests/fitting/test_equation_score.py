@@ -11,7 +11,7 @@ from broken_campaigns import DAMPING, STIFFNESS, campaign
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.fitting.equation_score import EquationOfMotion
 from stepid.fitting.fit import prepare
-from stepid.fitting.joint_score import ScoredSet, score_sets
+from stepid.fitting.joint_score import JointScore, ScoredSet
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.score_test import columns, difference
 from stepid.fitting.tangent import Tangent
@@ -44,25 +44,27 @@ def strong() -> FitContext:
 def test_the_equation_finds_what_strong_friction_hides_from_the_response() -> None:
     fit = prepared(WITH_LAG)
     equation = EquationOfMotion(fit)
-    along = place(score_sets(equation, equation.columns(CATALOGUE), 3, 1, apart=apart), WITH_LAG)
-    response = place(score_sets(Tangent(fit.coarse_linear), columns(fit, CATALOGUE), 3, 1, apart=apart), WITH_LAG)
+    along = place(JointScore(equation, equation.columns(CATALOGUE), apart=apart).sets(3, 1), WITH_LAG)
+    response = place(JointScore(Tangent(fit.coarse_linear), columns(fit, CATALOGUE), apart=apart).sets(3, 1), WITH_LAG)
     assert along < 8 <= response
 
 
 def test_its_starts_are_near_the_truth(strong: FitContext) -> None:
     equation = EquationOfMotion(strong)
-    found = score_sets(equation, equation.columns(resolve(tuple(STRONG))), 2, 1, apart=apart)[0]
+    score = JointScore(equation, equation.columns(resolve(tuple(STRONG))), apart=apart)
+    found = score.sets(2, 1)[0]
     for effect, values in zip(found.effects, found.values, strict=True):
         assert values[0] == pytest.approx(next(iter(STRONG[effect.name].values())), rel=0.25)
     linear = strong.coarse_linear.problem.layout.linear
-    near, far = (np.abs(np.log(shared[linear][1:3] / TRUE)).max() for shared in (found.shared, strong.linear.shared))
+    both = score.adapted(found), strong.linear.shared
+    near, far = (np.abs(np.log(shared[linear][1:3] / TRUE)).max() for shared in both)
     assert near < 0.3 * far
 
 
 def test_a_set_of_more_coefficients_than_it_has_samples_leaves_no_hope(strong: FitContext) -> None:
     equation = EquationOfMotion(strong)
     equation.samples = 2.0
-    found = score_sets(equation, equation.columns(resolve(tuple(STRONG))), 2, 1, apart=apart)
+    found = JointScore(equation, equation.columns(resolve(tuple(STRONG))), apart=apart).sets(2, 1)
     assert [one.left for one in found] == [np.inf]
 
 

@@ -10,7 +10,7 @@ import pytest
 from broken_campaigns import campaign
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.fitting.fit import prepare
-from stepid.fitting.joint_score import ScoredSet, score_sets
+from stepid.fitting.joint_score import JointScore, ScoredSet
 from stepid.fitting.multistart import CandidateFit, FitContext, Start
 from stepid.fitting.score_test import columns, score
 from stepid.fitting.tangent import Tangent
@@ -28,8 +28,12 @@ def apart(one: Effect, other: Effect) -> bool:
     return one.name != other.name
 
 
+def score_of(fit: FitContext, catalogue: tuple[Effect, ...] = CATALOGUE) -> JointScore:
+    return JointScore(Tangent(fit.coarse_linear), columns(fit, catalogue), apart=apart)
+
+
 def scored(fit: FitContext, size: int, catalogue: tuple[Effect, ...] = CATALOGUE, count: int = 3) -> list[ScoredSet]:
-    return score_sets(Tangent(fit.coarse_linear), columns(fit, catalogue), size, count, apart=apart)
+    return score_of(fit, catalogue).sets(size, count)
 
 
 def unseen(fit: FitContext, count: int) -> float:
@@ -81,8 +85,8 @@ def test_the_least_comes_first_and_no_set_has_more_starts_than_asked(two: FitCon
 
 def test_effects_that_may_not_stand_beside_each_other_do_not(two: FitContext) -> None:
     table, tangent = columns(two, CATALOGUE), Tangent(two.coarse_linear)
-    assert score_sets(tangent, table, 2, 1, apart=lambda a, b: False) == []
-    assert score_sets(tangent, [], 2, 1, apart=apart) == []
+    assert JointScore(tangent, table, apart=lambda a, b: False).sets(2, 1) == []
+    assert JointScore(tangent, [], apart=apart).sets(2, 1) == []
 
 
 def test_a_law_of_the_wrong_sign_is_no_start(two: FitContext) -> None:
@@ -97,7 +101,8 @@ def test_the_start_of_the_true_set_leads_to_the_noise(hidden: Mapping[str, Mappi
     mine = [s for s in scored(fit, len(hidden)) if names(s) == set(hidden)]
     assert mine
     candidate = CandidateFit(fit, mine[0].effects)
-    candidate.begin([Start(s.shared, s.values) for s in mine if s.effects == mine[0].effects], like=fit.coarse_linear)
+    starts = [Start(score_of(fit).adapted(s), s.values) for s in mine if s.effects == mine[0].effects]
+    candidate.begin(starts, like=fit.coarse_linear)
     candidate.run(laps=20)
     assert candidate.cost < fit.noise_limit
     for effect, place in zip(mine[0].effects, candidate.coarse.layout.values, strict=True):

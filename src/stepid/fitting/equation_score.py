@@ -25,7 +25,7 @@ _FEWEST = 8.0  # independent bumps, less the linear plant's parameters
 
 
 class EquationOfMotion:
-    """The equation of motion along the measured motion, as `stepid.fitting.joint_score.score_sets` takes it.
+    """The equation of motion along the measured motion, as `stepid.fitting.joint_score.JointScore` takes it.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ are at hand tell all pairs, and on the best pairs all further effects.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import NamedTuple, Protocol
 
@@ -46,75 +46,28 @@ class Beside(Protocol):
 
 
 class ScoredSet(NamedTuple):
-    """A start of several effects on a fit: their values, the fit's parameters then, and the share of the residual left.
+    """A start of several effects: their values, and the share of the residual that they leave.
 
-    `inner` is the least share that a set with one effect less promises to leave.
+    `inner` is the least share that a set with one effect less promises to leave; `blocks` are its columns of the table,
+    `coefficients` their strengths.
     """
 
     effects: tuple[Effect, ...]
     values: tuple[tuple[float, ...], ...]
-    shared: Array
     left: float
     inner: float
+    blocks: tuple[int, ...]
+    coefficients: Array
 
 
 class _Found(NamedTuple):
     blocks: tuple[int, ...]
     left: float
-    coefficients: Array
+    coefficients: Array  # of the columns scaled to one
 
 
-class _Blocks:
-    """Responses of a fit to every start of the effects, less what its own parameters can follow."""
-
-    def __init__(self, tangent: Beside, table: Sequence[Column]) -> None:
-        self.columns: list[Column] = []
-        self.scales: list[Array] = []
-        parts: list[Array] = []
-        for column in table:
-            scaled = scaled_to_one(tangent.beyond(column.responses))
-            if scaled is not None:
-                parts.append(scaled[0])
-                self.scales.append(scaled[1])
-                self.columns.append(column)
-        every = np.concatenate(parts, axis=1) if parts else np.zeros((tangent.left.size, 0))
-        self._gram, self._along = every.T @ every, every.T @ tangent.left
-        self._total, self._samples = float(tangent.left @ tangent.left), tangent.samples
-        ends = np.cumsum([0, *(scale.size for scale in self.scales)])
-        self._places = [np.arange(a, b) for a, b in pairwise(ends)]
-
-    def effects(self, blocks: Iterable[int]) -> tuple[Effect, ...]:
-        return tuple(self.columns[b].effect for b in blocks)
-
-    def solved(self, blocks: tuple[int, ...]) -> _Found:
-        """Least squares by some blocks."""
-        place = np.concatenate([self._places[b] for b in blocks])
-        values, vectors = np.linalg.eigh(self._gram[np.ix_(place, place)])
-        kept = values > _OPEN * values[-1]
-        seen = vectors[:, kept].T @ self._along[place]
-        gain = float(np.sum(seen**2 / values[kept])) / self._total
-        free = 1.0 - min(place.size / self._samples, 1.0)
-        left = max(1.0 - gain, 0.0) / free**2 if free > 0 else math.inf  # as cross-validation would find
-        return _Found(blocks, left, vectors[:, kept] @ (seen / values[kept]))
-
-    def start(self, found: _Found) -> tuple[tuple[tuple[float, ...], ...], Array] | None:
-        """Values of the effects, and their responses together; None where a law cannot have such a strength."""
-        out, response, at = [], np.zeros(self.columns[0].responses.shape[0]), 0
-        for b in found.blocks:
-            own = found.coefficients[at : at + self.scales[b].size] / self.scales[b]
-            values = self.columns[b].values(own)
-            if values is None:
-                return None
-            out.append(values)
-            response = response + self.columns[b].responses @ own
-            at += own.size
-        return tuple(out), response
-
-
-def score_sets(
-    beside: Beside, table: Sequence[Column], size: int, count: int, *, apart: Callable[[Effect, Effect], bool]
-) -> list[ScoredSet]:
-    """Score sets of starts against a residual: all pairs, larger ones by a beam.
+class JointScore:
+    """Scores of sets of starts against a residual: all pairs, larger ones by a beam.
 
     What is left counts by generalized cross-validation (Golub, Heath and Wahba, Technometrics 21, 1979).
 
@@ -124,50 +77,97 @@ def score_sets(
         Whose residual, and what need not be explained of it.
     table : sequence of Column
         From `stepid.fitting.score_test.columns`, or of the same rows.
-    size : int
-        Effects of a set, 2 or more.
-    count : int
-        Starts of each set of effects.
     apart : callable
         Tells whether two effects may stand beside each other.
-
-    Returns
-    -------
-    list of ScoredSet
-        The best few of each set of effects; what leaves least first.
     """
-    blocks = _Blocks(beside, table)
-    numbers = range(len(blocks.columns))
-    level = [blocks.solved((b,)) for b in numbers]
-    inner: dict[frozenset[str], float] = {}
-    for width in range(1, size):
-        inner = _least(blocks, level)
-        grown = {
-            tuple(sorted((*f.blocks, b)))
-            for f in (level if width == 1 else sorted(level, key=lambda f: f.left)[:_BEAM])
-            for b in numbers
-            if all(apart(e, blocks.columns[b].effect) for e in blocks.effects(f.blocks))
-        }
-        level = [blocks.solved(some) for some in sorted(grown)]
-    out: list[ScoredSet] = []
-    taken: dict[frozenset[str], int] = {}
-    for found in sorted(level, key=lambda f: f.left):
-        effects = blocks.effects(found.blocks)
-        names = frozenset(e.name for e in effects)
-        begun = blocks.start(found) if taken.get(names, 0) < count else None
-        if begun is None:
-            continue
-        taken[names] = taken.get(names, 0) + 1
-        within = min(inner.get(names - {name}, math.inf) for name in names)
-        out.append(ScoredSet(effects, begun[0], beside.adapted(begun[1]), found.left, within))
-    return out
 
+    def __init__(self, beside: Beside, table: Sequence[Column], *, apart: Callable[[Effect, Effect], bool]) -> None:
+        self._beside, self._columns, self._scales = beside, list[Column](), list[Array]()
+        parts: list[Array] = []
+        for column in table:
+            scaled = scaled_to_one(beside.beyond(column.responses))
+            if scaled is not None:
+                parts.append(scaled[0])
+                self._scales.append(scaled[1])
+                self._columns.append(column)
+        every = np.concatenate(parts, axis=1) if parts else np.zeros((beside.left.size, 0))
+        self._gram, self._along = every.T @ every, every.T @ beside.left
+        self._total = float(beside.left @ beside.left)
+        ends = np.cumsum([0, *(scale.size for scale in self._scales)])
+        self._places = [np.arange(a, b) for a, b in pairwise(ends)]
+        effects = [column.effect for column in self._columns]
+        self._apart = np.array([[apart(a, b) for b in effects] for a in effects], dtype=bool)
+        self._levels: list[list[_Found]] = [self._solved([(b,) for b in range(len(effects))])]
 
-def _least(blocks: _Blocks, level: Sequence[_Found]) -> dict[frozenset[str], float]:
-    """Least share left by each set of effects, by its starts that a law can have."""
-    out: dict[frozenset[str], float] = {}
-    for found in level:
-        names = frozenset(e.name for e in blocks.effects(found.blocks))
-        if found.left < out.get(names, math.inf) and blocks.start(found) is not None:
-            out[names] = found.left
-    return out
+    def sets(self, size: int, count: int) -> list[ScoredSet]:
+        """Score sets of so many effects, 2 or more: the best few starts of each, what leaves least first."""
+        inner = self._least(self._level(size - 1))
+        out: list[ScoredSet] = []
+        taken: dict[frozenset[str], int] = {}
+        for found in sorted(self._level(size), key=lambda f: f.left):
+            effects = tuple(self._columns[b].effect for b in found.blocks)
+            names = frozenset(e.name for e in effects)
+            values = self._values(found) if taken.get(names, 0) < count else None
+            if values is None:
+                continue
+            taken[names] = taken.get(names, 0) + 1
+            within = min(inner.get(names - {name}, math.inf) for name in names)
+            out.append(ScoredSet(effects, values, found.left, within, found.blocks, self._unscaled(found)))
+        return out
+
+    def adapted(self, found: ScoredSet) -> Array:
+        """The plant's shared parameters beside a set."""
+        responses = np.concatenate([self._columns[b].responses for b in found.blocks], axis=1)
+        return self._beside.adapted(responses @ found.coefficients)
+
+    def _level(self, size: int) -> list[_Found]:
+        """Sets of so many columns, solved; they are kept."""
+        while len(self._levels) < size:
+            last = self._levels[-1]
+            kept = last if len(self._levels) == 1 else sorted(last, key=lambda f: f.left)[:_BEAM]
+            able = [np.flatnonzero(self._apart[list(f.blocks)].all(axis=0)) for f in kept]
+            grown = {tuple(sorted((*f.blocks, int(b)))) for f, new in zip(kept, able, strict=True) for b in new}
+            self._levels.append(self._solved(sorted(grown)))
+        return self._levels[size - 1]
+
+    def _solved(self, sets: Sequence[tuple[int, ...]]) -> list[_Found]:
+        """Least squares by each of some sets of columns: those with as many coefficients at once."""
+        places = [np.concatenate([self._places[b] for b in blocks]) for blocks in sets]
+        out: list[_Found] = []
+        for size in sorted({place.size for place in places}):
+            alike = [i for i, place in enumerate(places) if place.size == size]
+            place = np.array([places[i] for i in alike])
+            values, vectors = np.linalg.eigh(self._gram[place[:, :, None], place[:, None, :]])
+            seen = np.einsum("nij,ni->nj", vectors, self._along[place])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                part = np.where(values > _OPEN * values[:, -1:], seen / values, 0.0)
+            free = 1.0 - min(size / self._beside.samples, 1.0)
+            left = np.maximum(1.0 - np.sum(seen * part, axis=1) / self._total, 0.0)
+            left = left / free**2 if free > 0 else np.full(len(alike), math.inf)  # as cross-validation would find
+            coefficients = np.einsum("nij,nj->ni", vectors, part)
+            out += [_Found(sets[i], float(share), own) for i, share, own in zip(alike, left, coefficients, strict=True)]
+        return out
+
+    def _unscaled(self, found: _Found) -> Array:
+        out: Array = found.coefficients / np.concatenate([self._scales[b] for b in found.blocks])
+        return out
+
+    def _values(self, found: _Found) -> tuple[tuple[float, ...], ...] | None:
+        """Values of the effects; None where a law cannot have such a strength."""
+        out, at, strengths = [], 0, self._unscaled(found)
+        for b in found.blocks:
+            values = self._columns[b].values(strengths[at : at + self._scales[b].size])
+            if values is None:
+                return None
+            out.append(values)
+            at += self._scales[b].size
+        return tuple(out)
+
+    def _least(self, level: Sequence[_Found]) -> dict[frozenset[str], float]:
+        """Least share left by each set of effects, by its starts that a law can have."""
+        out: dict[frozenset[str], float] = {}
+        for found in level:
+            names = frozenset(self._columns[b].effect.name for b in found.blocks)
+            if found.left < out.get(names, math.inf) and self._values(found) is not None:
+                out[names] = found.left
+        return out

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, n_parameters, related
 from stepid.effects.base import Effect
 from stepid.fitting.equation_score import EquationOfMotion
-from stepid.fitting.joint_score import ScoredSet, score_sets
+from stepid.fitting.joint_score import JointScore, ScoredSet
 from stepid.fitting.multistart import Start
 from stepid.fitting.score_test import columns
 from stepid.fitting.tangent import Tangent
@@ -36,28 +36,37 @@ class AddTogether:
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
         """Propose the sets, on the linear plant, of which each effect promises to take a share of what is left."""
         effort = context.effort
-        if node.effects or effort.effects < self.size:
+        score = None if node.effects or effort.effects < self.size else self._score(node, context)
+        if score is None:
             return []
         found: dict[frozenset[str], list[ScoredSet]] = {}
-        for one in self._scored(node, context):
+        for one in score.sets(self.size, effort.starts):
             names = frozenset(e.name for e in one.effects)
             if names in found or one.left < (1 - effort.worth) * one.inner:
                 found.setdefault(names, []).append(one)
-        out = [self._proposal(node, sets, context) for sets in found.values()]
-        return sorted(out, key=lambda p: p.left * p.costly)[: effort.width]
+        order = sorted(found.values(), key=lambda sets: sets[0].left * self._costly(sets[0], context))
+        return [self._proposal(node, sets, score, context) for sets in order[: effort.width]]
 
-    def _scored(self, node: Node, context: SearchContext) -> list[ScoredSet]:
-        beside = EquationOfMotion(context.fit) if self.along else Tangent(node.best)
-        if not beside.directed:
-            return []
-        every = context.catalogue
-        table = beside.columns(every) if isinstance(beside, EquationOfMotion) else columns(context.fit, every)
-        return score_sets(beside, table, self.size, context.effort.starts, apart=lambda a, b: not related(a, b))
+    def _score(self, node: Node, context: SearchContext) -> JointScore | None:
+        """Scores of all sets, kept for sets of another size."""
+        fit, every = context.fit, context.catalogue
+        key = self.along, every
+        if key not in fit.joint:
+            beside = EquationOfMotion(fit) if self.along else Tangent(node.best)
+            if not beside.directed:
+                return None
+            table = beside.columns(every) if isinstance(beside, EquationOfMotion) else columns(fit, every)
+            fit.joint[key] = JointScore(beside, table, apart=lambda a, b: not related(a, b))
+        kept: JointScore = fit.joint[key]
+        return kept
 
-    def _proposal(self, node: Node, sets: list[ScoredSet], context: SearchContext) -> Proposal:
+    def _costly(self, scored: ScoredSet, context: SearchContext) -> float:
+        return 1.0 + context.effort.price * (n_parameters(scored.effects) - self.size)
+
+    def _proposal(self, node: Node, sets: list[ScoredSet], score: JointScore, context: SearchContext) -> Proposal:
         effects, left = sets[0].effects, min(sets[0].left, 1.0) * node.cost
-        starts = tuple(Start(s.shared, _in_order(s, effects)) for s in sets)
-        costly = 1.0 + context.effort.price * (n_parameters(effects) - self.size)
+        starts = tuple(Start(score.adapted(s), _in_order(s, effects)) for s in sets)
+        costly = self._costly(sets[0], context)
         return Proposal(effects, node.deviations, starts, node.key, node.best, left, costly, self.name)
 
 
