@@ -104,17 +104,26 @@ def test_larger_sets_are_the_first_few_on_the_best_pair_and_of_those_scored_toge
         proposed(f"free_play cogging {name}", "free_play cogging", left)
         for name, left in (("sensor_drift", 3.0), ("coulomb_friction", 1.0), ("cubic_stiffness", 2.0))
     ]
+    moves: Any = (SimpleNamespace(name="along"), SimpleNamespace(name="together"))
     together = [proposed("sensor_drift free_play cogging", "", 5.0), proposed("end_stop free_play cogging", "", 6.0)]
+    for one, move in zip(together, moves, strict=True):
+        one.move = move.name
     others = [
         proposed("end_stop sensor_drift cogging", "end_stop cogging", 0.1),  # on another pair
         proposed("free_play end_stop", "free_play", 0.1),
         proposed("free_play cogging input_delay", "free_play cogging", 0.1, ("gain",)),
     ]
     known: Any = {others[0].key: None}
-    assert larger([*own, *together, *others], known, pair, 2) == [*together, own[1], own[2]]
-    assert larger([*own, *together, *others], known, pair, 3) == [own[0], together[1], own[1], own[2]]  # the same once
-    assert larger([*own, *together, *others], known | {own[1].key: None}, pair, 1) == [together[0], own[2]]
-    assert larger([*own, *together], {}, None, 1) == [together[0]]
+    assert larger([*own, *together, *others], known, pair, 2, moves) == [*together, own[1], own[2]]
+    assert larger([*own, *together, *others], known, pair, 3, moves) == [
+        own[0],
+        together[1],
+        own[1],
+        own[2],
+    ]  # the same once
+    assert larger([*own, *together, *others], known | {own[1].key: None}, pair, 1, moves) == [together[0], own[2]]
+    assert larger([*own, *together], {}, None, 1, moves) == [together[0]]  # the moves in turn
+    assert larger([*own, *together], {together[0].key: None}, None, 1, moves) == [together[1]]
 
 
 def test_calmer_nodes_are_those_of_the_best_in_which_one_condition_less_differs() -> None:

@@ -71,12 +71,13 @@ def largest_lead(nodes: Iterable[Node]) -> Node | None:
     return min(most, key=lambda n: n.cost, default=None)
 
 
-def larger(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: Node | None, share: int) -> list[Proposal]:
-    """Sets of one effect more than may lead, not fitted yet: the first few on a base, and of those scored together."""
+def larger(
+    proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: Node | None, share: int, moves: Sequence[Move]
+) -> list[Proposal]:
+    """Sets of one effect more than may lead, not fitted yet: the first few on a base, and of the moves in turn."""
     able = [p for p in proposals if len(p.effects) > LEADING and not p.deviations and p.key not in nodes]
-    able.sort(key=lambda p: p.rank)
-    own = [p for p in able if base is not None and p.base == base.key][:share]
-    together = [p for p in able if not p.base[0]][:share]
+    own = sorted((p for p in able if base is not None and p.base == base.key), key=lambda p: p.rank)[:share]
+    together = first_together(able, nodes, share, moves)[:share]
     return list({p.key: p for p in (*together, *own)}.values())  # the same set once, from its base
 
 

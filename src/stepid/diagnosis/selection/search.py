@@ -85,8 +85,8 @@ class Search(Standings):
             if self._complete(best):
                 break
             self._lower_floor(best)
-            self._expand(self.root, [m for m in TOGETHER if m.name not in self.root.moves_made][:2])
-            if not self._expand_best(EXPLORING) and not batch:
+            together = self._expand(self.root, [m for m in TOGETHER if m.name not in self.root.moves_made][:1])
+            if not (self._expand_best(EXPLORING) or together or batch):
                 break
 
     def _try_larger(self) -> bool:
@@ -100,7 +100,8 @@ class Search(Standings):
         base = by.largest_lead(self.nodes.values())
         if base is not None:
             self._expand(base, EXPLORING)
-        for proposal in by.larger(self.proposals, self.nodes, base, self.effort.share):
+        self._expand(self.root, TOGETHER)
+        for proposal in by.larger(self.proposals, self.nodes, base, self.effort.share, TOGETHER):
             self._fit(proposal, keep=1)
         promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
         return self._least().cost < max((1 - self.criteria.lead) * least, self.noise_limit)
@@ -230,7 +231,8 @@ class Search(Standings):
                 by.starts_in_order(source, proposal.effects), like=proposal.like, keep=most, laps=self.effort.begin
             )
         known = self.nodes.get(proposal.key)
-        if known is not None or proposal.move in _STANDING_IN:  # what stands in for more is fitted as well
+        far = keep is not None and proposal.move in _TOGETHER  # from a few laps there is nothing to tell
+        if known is not None or far or proposal.move in _STANDING_IN:  # what stands in for more is fitted as well
             fitted.run(laps=self.effort.polishing if proposal.move == Instead.name else self.effort.promote)
         if fitted.best is not None and (known is None or fitted.cost < known.cost):
             self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())

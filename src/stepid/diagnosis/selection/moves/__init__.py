@@ -17,8 +17,12 @@ from stepid.diagnosis.selection.proposal import Move
 EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Deviate(), Split(), Drop())
 """Moves to sets that explain more: fitted are the most promising, if they promise to leave less than their node."""
 
-TOGETHER: tuple[Move, ...] = tuple(AddTogether(size, along) for size in (2, 2 + 1) for along in (False, True))
-"""Moves from the linear plant where no smaller set that was fitted first is enough, two after two."""
+TOGETHER: tuple[Move, ...] = (
+    AddTogether(2),
+    *(AddTogether(size, along=True) for size in (2, 2 + 1)),
+    AddTogether(2 + 1),
+)
+"""Moves from the linear plant where no smaller set that was fitted first is enough, one after the other."""
 
 CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Regeneralize(), Exchange(), Drop(), Split())
 """Moves to sets that may explain as much: rivals of an answer, fitted where they promise about what the best leaves.
