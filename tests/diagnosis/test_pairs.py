@@ -45,3 +45,22 @@ def test_a_square_wave_is_no_sine_though_that_leaves_only_noise() -> None:
     found = stepid.diagnose(campaign)
     assert (found.verdict, found.effects) == ("unexplained", ())
     assert any("leaves" in reason and "but what it leaves follows time" in reason for reason in found.reasons)
+
+
+AFEAC = "afeac22fa9c82222255db5cc18d837f5e655e865"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("which", "number", "salt"),
+    [
+        pytest.param("triples", 13, "devQ", id="strong friction and damping: the linear plant swings on"),
+        pytest.param("pairs-all", 68, AFEAC, id="a cogging force among friction that stops the cart"),
+        pytest.param("pairs-all", 91, AFEAC, id="a damping that a lead of friction would ask to be negative"),
+        pytest.param("pairs-all", 29, AFEAC, id="a sine near the plant's own frequency"),
+    ],
+)
+def test_what_the_response_of_the_linear_plant_hides_is_named(which: str, number: int, salt: str) -> None:
+    campaign, truth = one(which, number, salt)
+    found = stepid.diagnose(campaign)
+    assert (found.verdict, set(found.effects)) == ("named", set(truth["effects"]))
