@@ -64,3 +64,11 @@ def test_what_the_response_of_the_linear_plant_hides_is_named(which: str, number
     campaign, truth = one(which, number, salt)
     found = stepid.diagnose(campaign)
     assert (found.verdict, set(found.effects)) == ("named", set(truth["effects"]))
+
+
+@pytest.mark.slow
+def test_rivals_that_a_round_had_no_room_for_are_asked_in_the_next() -> None:
+    """Friction that differs by direction: eight sets with less in them had come first, and no round had come after."""
+    campaign, truth = one("triples", 16, "devQ")
+    found = stepid.diagnose(campaign)
+    assert set(truth["effects"]) in [set(found.effects), *map(set, found.alternatives)]

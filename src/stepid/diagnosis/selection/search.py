@@ -116,11 +116,15 @@ class Search(Standings):
             made += [self._expand(node, (Deviate(),)) for node in steady]
             calmer = by.calmer(self.nodes.values(), self.best) if at_floor(self.fit, self.criteria, self.best) else []
             made += [self._expand(node, IN_PLACE) for node in calmer]
-            if not any(made):
-                break
             keys = {node.key for node in (*bases, *steady)}
-            in_place = by.instead(self.proposals, self._tried, {node.key for node in calmer}, self.effort.share)
-            for proposal in (*self._promising(keys), *in_place):
+            asked = self._promising(keys, nearest=any(made))
+            if any(made):
+                asked += by.instead(self.proposals, self._tried, {node.key for node in calmer}, self.effort.share)
+            else:  # what the rounds before had no room for
+                asked = [p for p in asked if p.size <= self.nodes[self.best.key].size]
+            if not asked:
+                break
+            for proposal in asked:
                 self._fit(proposal)
             promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
             self._polish_best()
@@ -157,10 +161,10 @@ class Search(Standings):
         beam += [n for n in self._nameable(order)[:1] if not any(n is other for other in beam)]
         return sum(self._expand(node, moves) for node in beam) > 0
 
-    def _promising(self, bases: Collection[Key] | None = None) -> list[Proposal]:
+    def _promising(self, bases: Collection[Key] | None = None, *, nearest: bool = True) -> list[Proposal]:
         """The proposals to fit next: the smallest sets first, of these the most promising.
 
-        With `bases`, only rivals that are proposed on these.
+        With `bases`, only rivals that are proposed on these, with `nearest` the first few that no step foresees, too.
         """
         nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
         least, named = self._least().cost, (self._nameable(nodes) or nodes)[0].cost
@@ -174,9 +178,9 @@ class Search(Standings):
         new = [p for p in by.worthy(order, self.nodes, self.effort, _RIVALS) if self._new(p)]
         out = [p for p in new if self._gains(least, named, p)]
         if bases is not None:
-            nearest = [p for p in new if p.move in UNFORESEEN and p not in out][: self.effort.share]
+            unforeseen = [p for p in new if p.move in UNFORESEEN and p not in out][: self.effort.share * nearest]
             out.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
-            return [*out, *nearest][: self.effort.width]
+            return [*out, *unforeseen][: self.effort.width]
         together = by.first_together(self.proposals, self.nodes, self.effort.share, TOGETHER)
         sets = {p.key for p in together}
         out = [p for p in out if p.key not in sets]
