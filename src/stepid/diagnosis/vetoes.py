@@ -39,7 +39,8 @@ def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
 def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict[str, str]:
     """Effects of a candidate that a linear parameter can stand in for, to which one.
 
-    None where it leaves only noise: what could be told as well without the effect would have been.
+    There is none where it leaves only noise: if a linear parameter did as well, the set without the effect would leave
+    as little, and need less.
     """
     if all(type(e).imitates is Effect.imitates for e in found.effects) or _leaves_noise(context, criteria, found):
         return {}
@@ -53,6 +54,7 @@ def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict
 
 
 def _leaves_noise(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
+    """Tell whether a fit to all samples, or to the decimated ones of the search, leaves no more than noise."""
     if found.optimum.problem.records is context.records:
         return at_floor(context, criteria, found)
     return found.optimum.cost <= context.noise_limit

@@ -53,7 +53,7 @@ class AddTogether:
         key = self.along, every
         if key not in fit.joint:
             beside = EquationOfMotion(fit) if self.along else Tangent(node.best)
-            if not beside.directed:
+            if not beside.directed or not beside.left.any():
                 return None
             table = beside.columns(every) if isinstance(beside, EquationOfMotion) else columns(fit, every)
             fit.joint[key] = JointScore(beside, table, apart=lambda a, b: not related(a, b))
