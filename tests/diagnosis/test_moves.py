@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
+import pytest
 
 from exact_plants import EFFECTS, exact_campaign
 from search_nodes import FRICTION, GENERAL, SIMPLE, TWO, context, node, prepared, sets, sound
@@ -82,18 +85,33 @@ def test_add_offers_a_general_law_where_it_promises_what_none_inside_it_does() -
     assert all(2 * p.left < inside[0].left for p in general)
 
 
-def test_add_together_offers_pairs_whose_effects_both_take_a_share() -> None:
+@pytest.mark.parametrize("along", [False, True])
+def test_add_together_offers_pairs_whose_effects_both_take_a_share(along: bool) -> None:
     fit = prepared("two")
     root = node(fit)
-    found = AddTogether(2).propose(root, context(fit))
-    sound(AddTogether(2), root, found)
+    found = AddTogether(2, along).propose(root, context(fit))
+    sound(AddTogether(2, along), root, found)
     assert all(len(p.effects) == 2 and not related(*p.effects) for p in found)
     order = sorted(found, key=lambda p: p.left * p.costly)
     assert {frozenset(e.name for e in p.effects) for p in order[:3]} & {frozenset(TWO)}
-    fewer = AddTogether(2).propose(root, context(fit, worth=0.9))
+    fewer = AddTogether(2, along).propose(root, context(fit, worth=0.9))
     assert len(fewer) < len(found)
-    assert AddTogether(2).propose(node(fit, FRICTION), context(fit)) == []
-    assert AddTogether(3).propose(root, context(fit, effects=2)) == []
+    assert AddTogether(2, along).propose(node(fit, FRICTION), context(fit)) == []
+    assert AddTogether(3, along).propose(root, context(fit, effects=2)) == []
+
+
+def test_scores_along_the_motion_are_kept_for_larger_sets() -> None:
+    fit = prepared("two")
+    AddTogether(2, along=True).propose(node(fit), context(fit))
+    (kept,) = (score for (along, _), score in fit.joint.items() if along)
+    AddTogether(3, along=True).propose(node(fit), context(fit))
+    assert [score for (along, _), score in fit.joint.items() if along] == [kept]
+
+
+def test_nothing_is_offered_along_a_motion_that_rests() -> None:
+    fit = copy(prepared("two"))
+    fit.joint, fit.motion = {}, fit.motion._replace(v=np.zeros_like(fit.motion.v))
+    assert AddTogether(2, along=True).propose(node(fit), context(fit)) == []
 
 
 def test_add_three_together_offers_what_promises_more_than_any_two_of_them() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -133,3 +134,24 @@ def test_effects_see_the_sign_of_the_velocity() -> None:
     np.testing.assert_array_equal(seen.sign, np.where(v < 0, -1.0, 1.0))
     assert set(seen.mass) == {0.95, 1.95}
     assert math.isclose(float(seen.stiffness[0]), 216.0)
+
+
+def test_what_holds_a_cart_at_rest_does_not_count() -> None:
+    """Friction that holds the cart from its second turn on is in no equation: only bumps along which it moves count."""
+    records = campaign()
+    position, speed = records.position.copy(), np.zeros(records.size)
+    for piece in records.pieces():
+        x = position[piece]
+        first = 12 + int(np.argmax(x[12:200]))
+        turn = first + int(np.argmin(x[first:200]))
+        x[turn:] = x[turn]
+        speed[piece][12:turn] = 0.1
+    stuck = replace(records, position=position)
+    every, moving = (WeakForm(stuck, 0.2, fixed_mass=None, speed=v) for v in (None, speed))
+    assert moving.plain[1].size < 0.5 * every.plain[1].size
+    errors = [
+        np.inf if found is None else np.abs(found.shared / [0.95, 216.0, 9.0, 7.8] - 1).max()
+        for found in (every.solve(), moving.solve())
+    ]
+    assert errors[1] < 0.1
+    assert errors[0] > 5 * errors[1]
