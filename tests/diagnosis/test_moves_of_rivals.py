@@ -6,17 +6,20 @@ import numpy as np
 import pytest
 
 from exact_plants import EFFECTS
-from search_nodes import FRICTION, GENERAL, SIMPLE, context, node, prepared, sets, sound
+from search_nodes import FRICTION, GENERAL, SIMPLE, context, node, noisy, prepared, sets, sound
 from stepid.diagnosis.selection.moves import drop
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.generalize import Generalize
+from stepid.diagnosis.selection.moves.likeness import ForceAlong, is_force
 from stepid.diagnosis.selection.moves.regeneralize import Regeneralize
+from stepid.diagnosis.selection.moves.resemble import Resemble
 from stepid.diagnosis.selection.moves.specialize import Specialize, level_within
 from stepid.diagnosis.selection.moves.split import Split
 from stepid.diagnosis.selection.proposal import Node, related, standing
 from stepid.effects import resolve
 from stepid.fitting.deviations import SCATTER
+from stepid.fitting.fit import prepare
 from stepid.fitting.multistart import CandidateFit
 
 
@@ -107,6 +110,44 @@ def test_exchange_tries_runs_that_differ_for_an_effect_that_is_free_in_every_run
     sine = node(fit, {"periodic_disturbance": {"amplitude": 0.05, "frequency": 3.0}})
     found = Exchange().propose(sine, context(fit))
     assert [(p.effects, p.deviations) for p in found if p.deviations] == [((), frozenset(SCATTER))]
+
+
+def test_resemble_offers_a_sine_for_a_spring_that_softens_with_the_cube() -> None:
+    """k (sin(a x)/a − x) = −k a² x³/6 + …: where a x stays small, a cubic with k₃ = −k a²/6 is the same force."""
+    softens = {"coulomb_friction": {"level": 0.2}, "cubic_stiffness": {"coefficient": -3e4}}
+    fit = prepare(noisy(softens))
+    pair = node(fit, softens)
+    found = Resemble().propose(pair, context(fit))
+    sound(Resemble(), pair, found)
+    assert sets(found)[0] == ("coulomb_friction", "sine_stiffness")
+    stiffness = pair.best.shared[pair.best.problem.layout.stiffness][0]
+    (level,), (curvature,) = found[0].starts[0].values
+    assert level == pytest.approx(pair.best.shared[-2])
+    assert curvature == pytest.approx(np.sqrt(-6 * pair.best.shared[-1] / stiffness), rel=0.2)
+    assert Resemble().propose(pair, context(fit, alike=1e-9)) == []
+    hardens = {"cubic_stiffness": {"coefficient": 1e5}}
+    fit = prepare(noisy(hardens))
+    assert ("sine_stiffness",) not in sets(Resemble().propose(node(fit, hardens), context(fit)))
+    assert Resemble().propose(node(fit), context(fit)) == []
+
+
+def test_what_is_no_force_on_a_known_motion_resembles_nothing() -> None:
+    told = {e.name for e in (*SIMPLE, *GENERAL) if not is_force(e)}
+    assert told == {
+        "actuator_lag", "actuator_rate_limit", "actuator_dead_zone", "actuator_saturation", "input_delay",
+        "sensor_drift", "viscoelastic_spring", "flexible_coupling", "presliding_hysteresis", "periodic_disturbance",
+    }  # fmt: skip
+
+
+def test_an_effect_is_wholly_like_itself() -> None:
+    fit = prepared("two")
+    cubic = node(fit, {"cubic_stiffness": {"coefficient": 2e4}})
+    force = ForceAlong(cubic, 0, context(fit))
+    found = force.by(cubic.effects[0].regressors(fit.scales, force.motion))
+    assert found is not None
+    assert found.left < 1e-12
+    assert found.values[0] == pytest.approx((cubic.best.shared[-1],))
+    np.testing.assert_allclose(found.linear, standing(cubic).linear, rtol=1e-6)
 
 
 def test_split_offers_two_laws_for_a_curved_one() -> None:

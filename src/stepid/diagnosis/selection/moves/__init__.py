@@ -10,6 +10,7 @@ from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.generalize import Generalize
 from stepid.diagnosis.selection.moves.instead import Instead
 from stepid.diagnosis.selection.moves.regeneralize import Regeneralize
+from stepid.diagnosis.selection.moves.resemble import Resemble
 from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.moves.split import Split
 from stepid.diagnosis.selection.proposal import Move
@@ -24,7 +25,7 @@ TOGETHER: tuple[Move, ...] = (
 )
 """Moves from the linear plant where no smaller set that was fitted first is enough, one after the other."""
 
-CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Regeneralize(), Exchange(), Drop(), Split())
+CONFIRMING: tuple[Move, ...] = (Generalize(), Specialize(), Regeneralize(), Resemble(), Exchange(), Drop(), Split())
 """Moves to sets that may explain as much: rivals of an answer, fitted where they promise about what the best leaves.
 
 A move in this list and in `EXPLORING` makes rivals in both.

@@ -1,0 +1,71 @@
+"""Which effects are alike: laws whose forces along a motion are nearly the same beside stiffness and damping."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.diagnosis.selection.proposal import Node, SearchContext, standing
+from stepid.effects.base import Effect, Motion, Regressor
+from stepid.fitting.weak_form import force_along, motion_along
+
+
+class Likeness(NamedTuple):
+    """What effects in the place of one leave of its force, a share; their values, and the linear plant beside them."""
+
+    left: float
+    values: tuple[tuple[float, ...], ...]
+    linear: Array
+
+
+class ForceAlong:
+    """The force of one effect of a node along its motion, where the cart moves.
+
+    Parameters
+    ----------
+    node : Node
+    place : int
+        Of the effect among the node's.
+    context : SearchContext
+    """
+
+    def __init__(self, node: Node, place: int, context: SearchContext) -> None:
+        self._layout, here = node.best.problem.layout, standing(node)
+        self._linear = here.linear
+        records = node.best.problem.records
+        self.motion: Motion = motion_along(records, here.linear, *node.best.solved.states[:2])
+        self._seen = np.abs(self.motion.v) > context.effort.attenuated * np.abs(self.motion.v).max()
+        self._force = force_along(node.effects[place], here.values[place], self.motion)[self._seen]
+        self._plain = np.column_stack([self.motion.x, self.motion.v])[self._seen]
+        q = np.linalg.qr(self._plain)[0]
+        beyond = self._force - q @ (q.T @ self._force)
+        self._beyond = max(float(beyond @ beyond), np.finfo(float).tiny)
+
+    def by(self, regressors: Sequence[Regressor]) -> Likeness | None:
+        """What some effects can do in its place; None where a law cannot have such a strength."""
+        forces = np.column_stack([self._plain, *(f[self._seen] for one in regressors for f in one.forces)])
+        size = np.linalg.norm(forces, axis=0)
+        size[size == 0] = np.inf
+        found = np.linalg.lstsq(forces / size, self._force, rcond=np.sqrt(np.finfo(float).eps))[0] / size
+        left = self._force - forces @ found
+        out, at = [], 2
+        for one in regressors:
+            values = one.values(found[at : at + len(one.forces)])
+            if values is None:
+                return None
+            out.append(values)
+            at += len(one.forces)
+        moved = self._linear.copy()
+        moved[self._layout.stiffness] -= found[0]
+        moved[self._layout.damping] -= found[1]
+        return Likeness(float(left @ left) / self._beyond, tuple(out), moved)
+
+
+def is_force(effect: Effect) -> bool:
+    """Tell whether an effect is a force that position, velocity and time tell, the same in every run."""
+    own = type(effect)
+    outside = own.drive is not Effect.drive or own.delay is not Effect.delay or own.reading is not Effect.reading
+    return not (outside or effect.n_extra or effect.n_memory or effect.run_parameters)
