@@ -155,7 +155,11 @@ def test_a_lead_takes_most_on_runs_left_out() -> None:
     assert found is not None
     assert (found.verdict, found.shown.names) == ("named", ("quadratic_damping",))
     assert "95 % of the misfit's power" in found.reasons[0]
-    assert "3 times the noise floor" in found.reasons[1]
+    assert found.reasons[1].endswith("is 3 times the noise floor: more is missing.")
+    small = candidate(["quadratic_damping"])  # beside conditions that differ, say
+    found = ask("leads", lead=small, floored=small.names)
+    assert found is not None
+    assert found.reasons[1].endswith("is 1 times the noise floor.")
 
 
 def test_three_laws_of_one_state_name_none() -> None:

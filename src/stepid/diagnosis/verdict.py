@@ -168,9 +168,8 @@ def leads(e: EvidenceRecord) -> Answer | None:
     if state:
         no = f"A force of {state} whose law is none of the catalogue's does as well or better: no effect is named."
         return Answer("unexplained", lead, (), (*said, no))
-    said += (
-        f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor: more is missing.",
-    )
+    more = "" if e.at_floor(lead) else ": more is missing"
+    said += (f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor{more}.",)
     return _with_rivals(e, lead, beside, said) or Answer("named", lead, (), said)
 
 
