@@ -39,10 +39,10 @@ def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
 def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict[str, str]:
     """Effects of a candidate that a linear parameter can stand in for, to which one.
 
-    There is none where it leaves only noise: if a linear parameter did as well, the set without the effect would leave
-    as little, and need less.
+    What leaves only noise and has all its parameters determined is none: if a linear parameter did as well, these would
+    be open.
     """
-    if all(type(e).imitates is Effect.imitates for e in found.effects) or _leaves_noise(context, criteria, found):
+    if all(type(e).imitates is Effect.imitates for e in found.effects):
         return {}
     how = swing(context, criteria, found)
     places = found.optimum.problem.layout.values
@@ -50,7 +50,11 @@ def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict
         e.name: e.imitates(tuple(map(float, found.optimum.shared[place])), how)
         for e, place in zip(found.effects, places, strict=True)
     }
-    return {name: words for name, words in said.items() if words}
+    said = {name: words for name, words in said.items() if words}
+    if said and _leaves_noise(context, criteria, found):
+        open_ = {name.rpartition(".")[0] for name in undetermined(context, criteria, found)}
+        said = {name: words for name, words in said.items() if name in open_}
+    return said
 
 
 def _leaves_noise(context: FitContext, criteria: Criteria, found: Candidate) -> bool:

@@ -45,7 +45,8 @@ class Standings:
     def _leading(self) -> list[Candidate]:
         """The best, and others that leave only noise because runs may differ: they may need less for it.
 
-        Where a rest remains, the best of what may lead, and a larger set that takes as much of it as a lead has to.
+        Where the best cannot be named, also the first that can. Where a rest remains, the best of what may lead, and a
+        larger set that takes as much of it as a lead has to.
         """
         best = self.best
         if not at_floor(self.fit, self.criteria, best):
@@ -55,7 +56,10 @@ class Standings:
             larger = len(best.effects) > LEADING and not best.deviations
             far = best.optimum.cost < (1 - self.criteria.lead) * lead.optimum.cost  # on its way to the noise
             return [lead, best] if larger and far else [lead]
-        others = [c for c in self.candidates.values() if c.deviations and c is not best and self._leaves_noise(c)]
+        noise = [c for c in self.candidates.values() if c is not best and self._leaves_noise(c)]
+        if imitators(self.fit, self.criteria, best):  # it cannot be named: the first that can be leads beside it
+            return [best, *sorted(noise, key=lambda c: self._qbic(c.optimum))[:1]]
+        others = [c for c in noise if c.deviations]
         return [best, *sorted(others, key=lambda c: self._qbic(c.optimum))[: self.effort.beam - 1]]
 
     def _counts(self, found: Candidate) -> Array:
