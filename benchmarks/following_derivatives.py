@@ -23,10 +23,9 @@ import numpy as np  # noqa: E402
 
 import stepid  # noqa: E402
 from hidden.accuracy_cases import CASES, run  # noqa: E402
-from hidden_runs import plant_of, simulator_of  # noqa: E402
+from hidden_runs import central, plant_of, simulator_of  # noqa: E402
 from stepid.fitting.problem import build  # noqa: E402
 from stepid.simulation.homogeneity import Homogeneity  # noqa: E402
-from stepid.simulation.simulator import Simulator  # noqa: E402
 
 TIGHT = 1e-12
 FITS = (
@@ -51,17 +50,6 @@ def all_simulated() -> Iterator[None]:
         yield
     finally:
         Homogeneity.following = kept  # type: ignore[method-assign]
-
-
-def central(sim: Simulator, shared: np.ndarray, local: np.ndarray, row: int, step: float) -> np.ndarray:
-    both = []
-    for way in (1, -1):
-        moved = [shared.copy(), local.copy()]
-        at, place = (0, row) if row < shared.size else (1, row - shared.size)
-        moved[at][place] += way * step
-        both.append(sim.readings(moved[0][None], moved[1][None])[0])
-    out: np.ndarray = (both[0] - both[1]) / (2 * step)
-    return out
 
 
 def errors(case: str) -> Iterator[tuple[float, float]]:

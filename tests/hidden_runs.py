@@ -68,6 +68,20 @@ def simulated(told: Run, **options: Any) -> np.ndarray:
     return simulator_of(told, **options).readings(shared[None], local[None])[0]
 
 
+def central(sim: Simulator, shared: np.ndarray, local: np.ndarray, row: int, step: float) -> np.ndarray:
+    """Central difference of the reading by one parameter, those of the run after the shared ones."""
+    both = []
+    for way in (1, -1):
+        moved = [shared.copy(), local.copy()]
+        if row < shared.size:
+            moved[0][row] += way * step
+        else:
+            moved[1][row - shared.size] += way * step
+        both.append(sim.readings(moved[0][None], moved[1][None])[0])
+    out: np.ndarray = (both[0] - both[1]) / (2 * step)
+    return out
+
+
 def error(case: str | Case, tolerance: float = FINE) -> float:
     """RMS distance to the tight reference, counts."""
     off = simulated(run(case), tolerance=tolerance) - reference(case)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from broken_campaigns import DAMPING, STIFFNESS, campaign
+from stepid.diagnosis.selection.proposal import related
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.fitting.equation_score import EquationOfMotion
 from stepid.fitting.fit import prepare
@@ -27,7 +28,7 @@ def prepared(effects: Mapping[str, Mapping[str, float]]) -> FitContext:
 
 
 def apart(one: Effect, other: Effect) -> bool:
-    return not (one.name == other.name or one.name in other.contains or other.name in one.contains)
+    return not related(one, other)
 
 
 def place(found: list[ScoredSet], hidden: Mapping[str, object]) -> int:

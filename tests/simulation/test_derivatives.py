@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hidden.accuracy_cases import ALONE, run
-from hidden_runs import plant_of, records_of, simulator_of
+from hidden_runs import central, plant_of, records_of, simulator_of
 from stepid.effects import resolve
 from stepid.fitting.problem import build
 from stepid.simulation.simulator import Simulator
@@ -33,19 +33,6 @@ OFTEN = (
 def derivatives(sim: Simulator, shared: np.ndarray, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     reading = sim.readings(shared[None], local[None])[0]
     return sim.derivatives(shared, local, reading, np.ones(shared.size, bool), np.ones(local.shape, bool))
-
-
-def central(sim: Simulator, shared: np.ndarray, local: np.ndarray, row: int, step: float) -> np.ndarray:
-    both = []
-    for way in (1, -1):
-        moved = [shared.copy(), local.copy()]
-        if row < shared.size:
-            moved[0][row] += way * step
-        else:
-            moved[1][row - shared.size] += way * step
-        both.append(sim.readings(moved[0][None], moved[1][None])[0])
-    out: np.ndarray = (both[0] - both[1]) / (2 * step)
-    return out
 
 
 @pytest.mark.parametrize("name", [n if n in OFTEN else pytest.param(n, marks=pytest.mark.slow) for n in ALONE])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hidden.accuracy_cases import ALONE, run
-from hidden_runs import plant_of, records_of, simulator_of
+from hidden_runs import central, plant_of, records_of, simulator_of
 from stepid.core.base import Array
 from stepid.effects import resolve
 from stepid.effects.base import Effect, Moment, Parameter, Values
@@ -75,13 +75,7 @@ def test_derivatives_that_follow_are_those_of_the_reading(name: str, kind: str) 
     assert (found.row[1] >= 0).all() == (free and name != "periodic_disturbance")
     steps = sim.steps(shared)
     for row in found.row[found.row >= 0]:
-        both = []
-        for way in (1, -1):
-            moved = [shared.copy(), local.copy()]
-            at, place = (0, row) if row < shared.size else (1, row - shared.size)
-            moved[at][place] += way * steps[row]
-            both.append(tight.readings(moved[0][None], moved[1][None])[0])
-        slope = (both[0] - both[1]) / (2 * steps[row])
+        slope = central(tight, shared, local, row, steps[row])
         assert np.linalg.norm(rows[row] - slope) < 1e-3 * np.linalg.norm(slope), f"parameter {row}"
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Regressor
-from stepid.fitting.multistart import VALLEYS, FitContext
+from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import fixes_mass
 from stepid.fitting.score_test import Column, difference, scaled
 from stepid.fitting.weak_form import WeakForm
@@ -49,13 +49,12 @@ class EquationOfMotion:
             self.samples = left.size / _OVERLAP - basis.shape[1]
             if self.samples > _FEWEST:
                 break
-        self._basis, self.left = basis, left
+        self.left = left
         self.directed = self.samples > 0
 
     def beyond(self, seen: Array) -> Array:
         """The part of tested forces, shape (rows,) or (rows, k), that the linear plant's own cannot follow."""
-        out: Array = seen - self._basis @ (self._basis.T @ seen)
-        return out
+        return self._weak.beyond(seen)
 
     def adapted(self, seen: Array) -> Array:
         """Shared parameters of the linear plant beside tested forces, shape (rows,); those fitted where none is one."""
@@ -66,8 +65,7 @@ class EquationOfMotion:
         """What to try of an effect; of a scan the deepest valleys of what this equation leaves."""
         if not effect.repeats:
             return self._context.regressors(effect, self._context.scales)
-        every = effect.regressors(self._context.scales, self._context.motion)
-        return [every[i] for i in self._weak.valleys([one.forces for one in every])[:VALLEYS]]
+        return self._weak.deepest(effect.regressors(self._context.scales, self._context.motion))
 
     def columns(self, effects: tuple[Effect, ...]) -> list[Column]:
         """Tested forces of every effect at each of its starts.

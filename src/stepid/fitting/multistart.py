@@ -27,7 +27,6 @@ from stepid.simulation.simulator import COARSE
 
 _SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
 _SAME = 0.01  # share of what is left above the floor, by which two ends are one
-VALLEYS = 10  # of a scan, that are tried
 _POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
 
 
@@ -128,9 +127,7 @@ class FitContext:
         if not effect.repeats:
             return effect.regressors(scales, self.motion)
         if effect not in self._scanned:
-            every = effect.regressors(scales, self.motion)
-            deepest = self.weak.valleys([regressor.forces for regressor in every])[:VALLEYS]
-            self._scanned[effect] = [every[i] for i in sorted(deepest)]
+            self._scanned[effect] = self.weak.deepest(effect.regressors(scales, self.motion))
         return self._scanned[effect]
 
     def weak_starts(self, effect: Effect, count: int) -> list[Start]:

@@ -13,10 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.effects.base import Effect, Moment, Motion
+from stepid.effects.base import Effect, Moment, Motion, Regressor
 from stepid.simulation.records import Records
 
 _LONG = 200  # samples of a kernel that is applied by transforms
+_VALLEYS = 10  # of a scan, that are tried
 _SLOW = 0.05  # of the largest speed, below which dry friction may hold the cart soon
 _RESTING = 0.25  # of a bump, that may be slower
 
@@ -132,11 +133,8 @@ class WeakForm:
         matrix, rhs = self._matrix, self._rhs
         if forces:
             matrix = np.column_stack([matrix, *(-self.test(g) for g in forces)])
-        scale = np.linalg.norm(matrix, axis=0)
-        scale[scale == 0] = 1.0
-        solution, *_ = np.linalg.lstsq(matrix / scale, rhs, rcond=1e-9)
-        left = float(np.sqrt(np.mean((rhs - (matrix / scale) @ solution) ** 2)))
-        solution = solution / scale
+        solution, beyond = _least_squares(matrix, rhs)
+        left = float(np.sqrt(np.mean(beyond**2)))
         plant = self.plant(solution[: self._matrix.shape[1]])
         if plant is None:
             return None
@@ -161,9 +159,7 @@ class WeakForm:
 
     def plant_beside(self, tested: Array) -> tuple[Array, Array] | None:
         """The plant, as `plant` gives it, that is left with forces that are known, ∫φ g of shape (rows,)."""
-        scale = np.linalg.norm(self._matrix, axis=0)
-        scale[scale == 0] = 1.0
-        return self.plant(np.linalg.lstsq(self._matrix / scale, self._rhs + tested, rcond=1e-9)[0] / scale)
+        return self.plant(_least_squares(self._matrix, self._rhs + tested)[0])
 
     @cached_property
     def plain(self) -> tuple[Array, Array]:
@@ -172,25 +168,44 @@ class WeakForm:
         q = np.linalg.qr(self._matrix[:, scale > 0] / scale[scale > 0])[0]
         return q, self._rhs - q @ (q.T @ self._rhs)
 
+    def beyond(self, tested: Array) -> Array:
+        """The part of tested forces, shape (rows,) or (rows, k), that the plain plant's columns cannot follow."""
+        q = self.plain[0]
+        out: Array = tested - q @ (q.T @ tested)
+        return out
+
+    def deepest(self, scan: Sequence[Regressor]) -> list[Regressor]:
+        """Of a scan what to try: the deepest valleys of what is left, each a basin, in the scan's order."""
+        found = self.valleys([regressor.forces for regressor in scan])[:_VALLEYS]
+        return [scan[i] for i in sorted(found)]
+
     def valleys(self, scan: Sequence[tuple[Array, ...]]) -> list[int]:
         """Places in a scan of forces that leave less than their neighbors do, what leaves least first."""
-        q, plain = self.plain
+        plain = self.plain[1]
         left = np.empty(len(scan))
         for i, forces in enumerate(scan):
-            added = np.column_stack([self.test(force) for force in forces])
-            added = added - q @ (q.T @ added)
+            added = self.beyond(np.column_stack([self.test(force) for force in forces]))
             left[i] = np.linalg.norm(plain - added @ np.linalg.lstsq(added, plain, rcond=1e-9)[0])
         before, after = np.append(np.inf, left[:-1]), np.append(left[1:], np.inf)
         return sorted(map(int, np.flatnonzero((left <= before) & (left < after))), key=lambda i: float(left[i]))
 
     def left_by_run(self, forces: list[Array]) -> float:
         """Share of what the plain plant leaves that is left with forces of other strength in every run."""
-        q, left = self.plain
+        left = self.plain[1]
         own = self._run == np.arange(len(self._records.runs))[:, None]
         added = np.column_stack([np.where(mine, tested, 0.0) for tested in map(self.test, forces) for mine in own])
-        added = added - q @ (q.T @ added)
+        added = self.beyond(added)
         after = left - added @ np.linalg.lstsq(added, left, rcond=1e-9)[0]
         return float((after @ after) / (left @ left))
+
+
+def _least_squares(matrix: Array, rhs: Array) -> tuple[Array, Array]:
+    """Solution by columns scaled to one, and what it leaves."""
+    scale = np.linalg.norm(matrix, axis=0)
+    scale[scale == 0] = 1.0
+    scaled = matrix / scale
+    solution = np.linalg.lstsq(scaled, rhs, rcond=1e-9)[0]
+    return solution / scale, rhs - scaled @ solution
 
 
 def measured_motion(records: Records, linear: Array, floor: float, period: float) -> Motion:

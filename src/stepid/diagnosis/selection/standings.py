@@ -56,11 +56,10 @@ class Standings:
             larger = len(best.effects) > LEADING and not best.deviations
             far = best.optimum.cost < (1 - self.criteria.lead) * lead.optimum.cost  # on its way to the noise
             return [lead, best] if larger and far else [lead]
-        noise = [c for c in self.candidates.values() if c is not best and self._leaves_noise(c)]
-        if imitators(self.fit, self.criteria, best):  # it cannot be named: the first that can be leads beside it
-            return [best, *sorted(noise, key=lambda c: self._qbic(c.optimum))[:1]]
-        others = [c for c in noise if c.deviations]
-        return [best, *sorted(others, key=lambda c: self._qbic(c.optimum))[: self.effort.beam - 1]]
+        barred = bool(imitators(self.fit, self.criteria, best))
+        others = [c for c in self.candidates.values() if c is not best and (barred or c.deviations)]
+        others = sorted(filter(self._leaves_noise, others), key=lambda c: self._qbic(c.optimum))
+        return [best, *others[: 1 if barred else self.effort.beam - 1]]
 
     def _counts(self, found: Candidate) -> Array:
         """Effective samples of each run in a candidate's residual, of the last one asked for kept."""
