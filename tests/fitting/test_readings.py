@@ -169,6 +169,21 @@ def test_an_eccentric_encoder_is_subtracted() -> None:
         assert np.std(np.asarray(run.position) - true) < 1.1 * np.hypot(rounding, 0.01 * size)
 
 
+def test_a_large_eccentricity_is_subtracted_to_its_second_order() -> None:
+    """The line is one of where the cart is: at the readings it would have harmonics, of 2π·size/pitch of its size."""
+    size, pitch = 300e-6, 9.6e-3
+    clean = white(14, runs(), 2e-6)
+    read = campaign([x + size * np.sin(2 * np.pi * x / pitch + 1.0) for x in clean], counts=FINE)
+    context = prepare(read)
+    found = find_eccentricity(context.linear, context.floor)
+    assert found is not None
+    assert found.amplitude == pytest.approx(size, rel=3e-3)
+    assert found.pitch == pytest.approx(pitch, rel=1e-3)
+    for run, true in zip(without_eccentricity(read, found), clean, strict=True):
+        off = np.asarray(run.position) - true
+        assert np.std(off) < 4e-6  # a plain fit to the readings leaves more than a fifth of the harmonic
+
+
 def test_a_law_that_bends_once_along_the_way_is_no_line() -> None:
     read = [x + 3.0 * x**2 for x in runs()]  # the best of all pitches would be the longest
     context = prepare(campaign(white(15, read, 5e-6), counts=FINE))

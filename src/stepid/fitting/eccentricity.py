@@ -15,6 +15,7 @@ from stepid.simulation.records import Records
 _TURNS = (1.0, 100.0)  # of the encoder within the travel, that can be told
 _FINE = 0.25  # turns, by which pitches are told apart
 _INVERTED = 4  # steps by which a reading is corrected, each ten times as exact as the one before, or more
+_PASSES = 2  # from where the readings are to where the cart is
 _EVIDENCE = 50.0  # n ln(RSS / RSS) of the line
 _MOST = 0.7  # share of what is left above the noise that the line must take
 _ALIKE = 0.3  # of the amplitude, by which runs may differ
@@ -55,11 +56,16 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
         return None
     waves = line.waves(turns)
     values, gained = _fitted(waves, residual)
+    for _ in range(_PASSES):  # the line is one of the true position
+        line.position = _true(records.position, *_wave(values), line.travel / turns)
+        turns = line.strongest(near=turns)
+        waves = line.waves(turns)
+        values, gained = _fitted(waves, residual)
     left = float(residual @ residual) - gained
     evidence = use.sum() * np.log((left + gained) / max(left, 1e-30))
     if evidence < _EVIDENCE or gained < _MOST * excess:
         return None
-    amplitude, noise = float(np.hypot(*values)), np.sqrt(left / use.sum())
+    (amplitude, phase), noise = _wave(values), np.sqrt(left / use.sum())
     for piece in records.pieces():
         own, _ = _fitted(waves[:, piece], residual[piece])
         error = noise * np.sqrt(2.0 / max(float(np.sum(waves[:, piece] ** 2)) / 2, 1e-30))
@@ -71,16 +77,27 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
         "whatever the mass and speed: an encoder or a pulley that sits off its axis."
     )
     fault = RecordFault(run=ALL_RUNS, kind="encoder eccentricity", size=amplitude, unit="m", words=words)
-    return Eccentricity(amplitude, pitch, float(np.arctan2(values[1], values[0])), fault)
+    return Eccentricity(amplitude, pitch, phase, fault)
+
+
+def _wave(values: Array) -> tuple[float, float]:
+    """Amplitude and phase of a sine, by its shares of sine and cosine."""
+    return float(np.hypot(*values)), float(np.arctan2(values[1], values[0]))
+
+
+def _true(reading: Array, amplitude: float, phase: float, pitch: float) -> Array:
+    """The positions of which a line is on the readings."""
+    position = reading
+    for _ in range(_INVERTED):
+        position = reading - amplitude * np.sin(2 * np.pi * position / pitch + phase)
+    return position
 
 
 def without_eccentricity(campaign: Campaign, found: Eccentricity) -> Campaign:
     """Subtract an encoder's line from the readings of a campaign."""
     runs = []
     for run in campaign.experiments:
-        position = run.position
-        for _ in range(_INVERTED):  # the line is one of the true position
-            position = run.position - found.amplitude * np.sin(2 * np.pi * position / found.pitch + found.phase)
+        position = _true(run.position, found.amplitude, found.phase, found.pitch)
         position.setflags(write=False)
         runs.append(run.model_copy(update={"position": position}))
     return campaign.model_copy(update={"experiments": tuple(runs)})
@@ -95,21 +112,22 @@ class _Line:
         self._own = np.linalg.qr(jacobian[:, size > 0] / size[size > 0])[0] if self.finite else jacobian
         self._residual, self._records = residual, records
         self.travel = float(np.ptp(records.position))
+        self.position = records.position
 
     def waves(self, turns: float) -> Array:
         """Sine and cosine of so many turns within the travel, shape (2, S)."""
-        angle = 2 * np.pi * turns * self._records.position / self.travel
+        angle = 2 * np.pi * turns * self.position / self.travel
         both = self._records.weighted(np.array([np.sin(angle), np.cos(angle)]))
         out: Array = both - (both @ self._own) @ self._own.T
         return out
 
-    def strongest(self) -> float:
-        """Turns of the line that takes most of the residual."""
-        first = max(np.arange(_TURNS[0], _TURNS[1], _FINE), key=self._gain)
+    def strongest(self, near: float | None = None) -> float:
+        """Turns of the line that takes most of the residual, of all or of those near some."""
+        first = near or max(np.arange(_TURNS[0], _TURNS[1], _FINE), key=self._gain)
         from scipy.optimize import minimize_scalar  # slow to import, seldom needed
 
-        near = (max(first - _FINE, _TURNS[0]), min(first + _FINE, _TURNS[1]))
-        return float(minimize_scalar(lambda turns: -self._gain(turns), bounds=near, options={"xatol": 1e-4}).x)
+        ends = (max(first - _FINE, _TURNS[0]), min(first + _FINE, _TURNS[1]))
+        return float(minimize_scalar(lambda turns: -self._gain(turns), bounds=ends, options={"xatol": 1e-4}).x)
 
     def _gain(self, turns: float) -> float:
         return _fitted(self.waves(turns), self._residual)[1]
