@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from stepid.core.estimate import Estimate
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.selection.candidate import Candidate
@@ -17,6 +18,12 @@ from stepid.fitting.input_fault import InputFault
 
 FLOOR = 1e-5  # m
 RUNS, SAMPLES = 4, 100  # a run
+
+
+class Kept(SimpleNamespace):
+    """Plain values that `once` can refer to weakly."""
+
+    __hash__ = object.__hash__
 
 
 def white(seed: int = 0) -> np.ndarray:
@@ -113,6 +120,8 @@ class Told:
     rivals: tuple[Candidate, ...] = ()
     undetermined: tuple[str, ...] = ()
     imitated: dict[str, str] = field(default_factory=dict)
+    sized: dict[str, Estimate] = field(default_factory=dict)
+    open_beside: tuple[str, ...] = ()
     beside_lead: tuple[Candidate, ...] = ()
     share_taken: tuple[float, float] = (0.95, 0.9)
     held: float = 1.0
@@ -151,3 +160,9 @@ class Told:
 
     def imitators(self, found: Candidate) -> dict[str, str]:
         return self.imitated
+
+    def limited(self, found: Candidate) -> dict[str, Estimate]:
+        return self.sized
+
+    def open(self, found: Candidate) -> tuple[str, ...]:
+        return self.open_beside

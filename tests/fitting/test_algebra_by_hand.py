@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import stepid
+from made_up_evidence import Kept
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
 from stepid.fitting import decimation, profile
@@ -90,6 +91,7 @@ class Parabola:
     bend: float = 4.0
     least: float = 3.0
     records: Any = None
+    layout: Any = field(default_factory=lambda: SimpleNamespace(values=()))
 
 
 def parabola(monkeypatch: pytest.MonkeyPatch, **changes: Any) -> Any:
@@ -102,7 +104,7 @@ def parabola(monkeypatch: pytest.MonkeyPatch, **changes: Any) -> Any:
         return SimpleNamespace(problem=held, shared=shared, local=local, cost=cost)
 
     monkeypatch.setattr(profile, "minimize", minimize)
-    return SimpleNamespace(problem=problem, shared=np.array([problem.best]), local=np.zeros(1), cost=problem.least)
+    return Kept(problem=problem, shared=np.array([problem.best]), local=np.zeros(1), cost=problem.least)
 
 
 @pytest.mark.parametrize("distance", [0.3, 1.0, 8.0, -0.3, -8.0])

@@ -59,31 +59,47 @@ class Estimate(Model):
         What the uncertainty is made of, same unit: ``"noise"``, ``"weights"`` (the known added masses), ``"runs"``
         (what differs from run to run), ``"scale"`` (counts per meter). Their squares add up to its square. Empty where
         that is not known.
-    limits : (float, float) or None
-        Ends of the 95 % interval where it is not 1.96 standard uncertainties to either side, same unit.
+    limits : (float or None, float or None) or None
+        Ends of the 95 % interval where it is not 1.96 standard uncertainties to either side, same unit. None is an end
+        that the data leave open: the quantity is at least, or at most, the other.
     """
 
     value: Finite
     uncertainty: NonNegative | None = None
     unit: str = ""
     parts: Mapping[str, NonNegative] = {}
-    limits: tuple[Finite, Finite] | None = None
+    limits: tuple[Finite | None, Finite | None] | None = None
 
     @property
     def interval(self) -> tuple[float, float] | None:
-        """The 95 % interval: `limits`, else value ± 1.96 standard uncertainties, or None where undetermined."""
+        """The 95 % interval: `limits`, else value ± 1.96 standard uncertainties, or None where an end is open."""
         if self.uncertainty is None:
             return None
         if self.limits is not None:
-            return self.limits
+            low, high = self.limits
+            return None if low is None or high is None else (low, high)
         return self.value - 1.96 * self.uncertainty, self.value + 1.96 * self.uncertainty
 
     @property
     def shown(self) -> tuple[str, str]:
         """The value ± its standard uncertainty, and the unit that both are in: mm and ms for what is short."""
+        if self.one_sided:
+            words, end = self.one_sided
+            value, _, unit = prefixed(end, None, self.unit)
+            return f"{words} {value:.2g}", unit
         value, uncertainty, unit = prefixed(self.value, self.uncertainty, self.unit)
         return format_value(value, uncertainty) + " (undetermined)" * (uncertainty is None), unit
 
+    @property
+    def one_sided(self) -> tuple[str, float] | None:
+        """``"at least"`` or ``"at most"`` and the end of the 95 % interval where the data leave the other end open."""
+        low, high = self.limits or (None, None)
+        if low is not None and high is None:
+            return "at least", low
+        return ("at most", high) if high is not None and low is None else None
+
     def __str__(self) -> str:
+        if self.one_sided:
+            return " ".join(self.shown).rstrip()
         value, uncertainty, unit = prefixed(self.value, self.uncertainty, self.unit)
         return f"{format_value(value, uncertainty)} {unit}".rstrip() + " (undetermined)" * (uncertainty is None)

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from stepid.core.estimate import Estimate
+from stepid.core.once import once
 from stepid.effects.base import Effect
 from stepid.fitting.covariance import parameter_names, uncertain
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
@@ -28,7 +29,7 @@ def profiled(
 
     All other parameters are fitted anew on both sides, up to where χ² has grown by 3.84, the noise's correlation
     counted in; what comes from weights and scale is added. A side without such a place is open, and the parameter is
-    not determined.
+    not determined; see `limited` for what the other side says.
 
     Parameters
     ----------
@@ -37,9 +38,10 @@ def profiled(
     optimum, effects, floor
         As there.
     """
-    problem, out = optimum.problem, dict(parameters)
     names = [name for name, _ in parameter_names(optimum, effects)]
-    odd = [i for i in np.flatnonzero(problem.free).tolist() if _odd(parameters[names[i]], optimum, i)]
+    vague = tuple(n for n in names if _vague(parameters[n]))
+    problem, out = optimum.problem, {**parameters, **limited(optimum, effects, floor, vague)}
+    odd = [i for i in np.flatnonzero(problem.free).tolist() if out[names[i]].parts and _odd(out[names[i]], optimum, i)]
     if not odd:
         return out
     near = uncertain(optimum, floor)
@@ -59,6 +61,49 @@ def profiled(
     return out
 
 
+@once
+def limited(optimum: Optimum, effects: tuple[Effect, ...], floor: float, names: tuple[str, ...]) -> dict[str, Estimate]:
+    """Of some parameters those that the data limit on the side on which the effect is absent, and on no other.
+
+    A gap that the cart never crosses has a least width and no largest: the effect is there, its size is open. The
+    strength of an effect is asked, by `Effect.faint`, where it is one parameter.
+
+    Parameters
+    ----------
+    optimum, effects, floor
+        As for `stepid.fitting.covariance.estimates`.
+    names : tuple of str
+        Parameters that the data do not determine.
+
+    Returns
+    -------
+    dict of str to Estimate
+        Without an uncertainty; one end of the 95 % limits is None.
+    """
+    out: dict[str, Estimate] = {}
+    problem = optimum.problem
+    for effect, place in zip(effects, problem.layout.values, strict=True):
+        values = tuple(map(float, optimum.shared[place]))
+        moved = np.flatnonzero(np.subtract(effect.faint(values, 0.5), values))
+        name = f"{effect.name}.{effect.parameters[moved[0]].name}" if moved.size == 1 else ""
+        index = place.start + int(moved[0]) if name else 0
+        if name not in names or not problem.free[index]:
+            continue
+        near, column = uncertain(optimum, floor), int(problem.free[:index].sum())
+        wanted = _NORMAL**2 * near.level**2 * max(float(near.excess[column]), 1.0)
+        toward = effect.faint(values, 0.5)[moved[0]] - values[moved[0]]
+        end = _limit(optimum, index, toward, wanted)
+        bounds = (None, float(problem.lower[index]), float(problem.upper[index]))
+        if end not in bounds and _limit(optimum, index, -toward, wanted) in bounds:
+            ends = (end, None) if toward < 0 else (None, end)
+            out[name] = Estimate(value=values[moved[0]], unit=effect.parameters[moved[0]].unit, limits=ends)
+    return out
+
+
+def _vague(e: Estimate) -> bool:
+    return e.uncertainty is None or e.uncertainty > 0.5 * abs(e.value)
+
+
 def _odd(e: Estimate, optimum: Optimum, index: int) -> bool:
     spread = e.parts.get("noise")
     if spread is None or not spread > 0 or e.unit == "rad":
@@ -73,6 +118,7 @@ def _limit(optimum: Optimum, index: int, distance: float, wanted: float) -> floa
     value, low, high = float(optimum.shared[index]), float(problem.lower[index]), float(problem.upper[index])
     held = replace(problem, free=problem.free & (np.arange(problem.free.size) != index))
     best, found, first = optimum.cost, optimum, abs(distance)
+    inside, outside = 0.0, math.inf  # distances at which the cost has grown by less, and by more
     for _ in range(_TRIES):
         place = min(max(value + distance, low), high)
         shared = found.shared.copy()
@@ -85,7 +131,14 @@ def _limit(optimum: Optimum, index: int, distance: float, wanted: float) -> floa
             return place
         if abs(distance) > _FAR * first:
             return None
-        found = again if again is not None else found
+        if grown < wanted:
+            found, inside = (again or found), abs(distance)
+        else:
+            outside = abs(distance)
         factor = math.sqrt(wanted / max(grown, 0.02 * wanted)) if np.isfinite(grown) else 0.5
         distance *= min(max(factor, 0.2), 5.0)
+        if not inside < abs(distance) < outside:  # flat, then steep: no parabola
+            distance = math.copysign(0.5 * (inside + outside), distance)
+    if math.isfinite(outside):
+        distance = math.copysign(outside, distance)
     return min(max(value + distance, low), high)
