@@ -151,7 +151,7 @@ CASES: Mapping[str, Case] = {
     "rival": Case(5.0, True, 20.0, False, rival),
     "white": Case(5.0, True, 3.0, False, lambda c: at_floor(context(), c, candidate(structure=4.0))),
     "floor": Case(1.12, True, 1.01, False, lambda c: at_floor(context(), c, slow(1.12))),
-    "near": Case(1.15, True, 1.05, False, lambda c: at_floor(context(), c, candidate(times=1.1))),
+    "near": Case(1.15, True, 1.05, False, lambda c: at_floor(context(), c, candidate(times=1.2))),
     "faint": Case(1.05, "adequate", 1.01, "", faint),
     "open": Case(0.5, (), 0.2, ("coulomb_friction.level",), open_parameters),
     "lead": Case(0.85, True, 0.95, False, lead()),

@@ -51,7 +51,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         effects=tuple(e.name for e in effects),
         alternatives=tuple(c.names for c in answer.alternatives),
         gap=Gap(before=linear.rms, after=final.rms, noise=floor, held_out_before=pooled[0], held_out_after=pooled[1]),
-        parameters=estimates(final, effects, floor)[0],
+        parameters=estimates(final, effects, floor)[0] | evidence.limited(told),
         linear_parameters=estimates(linear, (), floor)[0],
         where=locate(records, linear, floor, context.measured),
         next_experiment=_next(campaign, evidence, answer),

@@ -99,9 +99,10 @@ def at_floor(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
     times = found.optimum.rms / context.floor
     if context.colored is not None:  # its size is known less well, and it is not white
         return times <= criteria.near
-    if found.structure >= criteria.white or times > criteria.near:
+    chance = 2.0 / math.sqrt(samples)
+    if found.structure >= criteria.white or times > criteria.near + chance:
         return False
-    return times <= criteria.floor + 2.0 / math.sqrt(samples) or is_white(context, found, 2.0)
+    return times <= criteria.floor + chance or is_white(context, found, 2.0)
 
 
 def is_white(context: FitContext, found: Candidate, deviations: float) -> bool:

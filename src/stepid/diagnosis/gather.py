@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.estimate import Estimate
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
@@ -27,6 +28,7 @@ from stepid.fitting.input_fault import InputFault
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import repeatability
+from stepid.fitting.profile import limited
 from stepid.fitting.record_fault import RecordFault
 
 if TYPE_CHECKING:
@@ -104,7 +106,7 @@ class EvidenceRecord:
 
     @cached_property
     def rivals(self) -> tuple[Candidate, ...]:
-        """Candidates that the data do not tell from the best, best first, one for each set of effects."""
+        """Candidates that the data do not tell from the best and that may be named, best first, one for each set."""
         best = self.best
         own = next(w.loss for w in self.weighed if w.candidate is best)
         out: dict[frozenset[str], Candidate] = {}
@@ -113,7 +115,7 @@ class EvidenceRecord:
             names = frozenset(other.names)
             if names == frozenset(best.names) or names in out or not names or len(other.effects) > len(best.effects):
                 continue
-            if self._rivals(other, w.loss - own):
+            if self._rivals(other, w.loss - own) and not self.imitators(other):
                 out[names] = other
         return tuple(out.values())
 
@@ -132,6 +134,7 @@ class EvidenceRecord:
         names, best = frozenset(self.best.names), self.best
         inside = [w.candidate for w in self.weighed if includes(best.effects, w.candidate.effects)]
         alike = [c for c in inside if len(c.effects) == len(best.effects) and frozenset(c.names) != names]
+        alike = [c for c in alike if not self.imitators(c)]
         return tuple(c for c in alike[:1] if self.times(c) <= 2 * self.criteria.near)
 
     def stands_for(self, simple: Candidate, general: Candidate) -> bool:
@@ -155,11 +158,25 @@ class EvidenceRecord:
     @cached_property
     def undetermined(self) -> tuple[str, ...]:
         """Parameters of the best candidate's effects that the data do not determine."""
-        return undetermined(self.context, self.criteria, self.best) if self.best.effects else ()
+        return self.open(self.best) if self.best.effects else ()
+
+    def open(self, found: Candidate) -> tuple[str, ...]:
+        """Parameters of a candidate's effects that the data leave open on the side on which the effect is absent."""
+        sure = self.limited(found)
+        return tuple(name for name in undetermined(self.context, self.criteria, found) if name not in sure)
+
+    def limited(self, found: Candidate) -> dict[str, Estimate]:
+        """Parameters that the data limit on that side only: the effect is there, its size is open."""
+        names = undetermined(self.context, self.criteria, found)
+        return limited(found.optimum, found.effects, self.context.floor, names) if names else {}
 
     def imitators(self, found: Candidate) -> dict[str, str]:
         """Effects that a linear parameter can stand in for."""
         return imitators(self.context, self.criteria, found)
+
+    def _barred(self, found: Candidate) -> bool:
+        """Tell whether a candidate may not be named: something else stands in for an effect, or it is open."""
+        return bool(self.imitators(found)) or bool(self.open(found))
 
     # ---- leads ----------------------------------------------------------------------------------------------------
 
@@ -220,8 +237,13 @@ class EvidenceRecord:
 
     def weight(self, *found: Candidate) -> float:
         """Weight of all candidates that hold the effects of one of some, or effects that contain them."""
-        able = [w for w in self.weighed if not self.imitators(w.candidate)]
         # beside those that may not be named, which can outweigh by far, all others would be alike
+        able: list[Weighed] = []
+        for w in self.weighed:
+            if able and math.exp(-0.5 * (w.loss - able[0].loss)) < (1.0 - self.criteria.sure) / len(self.weighed):
+                break  # all of them together cannot dispute
+            if not self._barred(w.candidate):
+                able.append(w)
         raw = [math.exp(-0.5 * (w.loss - able[0].loss)) for w in able]
         held = [any(includes(w.candidate.effects, c.effects) for c in found) for w in able]
         return math.fsum(one for one, has in zip(raw, held, strict=True) if has) / math.fsum(raw)

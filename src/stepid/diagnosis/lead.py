@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from stepid.diagnosis.evidence import Weighed
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, includes
-from stepid.diagnosis.vetoes import undetermined
 
 if TYPE_CHECKING:
     from stepid.diagnosis.gather import EvidenceRecord
@@ -65,7 +64,7 @@ class Leads:
 
     def _determined(self, pair: Candidate) -> Candidate:
         """One effect of two where the other is open: an effect that the data do not determine explains a rest only."""
-        open_ = {name.split(".")[0] for name in undetermined(self._told.context, self._told.criteria, pair)}
+        open_ = {name.split(".")[0] for name in self._told.open(pair)}
         named = [name for name in pair.names if name not in open_]
         alone = [w.candidate for w in self.able if w.candidate.names == tuple(named)]
         return alone[0] if open_ and alone else pair

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.result import Verdict
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
-from stepid.diagnosis.vetoes import undetermined
 from stepid.diagnosis.wording import effect_names, length, parameter_words, whole_percent
 
 
@@ -103,18 +102,23 @@ def rest_follows_the_motion(e: EvidenceRecord) -> Answer | None:
 
 
 def complete_but_open(e: EvidenceRecord) -> Answer | None:
-    """The best leaves only noise, but a parameter of its effects is not determined: other answers are as good."""
-    if not e.at_floor(e.best) or not e.undetermined:
+    """The best leaves only noise, but a parameter is not determined, or an effect not seen: others are as good."""
+    imitated = e.imitators(e.best)
+    if not e.at_floor(e.best) or not (e.undetermined or imitated):
         return None
     sure = [c for c in e.rivals if e.at_floor(c)] or list(e.simpler)
     sure = [c for c in sure if not e.followed(c)]
-    names = ", ".join(map(parameter_words, e.undetermined))
-    said = f"{_title(e.best)} leaves only noise, but the data do not determine {names}."
+    but = "the data do not determine " + ", ".join(map(parameter_words, e.undetermined))
+    if not e.undetermined:
+        but = ", ".join(f"{_title_of(name)} cannot be told from {what} here" for name, what in imitated.items())
+    said = f"{_title(e.best)} leaves only noise, but {but}."
     if not sure:
         inside = _inside(e)
         if inside is None:
             return Answer("unexplained", e.best, (), (said, "No effect is named."))
         return replace(inside, reasons=(*inside.reasons, said))
+    if imitated:
+        return _with_rivals(e, sure[0], tuple(sure[1:]), (said,)) or Answer("named", sure[0], (), (said,))
     return Answer("ambiguous", sure[0], (*sure[1:], e.best), (said,))
 
 
@@ -122,10 +126,13 @@ def complete(e: EvidenceRecord) -> Answer | None:
     """The best leaves only noise, and no other does."""
     if not e.at_floor(e.best):
         return None
-    rivals = e.rivals
-    said = f"With {_title(e.best)} the model leaves {length(e.best.optimum.rms)}, as much as the noise."
-    return _with_rivals(e, e.best, rivals, (said,)) or Answer(
-        "named", e.best, (), (said, "No other candidate comes near.")
+    said: tuple[str, ...] = (
+        f"With {_title(e.best)} the model leaves {length(e.best.optimum.rms)}, as much as the noise.",
+    )
+    sized = e.limited(e.best).items()
+    said += tuple(f"The data limit {parameter_words(name)} on one side only: {size}." for name, size in sized)
+    return _with_rivals(e, e.best, e.rivals, said) or Answer(
+        "named", e.best, (), (*said, "No other candidate comes near.")
     )
 
 
@@ -155,7 +162,7 @@ def leads(e: EvidenceRecord) -> Answer | None:
     lead, beside = e.lead, e.beside_lead
     if not lead.effects or e.weight(lead, *beside) < e.criteria.sure:
         return None
-    if any(name.split(".")[0] in lead.names for name in _open(e, lead)):
+    if any(name.split(".")[0] in lead.names for name in e.open(lead)):
         return None
     share, steady = e.share(lead)
     least = e.criteria.lead if len(lead.effects) == 1 else (1 + e.criteria.lead) / 2  # a second has to halve the rest
@@ -224,10 +231,6 @@ def _beside_weights(e: EvidenceRecord, answer: Answer) -> Answer:
         return answer
     reasons = (*answer.reasons, _WEIGHTS)
     return replace(answer, verdict="ambiguous", reasons=reasons, rule=complete_but_open.__name__)
-
-
-def _open(e: EvidenceRecord, found: Candidate) -> tuple[str, ...]:
-    return undetermined(e.context, e.criteria, found)
 
 
 def _title(found: Candidate) -> str:

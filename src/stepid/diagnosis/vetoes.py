@@ -37,24 +37,22 @@ def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
 
 
 def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict[str, str]:
-    """Effects of a candidate that a linear parameter can stand in for, to which one.
+    """Effects of a candidate that something else can stand in for, to what.
 
-    What leaves only noise and has all its parameters determined is none: if a linear parameter did as well, these would
-    be open.
+    A linear parameter stands in for none that leaves only noise and has all its parameters determined: if it did as
+    well, these would be open. What the linear plant has not, as a rest position that shifts, stands in there, too.
     """
-    if all(type(e).imitates is Effect.imitates for e in found.effects):
+    if all(type(e).imitates is Effect.imitates and type(e).unseen is Effect.unseen for e in found.effects):
         return {}
-    how = swing(context, criteria, found)
-    places = found.optimum.problem.layout.values
-    said = {
-        e.name: e.imitates(tuple(map(float, found.optimum.shared[place])), how)
-        for e, place in zip(found.effects, places, strict=True)
-    }
-    said = {name: words for name, words in said.items() if words}
-    if said and _leaves_noise(context, criteria, found):
+    how, said, linear = swing(context, criteria, found), {}, {}
+    for e, place in zip(found.effects, found.optimum.problem.layout.values, strict=True):
+        values = tuple(map(float, found.optimum.shared[place]))
+        said[e.name], linear[e.name] = e.unseen(values, how), e.imitates(values, how)
+    if any(linear.values()) and _leaves_noise(context, criteria, found):
         open_ = {name.rpartition(".")[0] for name in undetermined(context, criteria, found)}
-        said = {name: words for name, words in said.items() if name in open_}
-    return said
+        linear = {name: words for name, words in linear.items() if name in open_}
+    both = {name: words or linear.get(name, "") for name, words in said.items()}
+    return {name: words for name, words in both.items() if words}
 
 
 def _leaves_noise(context: FitContext, criteria: Criteria, found: Candidate) -> bool:

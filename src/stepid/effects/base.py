@@ -121,20 +121,16 @@ class Scales(NamedTuple):
 
     Parameters
     ----------
-    displacement, velocity : float
-        m and m/s, largest from rest.
-    force : float
-        N, largest spring force.
+    displacement, velocity, force : float
+        m, m/s and N, largest from rest; the force is the spring's.
     mass, stiffness, damping : float
         kg, N/m, N·s/m: means over the labels.
     volts, volts_least : float
         V, largest and smallest nonzero input.
     sample_time, duration : float
         s, mean sample time and longest record.
-    floor : float
-        m, noise floor.
-    low, high : float
-        m, lowest and highest position from rest.
+    floor, low, high : float
+        m: noise floor, lowest and highest position from rest.
     resonances : tuple of float
         Hz, peaks of the residual's spectrum, strongest first.
     """
@@ -212,6 +208,10 @@ class Effect:
 
     def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
         """Say which linear parameter the effect can stand in for at these values, or nothing."""
+        return ""
+
+    def unseen(self, values: tuple[float, ...], swing: Swing) -> str:
+        """Say what the effect cannot be told from in records too short to show it, however well it fits, or nothing."""
         return ""
 
     def remark(self, values: tuple[float, ...]) -> str:

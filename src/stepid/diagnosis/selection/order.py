@@ -152,8 +152,12 @@ def promises_more(
 
 
 def nameable(fit: FitContext, criteria: Criteria, nodes: Sequence[Node]) -> list[Node]:
-    """Of some nodes those without an effect that a linear parameter can stand in for."""
-    return [n for n in nodes if not imitators(fit, criteria, Candidate(n.effects, n.deviations, n.best, 0.0))]
+    """Of some nodes those without an effect that something else can stand in for, by all samples where known."""
+
+    def found(node: Node) -> Candidate:
+        return Candidate(node.effects, node.deviations, node.fitted.polished or node.best, 0.0)
+
+    return [node for node in nodes if not imitators(fit, criteria, found(node))]
 
 
 def of_each_size(nodes: Iterable[Node]) -> list[list[Node]]:

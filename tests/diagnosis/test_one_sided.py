@@ -1,0 +1,113 @@
+"""Effects whose size the data limit on one side only: they are there, and are named with that limit."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stepid
+from hidden.sets import one
+from made_up_evidence import FRICTION, Kept, Told, candidate
+from stepid.diagnosis import verdict
+from stepid.effects import resolve
+from stepid.fitting import profile
+from stepid.fitting.fit import fit_effects, prepare
+
+GAP = stepid.Estimate(value=8e-4, unit="m", limits=(4.3e-4, None))
+DRAW = "52e0608e075b9f8b3619b4054892972722112f87"
+
+
+def test_an_estimate_says_at_least_or_at_most() -> None:
+    assert str(GAP) == "at least 0.43 mm"
+    assert GAP.shown == ("at least 0.43", "mm")
+    assert str(stepid.Estimate(value=1.0, unit="V", limits=(None, 1.25))) == "at most 1.2 V"
+    assert GAP.interval is None
+    assert GAP.one_sided == ("at least", 4.3e-4)
+    assert stepid.Estimate(value=1.0, uncertainty=0.5, limits=(0.0, 3.0)).one_sided is None
+    assert stepid.Estimate.model_validate_json(GAP.model_dump_json()) == GAP
+
+
+def test_a_limit_where_the_cost_is_flat_and_then_steep(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No parabola leads there: the limit lies between the last place within and the first beyond."""
+    edge = 0.4
+    monkeypatch.setattr(
+        profile,
+        "minimize",
+        lambda held, shared, local, **_: SimpleNamespace(
+            cost=1.0 + 1e6 * max(edge - shared[0], 0.0) ** 2, shared=shared, local=local
+        ),
+    )
+    monkeypatch.setattr(profile, "replace", lambda problem, **_: problem)
+    problem = SimpleNamespace(free=np.array([True]), lower=np.array([0.0]), upper=np.array([np.inf]))
+    flat: Any = SimpleNamespace(problem=problem, shared=np.array([1.0]), local=None, cost=1.0)
+    end = profile._limit(flat, 0, -0.5, wanted=1.0)
+    assert end is not None
+    assert edge - 0.05 < end <= edge
+
+
+def test_a_gap_that_is_never_crossed_has_a_least_width() -> None:
+    """The cart leaves the play once in each run: what it crosses is at most the whole, so the gap is no less."""
+    campaign, truth = one("single-all", 9, DRAW)
+    context, effects = prepare(campaign), resolve(["free_play"])
+    optimum = fit_effects(context, effects)
+    assert optimum is not None
+    found = profile.limited(optimum, effects, context.floor, ("free_play.gap",))["free_play.gap"]
+    true = truth["parameters"]["free_play.gap"]
+    assert found.limits is not None
+    assert found.limits[0] is not None
+    assert 0.5 * true < found.limits[0] < true
+    assert (found.limits[1], found.uncertainty) == (None, None)
+    assert profile.limited(optimum, effects, context.floor, ()) == {}
+    told = stepid.fit(campaign, effects=["free_play"]).parameters["free_play.gap"]
+    assert told.one_sided == ("at least", pytest.approx(found.limits[0], rel=0.1))
+
+
+def test_it_is_named_with_that_limit() -> None:
+    campaign, truth = one("single-all", 9, DRAW)
+    d = stepid.diagnose(campaign)
+    assert (d.verdict, d.effects) == ("named", ("free_play",))
+    assert any("on one side only: at least" in reason for reason in d.reasons)
+    limits = d.parameters["free_play.gap"].limits
+    assert limits is not None
+    assert limits[0] is not None
+    assert limits[0] < truth["parameters"]["free_play.gap"]
+    assert "at least" in str(d)
+
+
+def test_a_strength_that_may_be_none_is_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The limit on the side of absence is absence itself, or nowhere."""
+    effects = resolve(["free_play"])
+    layout = SimpleNamespace(values=(slice(0, 1),))
+    problem = SimpleNamespace(layout=layout, free=np.array([True]), lower=np.array([0.0]), upper=np.array([math.inf]))
+    optimum: Any = Kept(problem=problem, shared=np.array([8e-4]))
+    near = SimpleNamespace(level=1e-5, excess=np.array([1.0]))
+    monkeypatch.setattr(profile, "uncertain", lambda *_: near)
+    for end, other, sized in ((0.0, None, False), (None, None, False), (4e-4, None, True), (4e-4, 9e-4, False)):
+        monkeypatch.setattr(profile, "_limit", lambda *given, end=end, other=other: end if given[2] < 0 else other)
+        found = profile.limited(Kept(**vars(optimum)), effects, 1e-5, ("free_play.gap",))
+        assert bool(found) == sized
+
+
+def test_the_verdict_says_on_which_side() -> None:
+    found = verdict.complete(Told(sized={"coulomb_friction.level": GAP}))  # type: ignore[arg-type]
+    assert found is not None
+    assert found.verdict == "named"
+    assert "The data limit the level of Coulomb friction on one side only: at least 0.43 mm." in found.reasons
+
+
+def test_what_is_not_seen_is_not_named_at_the_floor() -> None:
+    told: dict[str, Any] = {"imitated": {"coulomb_friction": "a slow shift of the rest position"}}
+    alone = verdict.complete_but_open(Told(**told, lead=candidate()))  # type: ignore[arg-type]
+    assert alone is not None
+    assert alone.verdict == "unexplained"
+    assert "Coulomb friction cannot be told from a slow shift of the rest position here." in alone.reasons[0]
+    play = candidate(["free_play"])
+    beside = verdict.complete_but_open(Told(**told, rivals=(play,)))  # type: ignore[arg-type]
+    assert beside is not None
+    assert (beside.verdict, beside.shown, beside.alternatives) == ("named", play, ())
+    assert verdict.complete_but_open(Told()) is None  # type: ignore[arg-type]
+    assert FRICTION not in beside.alternatives
