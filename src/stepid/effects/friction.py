@@ -75,7 +75,7 @@ class LoadProportionalFriction(_DryFriction):
 
 
 class StribeckFriction(_DryFriction):
-    """Friction that falls from F_s at rest to F_c with exp(−(v/v_s)²)."""
+    """Friction that falls from F_s at rest to F_c with exp(−(v/v_s)²); with F_s below F_c it is Coulomb friction."""
 
     name = "stribeck_friction"
     parameters = (Parameter("level", "N"), Parameter("breakaway", "N"), Parameter("velocity", "m/s", 1e-5))
@@ -112,11 +112,11 @@ class StribeckFriction(_DryFriction):
 
     @staticmethod
     def friction(p: Values, m: Moment) -> float:
-        return p[0] + (p[1] - p[0]) * math.exp(-((m.v / p[2]) ** 2))
+        return p[0] + max(p[1] - p[0], 0.0) * math.exp(-((m.v / p[2]) ** 2))
 
     @staticmethod
     def breakaway(p: Values, m: Moment) -> float:
-        return p[1]
+        return max(p[0], p[1])
 
 
 class AsymmetricFriction(_DryFriction):
