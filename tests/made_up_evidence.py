@@ -120,6 +120,7 @@ class Told:
     rivals: tuple[Candidate, ...] = ()
     undetermined: tuple[str, ...] = ()
     imitated: dict[str, str] = field(default_factory=dict)
+    too_short: dict[str, str] = field(default_factory=dict)
     sized: dict[str, Estimate] = field(default_factory=dict)
     open_beside: tuple[str, ...] = ()
     beside_lead: tuple[Candidate, ...] = ()
@@ -160,6 +161,9 @@ class Told:
 
     def imitators(self, found: Candidate) -> dict[str, str]:
         return self.imitated
+
+    def unseen(self, found: Candidate) -> dict[str, str]:
+        return self.too_short
 
     def limited(self, found: Candidate) -> dict[str, Estimate]:
         return self.sized

@@ -100,7 +100,7 @@ def test_the_verdict_says_on_which_side() -> None:
 
 
 def test_what_is_not_seen_is_not_named_at_the_floor() -> None:
-    told: dict[str, Any] = {"imitated": {"coulomb_friction": "a slow shift of the rest position"}}
+    told: dict[str, Any] = {"too_short": {"coulomb_friction": "a slow shift of the rest position"}}
     alone = verdict.complete_but_open(Told(**told, lead=candidate()))  # type: ignore[arg-type]
     assert alone is not None
     assert alone.verdict == "unexplained"

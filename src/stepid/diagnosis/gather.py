@@ -21,7 +21,7 @@ from stepid.diagnosis.free_law import FreeLaw, allowed, followed, free_laws
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.selection.candidate import Candidate, Deviations, includes, is_free
 from stepid.diagnosis.states import states_of_all
-from stepid.diagnosis.vetoes import imitators, undetermined
+from stepid.diagnosis.vetoes import imitators, undetermined, unseen
 from stepid.fitting.cross_validation import held_out_residuals
 from stepid.fitting.deviations import with_deviations, without_deviations
 from stepid.fitting.input_fault import InputFault
@@ -115,7 +115,7 @@ class EvidenceRecord:
             names = frozenset(other.names)
             if names == frozenset(best.names) or names in out or not names or len(other.effects) > len(best.effects):
                 continue
-            if self._rivals(other, w.loss - own) and not self.imitators(other):
+            if self._rivals(other, w.loss - own) and not self.unseen(other):
                 out[names] = other
         return tuple(out.values())
 
@@ -134,7 +134,7 @@ class EvidenceRecord:
         names, best = frozenset(self.best.names), self.best
         inside = [w.candidate for w in self.weighed if includes(best.effects, w.candidate.effects)]
         alike = [c for c in inside if len(c.effects) == len(best.effects) and frozenset(c.names) != names]
-        alike = [c for c in alike if not self.imitators(c)]
+        alike = [c for c in alike if not self.unseen(c)]
         return tuple(c for c in alike[:1] if self.times(c) <= 2 * self.criteria.near)
 
     def stands_for(self, simple: Candidate, general: Candidate) -> bool:
@@ -171,8 +171,12 @@ class EvidenceRecord:
         return limited(found.optimum, found.effects, self.context.floor, names) if names else {}
 
     def imitators(self, found: Candidate) -> dict[str, str]:
-        """Effects that a linear parameter can stand in for."""
+        """Effects that a linear parameter, or what the records do not tell from it, can stand in for."""
         return imitators(self.context, self.criteria, found)
+
+    def unseen(self, found: Candidate) -> dict[str, str]:
+        """Effects of which the records are too short to show what sets them apart."""
+        return unseen(self.context, self.criteria, found)
 
     def _barred(self, found: Candidate) -> bool:
         """Tell whether a candidate may not be named: something else stands in for an effect, or it is open."""

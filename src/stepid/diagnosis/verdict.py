@@ -103,21 +103,21 @@ def rest_follows_the_motion(e: EvidenceRecord) -> Answer | None:
 
 def complete_but_open(e: EvidenceRecord) -> Answer | None:
     """The best leaves only noise, but a parameter is not determined, or an effect not seen: others are as good."""
-    imitated = e.imitators(e.best)
-    if not e.at_floor(e.best) or not (e.undetermined or imitated):
+    unseen = e.unseen(e.best)
+    if not e.at_floor(e.best) or not (e.undetermined or unseen):
         return None
     sure = [c for c in e.rivals if e.at_floor(c)] or list(e.simpler)
     sure = [c for c in sure if not e.followed(c)]
     but = "the data do not determine " + ", ".join(map(parameter_words, e.undetermined))
     if not e.undetermined:
-        but = ", ".join(f"{_title_of(name)} cannot be told from {what} here" for name, what in imitated.items())
+        but = ", ".join(f"{effect_names((name,))} cannot be told from {what} here" for name, what in unseen.items())
     said = f"{_title(e.best)} leaves only noise, but {but}."
     if not sure:
         inside = _inside(e)
         if inside is None:
             return Answer("unexplained", e.best, (), (said, "No effect is named."))
         return replace(inside, reasons=(*inside.reasons, said))
-    if imitated:
+    if unseen:
         return _with_rivals(e, sure[0], tuple(sure[1:]), (said,)) or Answer("named", sure[0], (), (said,))
     return Answer("ambiguous", sure[0], (*sure[1:], e.best), (said,))
 

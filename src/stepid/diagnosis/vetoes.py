@@ -40,19 +40,32 @@ def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict
     """Effects of a candidate that something else can stand in for, to what.
 
     A linear parameter stands in for none that leaves only noise and has all its parameters determined: if it did as
-    well, these would be open. What the linear plant has not, as a rest position that shifts, stands in there, too.
+    well, these would be open. What is `unseen` is so there, too.
     """
-    if all(type(e).imitates is Effect.imitates and type(e).unseen is Effect.unseen for e in found.effects):
-        return {}
-    how, said, linear = swing(context, criteria, found), {}, {}
-    for e, place in zip(found.effects, found.optimum.problem.layout.values, strict=True):
-        values = tuple(map(float, found.optimum.shared[place]))
-        said[e.name], linear[e.name] = e.unseen(values, how), e.imitates(values, how)
-    if any(linear.values()) and _leaves_noise(context, criteria, found):
+    said = unseen(context, criteria, found)
+    linear = _said(context, criteria, found, "imitates")
+    if linear and _leaves_noise(context, criteria, found):
         open_ = {name.rpartition(".")[0] for name in undetermined(context, criteria, found)}
         linear = {name: words for name, words in linear.items() if name in open_}
-    both = {name: words or linear.get(name, "") for name, words in said.items()}
-    return {name: words for name, words in both.items() if words}
+    return linear | said
+
+
+def unseen(context: FitContext, criteria: Criteria, found: Candidate) -> dict[str, str]:
+    """Effects of a candidate of which the records are too short to show what sets them apart, to what is as good.
+
+    The linear plant does not have it: a rest position that shifts leaves the parameters of a slow sine determined.
+    """
+    return _said(context, criteria, found, "unseen")
+
+
+def _said(context: FitContext, criteria: Criteria, found: Candidate, asked: str) -> dict[str, str]:
+    """What effects answer to `Effect.imitates` or `Effect.unseen` at their fitted values, where they say something."""
+    if all(getattr(type(e), asked) is getattr(Effect, asked) for e in found.effects):
+        return {}
+    how, shared = swing(context, criteria, found), found.optimum.shared
+    places = zip(found.effects, found.optimum.problem.layout.values, strict=True)
+    said = {e.name: getattr(e, asked)(tuple(map(float, shared[place])), how) for e, place in places}
+    return {name: words for name, words in said.items() if words}
 
 
 def _leaves_noise(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
