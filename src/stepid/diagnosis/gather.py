@@ -166,8 +166,11 @@ class EvidenceRecord:
         return tuple(name for name in undetermined(self.context, self.criteria, found) if name not in sure)
 
     def limited(self, found: Candidate) -> dict[str, Estimate]:
-        """Parameters that the data limit on that side only: the effect is there, its size is open."""
-        names = undetermined(self.context, self.criteria, found)
+        """Parameters that the data limit on that side only: the effect is there, its size is open.
+
+        None where a rest remains: whatever bends the fit a little would limit them, too.
+        """
+        names = undetermined(self.context, self.criteria, found) if found.effects and self.at_floor(found) else ()
         return limited(found.optimum, found.effects, self.context.floor, names) if names else {}
 
     def imitators(self, found: Candidate) -> dict[str, str]:
