@@ -76,6 +76,7 @@ def test_it_is_named_with_that_limit() -> None:
     assert limits[0] is not None
     assert limits[0] < truth["parameters"]["free_play.gap"]
     assert "at least" in str(d)
+    assert not any("do not determine" in note for note in d.notes)
 
 
 def test_a_strength_that_may_be_none_is_open(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -43,6 +43,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
     after = held_out_residuals(final, tolerance=context.tolerance) if final is not linear else before
     both = sorted(before.keys() & after.keys())
     before, after = {i: before[i] for i in both}, {i: after[i] for i in both}
+    parameters = estimates(final, effects, floor)[0] | evidence.limited(told)
     scatter = scatter_of(context, told if told.deviations else answer.shown, evidence.candidates)
     pooled = _pooled(before), _pooled(after)
     return Diagnosis(
@@ -51,7 +52,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         effects=tuple(e.name for e in effects),
         alternatives=tuple(c.names for c in answer.alternatives),
         gap=Gap(before=linear.rms, after=final.rms, noise=floor, held_out_before=pooled[0], held_out_after=pooled[1]),
-        parameters=estimates(final, effects, floor)[0] | evidence.limited(told),
+        parameters=parameters,
         linear_parameters=estimates(linear, (), floor)[0],
         where=locate(records, linear, floor, context.measured),
         next_experiment=_next(campaign, evidence, answer),
@@ -61,7 +62,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
             *(fault.words for fault in evidence.faults),
             *((evidence.input_fault.words,) if evidence.input_fault else ()),
             *scatter_words(scatter),
-            *notes_on(context, final, effects),
+            *notes_on(context, final, effects, parameters),
         ),
         ranking=_ranking(evidence),
         runs=_runs(context, final, before, after),

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.estimate import Estimate
 from stepid.diagnosis.wording import parameter_words
 from stepid.effects.base import Effect
-from stepid.fitting.covariance import effect_parameters, estimates
+from stepid.fitting.covariance import effect_parameters
 from stepid.fitting.fit import NOT_CONVERGED
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
@@ -18,7 +21,9 @@ _SLOW = 1.0  # s between readings, of which a cart on a spring makes no use
 _CLIPPED = 12  # samples at one extreme reading, in motion before and after
 
 
-def notes_on(context: FitContext, final: Optimum, effects: tuple[Effect, ...]) -> tuple[str, ...]:
+def notes_on(
+    context: FitContext, final: Optimum, effects: tuple[Effect, ...], parameters: Mapping[str, Estimate]
+) -> tuple[str, ...]:
     """Collect remarks in words."""
     records = context.records
     out = [*context.notes, *repeat_notes(records)]
@@ -39,10 +44,10 @@ def notes_on(context: FitContext, final: Optimum, effects: tuple[Effect, ...]) -
     for effect, place in zip(effects, final.problem.layout.values, strict=True):
         if said := effect.remark(tuple(map(float, final.shared[place]))):
             out.append(said)
-    values, _ = estimates(final, effects, context.floor)
     own = effect_parameters(effects)
-    for name, value in values.items():
-        if value.uncertainty is None and not (name == "base_mass" and fixes_mass(records) is not None):
+    for name, value in parameters.items():
+        known = value.one_sided is not None or (name == "base_mass" and fixes_mass(records) is not None)
+        if value.uncertainty is None and not known:
             out.append(f"The data do not determine {parameter_words(name)}.")
         elif name in own and value.uncertainty is not None and value.uncertainty > 0.5 * abs(value.value):
             out.append(f"The data hardly determine {parameter_words(name)}: {value}.")

@@ -96,7 +96,7 @@ class Fit(Model):
             value, spread, unit = prefixed(e.value, e.uncertainty, e.unit)
             factor = 1.0 if unit == e.unit else 1e3
             ends = e.interval and (factor * e.interval[0], factor * e.interval[1])
-            interval = "not determined" if ends is None else _span(ends)
+            interval = e.shown[0] if e.one_sided else "not determined" if ends is None else _span(ends)
             parts = (_size(factor * e.parts[cause] if cause in e.parts else None) for cause in causes)
             rows.append((name, format_value(value, spread), interval, *parts, unit))
         return header, rows
