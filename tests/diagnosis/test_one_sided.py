@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from types import SimpleNamespace
 from typing import Any
 
@@ -79,18 +78,37 @@ def test_it_is_named_with_that_limit() -> None:
     assert not any("do not determine" in note for note in d.notes)
 
 
-def test_a_strength_that_may_be_none_is_open(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The limit on the side of absence is absence itself, or nowhere."""
-    effects = resolve(["free_play"])
+@pytest.mark.parametrize(
+    ("name", "end", "limits"),
+    [
+        ("free_play.gap", 4e-4, (4e-4, None)),
+        ("free_play.gap", 0.0, None),  # it may be absent
+        ("free_play.gap", None, None),
+        ("actuator_saturation.level", 9e-4, (None, 9e-4)),  # absent where it is high
+        ("actuator_rate_limit.rate", 9e-4, (None, 9e-4)),
+    ],
+)
+def test_a_strength_has_a_limit_on_the_side_of_absence(
+    monkeypatch: pytest.MonkeyPatch, name: str, end: float | None, limits: Any
+) -> None:
+    effects = resolve([name.split(".")[0]])
     layout = SimpleNamespace(values=(slice(0, 1),))
-    problem = SimpleNamespace(layout=layout, free=np.array([True]), lower=np.array([0.0]), upper=np.array([math.inf]))
-    optimum: Any = Kept(problem=problem, shared=np.array([8e-4]))
-    near = SimpleNamespace(level=1e-5, excess=np.array([1.0]))
-    monkeypatch.setattr(profile, "uncertain", lambda *_: near)
-    for end, other, sized in ((0.0, None, False), (None, None, False), (4e-4, None, True), (4e-4, 9e-4, False)):
-        monkeypatch.setattr(profile, "_limit", lambda *given, end=end, other=other: end if given[2] < 0 else other)
-        found = profile.limited(Kept(**vars(optimum)), effects, 1e-5, ("free_play.gap",))
-        assert bool(found) == sized
+    problem = SimpleNamespace(layout=layout, free=np.array([True]), lower=np.array([0.0]), upper=np.array([np.inf]))
+    asked: list[float] = []
+
+    def limit(optimum: Any, index: int, distance: float, wanted: float) -> float | None:
+        asked.append(distance)
+        return end
+
+    monkeypatch.setattr(profile, "_limit", limit)
+    for vague in (True, False):
+        near = SimpleNamespace(
+            level=1e-5, excess=np.ones(1), open=np.array([False]), noise=np.array([[1e-3**2 * vague]])
+        )
+        monkeypatch.setattr(profile, "uncertain", lambda *_, near=near: near)
+        found = profile.limited(Kept(problem=problem, shared=np.array([8e-4])), effects, 1e-5, (name,))
+        assert {n: e.limits for n, e in found.items()} == ({name: limits} if vague and limits else {})
+    assert asked == [-4e-4 if "gap" in name else 4e-4]  # what the curvature tells is not asked for
 
 
 def test_the_verdict_says_on_which_side() -> None:

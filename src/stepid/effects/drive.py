@@ -114,7 +114,7 @@ class ActuatorSaturation(Effect):
         return [(0.97 * scales.volts,), (0.75 * scales.volts,)]
 
     def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
-        return (0.95 * values[0],)  # from above the largest input there is no way down
+        return (0.95 * values[0] if share else 1e3 * values[0],)  # from above the largest input there is no way down
 
     @staticmethod
     def drive(p: Values, m: Moment) -> float:

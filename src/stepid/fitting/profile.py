@@ -65,8 +65,9 @@ def profiled(
 def limited(optimum: Optimum, effects: tuple[Effect, ...], floor: float, names: tuple[str, ...]) -> dict[str, Estimate]:
     """Of some parameters those that the data limit on the side on which the effect is absent, and on no other.
 
-    A gap that the cart never crosses has a least width and no largest: the effect is there, its size is open. The
-    strength of an effect is asked, by `Effect.faint`, where it is one parameter.
+    A gap that the cart never crosses has a least width and no largest, a saturation below all inputs a highest level
+    and no least: the effect is there, its size is open. The strength of an effect is asked, by `Effect.faint`, where it
+    is one parameter of which the fit's curvature tells nothing: its uncertainty is as large as itself.
 
     Parameters
     ----------
@@ -84,19 +85,21 @@ def limited(optimum: Optimum, effects: tuple[Effect, ...], floor: float, names: 
     problem = optimum.problem
     for effect, place in zip(effects, problem.layout.values, strict=True):
         values = tuple(map(float, optimum.shared[place]))
-        moved = np.flatnonzero(np.subtract(effect.faint(values, 0.5), values))
+        away = np.subtract(effect.faint(values, 0.0), values)
+        moved = np.flatnonzero(away)
         name = f"{effect.name}.{effect.parameters[moved[0]].name}" if moved.size == 1 else ""
-        index = place.start + int(moved[0]) if name else 0
-        if name not in names or not problem.free[index]:
+        if name not in names:
             continue
+        index, value = place.start + int(moved[0]), values[moved[0]]
         near, column = uncertain(optimum, floor), int(problem.free[:index].sum())
+        if not problem.free[index] or not (near.open[column] or near.noise[column, column] > value**2):
+            continue
         wanted = _NORMAL**2 * near.level**2 * max(float(near.excess[column]), 1.0)
-        toward = effect.faint(values, 0.5)[moved[0]] - values[moved[0]]
+        toward = math.copysign(0.5 * value, away[moved[0]])
         end = _limit(optimum, index, toward, wanted)
-        bounds = (None, float(problem.lower[index]), float(problem.upper[index]))
-        if end not in bounds and _limit(optimum, index, -toward, wanted) in bounds:
+        if end is not None and problem.lower[index] < end < problem.upper[index]:
             ends = (end, None) if toward < 0 else (None, end)
-            out[name] = Estimate(value=values[moved[0]], unit=effect.parameters[moved[0]].unit, limits=ends)
+            out[name] = Estimate(value=value, unit=effect.parameters[moved[0]].unit, limits=ends)
     return out
 
 

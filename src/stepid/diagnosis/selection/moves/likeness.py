@@ -44,6 +44,13 @@ class ForceAlong:
         beyond = self._force - q @ (q.T @ self._force)
         self._beyond = max(float(beyond @ beyond), np.finfo(float).tiny)
 
+    def strength(self, one: Regressor) -> float | None:
+        """First parameter of an effect of one force that comes nearest to this one, None where it cannot have it."""
+        force = one.forces[0][self._seen]
+        size = float(force @ force)
+        values = one.values(np.array([float(force @ self._force) / size])) if size > 0 else None
+        return None if values is None else values[0]
+
     def by(self, regressors: Sequence[Regressor]) -> Likeness | None:
         """What some effects can do in its place; None where a law cannot have such a strength."""
         forces = np.column_stack([self._plain, *(f[self._seen] for one in regressors for f in one.forces)])

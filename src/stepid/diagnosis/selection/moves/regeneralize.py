@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from stepid.diagnosis.selection.moves.generalize import grown_from
 from stepid.diagnosis.selection.moves.specialize import level_within
-from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, standing
+from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext
 
 
 class Regeneralize:
@@ -19,14 +17,15 @@ class Regeneralize:
 
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
         """Propose the node's effects with a general one exchanged for each other that shares a simpler law with it."""
-        here, out = standing(node), []
+        out: list[Proposal] = []
         names = {e.name for e in node.effects}
         for place, effect in enumerate(node.effects):
-            values = np.array(here.values[place])
             for general in context.catalogue:
                 shared = [e for e in context.catalogue if e.name in effect.contains and e.name in general.contains]
-                levels = [level_within(effect, values, e) for e in shared]
+                if general.name in names or not shared:
+                    continue
+                levels = [level_within(node, place, e, context) for e in shared]
                 known = [level for level in levels if level is not None]
-                if general.name not in names and known:
+                if known:
                     out += grown_from(node, place, (known[0],), general, context, self.name)
         return out

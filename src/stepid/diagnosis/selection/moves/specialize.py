@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stepid.core.base import Array
+from stepid.diagnosis.selection.moves.likeness import ForceAlong, is_force
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, standing
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import Start
@@ -20,9 +20,11 @@ class Specialize:
         here, out = standing(node), []
         for place, effect in enumerate(node.effects):
             for inner in context.catalogue:
-                level = level_within(effect, np.array(here.values[place]), inner)
                 taken = any(inner.name == e.name for e in node.effects)
-                if inner.name not in effect.contains or taken or level is None:
+                level = (
+                    None if taken or inner.name not in effect.contains else level_within(node, place, inner, context)
+                )
+                if level is None:
                     continue
                 effects = (*node.effects[:place], inner, *node.effects[place + 1 :])
                 values = (*here.values[:place], (level,), *here.values[place + 1 :])
@@ -31,10 +33,19 @@ class Specialize:
         return out
 
 
-def level_within(general: Effect, values: Array, simple: Effect) -> float | None:
-    """Strength of a simple effect of one parameter inside a general one: the mean of those in its unit, if any."""
+def level_within(node: Node, place: int, simple: Effect, context: SearchContext) -> float | None:
+    """Strength of a simple effect of one parameter inside a general one of a node, None where it has no such strength.
+
+    That with which it comes nearest to the general one's force along the motion; of a law with a memory the mean of the
+    parameters in its unit.
+    """
+    general, values = node.effects[place], standing(node).values[place]
     if len(simple.parameters) > 1 or simple.run_parameters != general.run_parameters:
         return None
     unit = simple.parameters[0].unit
     alike = [v for v, q in zip(values, general.parameters, strict=True) if q.unit == unit]
-    return float(np.mean(alike)) if alike else None
+    if not alike or not is_force(general):
+        return float(np.mean(alike)) if alike else None
+    force = ForceAlong(node, place, context)
+    near = [force.strength(one) for one in simple.regressors(context.fit.scales, force.motion)]
+    return next((level for level in near if level is not None), float(np.mean(alike)))
