@@ -84,6 +84,8 @@ def test_it_is_named_with_that_limit() -> None:
         ("free_play.gap", 4e-4, (4e-4, None)),
         ("free_play.gap", 0.0, None),  # it may be absent
         ("free_play.gap", None, None),
+        ("sensor_drift.rate", 4e-4, (4e-4, None)),
+        ("sensor_drift.rate", -1e-5, None),  # beyond absence
         ("actuator_saturation.level", 9e-4, (None, 9e-4)),  # absent where it is high
         ("actuator_rate_limit.rate", 9e-4, (None, 9e-4)),
     ],
@@ -108,7 +110,7 @@ def test_a_strength_has_a_limit_on_the_side_of_absence(
         monkeypatch.setattr(profile, "uncertain", lambda *_, near=near: near)
         found = profile.limited(Kept(problem=problem, shared=np.array([8e-4])), effects, 1e-5, (name,))
         assert {n: e.limits for n, e in found.items()} == ({name: limits} if vague and limits else {})
-    assert asked == [-4e-4 if "gap" in name else 4e-4]  # what the curvature tells is not asked for
+    assert asked == [4e-4 if "actuator" in name else -4e-4]  # what the curvature tells is not asked for
 
 
 def test_the_verdict_says_on_which_side() -> None:

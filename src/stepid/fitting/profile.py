@@ -97,7 +97,7 @@ def limited(optimum: Optimum, effects: tuple[Effect, ...], floor: float, names: 
         wanted = _NORMAL**2 * near.level**2 * max(float(near.excess[column]), 1.0)
         toward = math.copysign(0.5 * value, away[moved[0]])
         end = _limit(optimum, index, toward, wanted)
-        if end is not None and problem.lower[index] < end < problem.upper[index]:
+        if end is not None and abs(end - value) < abs(away[moved[0]]):
             ends = (end, None) if toward < 0 else (None, end)
             out[name] = Estimate(value=value, unit=effect.parameters[moved[0]].unit, limits=ends)
     return out
