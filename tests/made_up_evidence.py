@@ -80,7 +80,7 @@ def candidate(
     active[: len(deviations), 1:] = True
     layout = SimpleNamespace(deviations=slice(0, 0))  # each condition costs as a parameter does
     problem = SimpleNamespace(free=free, active=active, layout=layout, residual=lambda _: residual)
-    optimum: Any = SimpleNamespace(
+    optimum: Any = Kept(
         problem=problem, solved=None, residual=residual, cost=float(residual @ residual), rms=times * FLOOR
     )
     return Candidate(effects, frozenset(deviations), optimum, structure)
@@ -120,6 +120,7 @@ class Told:
     rivals: tuple[Candidate, ...] = ()
     undetermined: tuple[str, ...] = ()
     imitated: dict[str, str] = field(default_factory=dict)
+    not_nameable: tuple[tuple[str, ...], ...] = ()
     too_short: dict[str, str] = field(default_factory=dict)
     sized: dict[str, Estimate] = field(default_factory=dict)
     open_beside: tuple[str, ...] = ()
@@ -164,6 +165,9 @@ class Told:
 
     def unseen(self, found: Candidate) -> dict[str, str]:
         return self.too_short
+
+    def barred(self, found: Candidate) -> bool:
+        return bool(self.imitated or self.undetermined) or found.names in self.not_nameable
 
     def limited(self, found: Candidate) -> dict[str, Estimate]:
         return self.sized

@@ -63,6 +63,10 @@ def test_a_level_inside_is_that_of_the_nearest_force_along_the_motion() -> None:
     )
     there = node(fit, {uneven.name: {"level_forward": 0.15, "level_backward": 0.25}})
     assert level_within(there, 0, coulomb, context(fit)) == pytest.approx(np.mean(standing(there).values[0]), rel=0.1)
+    falls = node(fit, {"stribeck_friction": {"level": 0.2, "breakaway": 0.0, "velocity": 0.01}})
+    level, breakaway, _ = standing(falls).values[0]
+    assert level_within(falls, 0, coulomb, context(fit)) == pytest.approx(level, rel=0.1)
+    assert breakaway < 0.5 * level
     assert level_within(there, 0, pair, context(fit)) is None
     assert level_within(there, 0, uneven, context(fit)) is None
     built = node(fit, {own.name: {"level": 0.2, "distance": 1e-3}})  # with a memory

@@ -10,20 +10,21 @@ import pytest
 
 import stepid
 from hidden.sets import one
-from made_up_evidence import FRICTION, Kept, Told, candidate
-from stepid.diagnosis import verdict
+from made_up_evidence import FRICTION, LINEAR, Kept, Told, candidate, context, evidence
+from stepid.diagnosis import verdict, vetoes
 from stepid.effects import resolve
 from stepid.fitting import profile
 from stepid.fitting.fit import fit_effects, prepare
 
 GAP = stepid.Estimate(value=8e-4, unit="m", limits=(4.3e-4, None))
+ABSENT_ABOVE = ("actuator_saturation.level", "actuator_rate_limit.rate")
 DRAW = "52e0608e075b9f8b3619b4054892972722112f87"
 
 
 def test_an_estimate_says_at_least_or_at_most() -> None:
     assert str(GAP) == "at least 0.43 mm"
     assert GAP.shown == ("at least 0.43", "mm")
-    assert str(stepid.Estimate(value=1.0, unit="V", limits=(None, 1.25))) == "at most 1.2 V"
+    assert str(stepid.Estimate(value=1.0, unit="V", limits=(None, 1.25))) == "at most 1.3 V"
     assert GAP.interval is None
     assert GAP.one_sided == ("at least", 4.3e-4)
     assert stepid.Estimate(value=1.0, uncertainty=0.5, limits=(0.0, 3.0)).one_sided is None
@@ -86,6 +87,7 @@ def test_it_is_named_with_that_limit() -> None:
         ("free_play.gap", None, None),
         ("sensor_drift.rate", 4e-4, (4e-4, None)),
         ("sensor_drift.rate", -1e-5, None),  # beyond absence
+        ("actuator_lag.time_constant", 1e-5, None),  # its bound, which is as good as absence
         ("actuator_saturation.level", 9e-4, (None, 9e-4)),  # absent where it is high
         ("actuator_rate_limit.rate", 9e-4, (None, 9e-4)),
     ],
@@ -95,7 +97,8 @@ def test_a_strength_has_a_limit_on_the_side_of_absence(
 ) -> None:
     effects = resolve([name.split(".")[0]])
     layout = SimpleNamespace(values=(slice(0, 1),))
-    problem = SimpleNamespace(layout=layout, free=np.array([True]), lower=np.array([0.0]), upper=np.array([np.inf]))
+    ends = effects[0].parameters[0].lower, effects[0].parameters[0].upper
+    problem = SimpleNamespace(layout=layout, free=np.array([True]), lower=ends[:1], upper=ends[1:])
     asked: list[float] = []
 
     def limit(optimum: Any, index: int, distance: float, wanted: float) -> float | None:
@@ -110,7 +113,7 @@ def test_a_strength_has_a_limit_on_the_side_of_absence(
         monkeypatch.setattr(profile, "uncertain", lambda *_, near=near: near)
         found = profile.limited(Kept(problem=problem, shared=np.array([8e-4])), effects, 1e-5, (name,))
         assert {n: e.limits for n, e in found.items()} == ({name: limits} if vague and limits else {})
-    assert asked == [4e-4 if "actuator" in name else -4e-4]  # what the curvature tells is not asked for
+    assert asked == [4e-4 if name in ABSENT_ABOVE else -4e-4]  # what the curvature tells is not asked for
 
 
 def test_the_verdict_says_on_which_side() -> None:
@@ -131,4 +134,28 @@ def test_what_is_not_seen_is_not_named_at_the_floor() -> None:
     assert beside is not None
     assert (beside.verdict, beside.shown, beside.alternatives) == ("named", play, ())
     assert verdict.complete_but_open(Told()) is None  # type: ignore[arg-type]
-    assert FRICTION not in beside.alternatives
+    assert beside.reasons[-1].startswith("free play leaves ")
+    neither = verdict.complete_but_open(Told(**told, rivals=(play,), not_nameable=(play.names,), lead=candidate()))  # type: ignore[arg-type]
+    assert neither is not None
+    assert neither.verdict == "unexplained"
+    alone_with_weights = verdict.weights_are_enough(Told(not_nameable=(FRICTION.names,), context=weighed()))  # type: ignore[arg-type]
+    assert alone_with_weights is not None
+    assert alone_with_weights.verdict == "adequate"
+
+
+def weighed() -> Any:
+    """A context in which errors of the weights are enough."""
+    return SimpleNamespace(**vars(context()) | {"by_weights": LINEAR.optimum})
+
+
+def test_an_open_pair_counts_for_what_it_holds_and_disputes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    one, other = candidate(["coulomb_friction"], times=1.5), candidate(["quadratic_damping"], times=1.4)
+    pair = candidate(["coulomb_friction", "free_play"], times=1.3)
+    told = evidence(one, other, pair)
+    monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
+    assert told.weight(one) == pytest.approx(1.0)  # the pair holds it, and is better
+    openly = {"free_play.gap": stepid.Estimate(value=1e-3, unit="m")}
+    monkeypatch.setattr(vetoes, "estimates", lambda found, *_: (openly if found is pair.optimum else {}, None))
+    assert evidence(one, other, pair).weight(one) == pytest.approx(1.0)
+    assert evidence(one, other, pair).weight(other) == pytest.approx(1.0)  # what is open speaks for no other
+    assert evidence(one, other, pair).weight(pair) == 0.0

@@ -104,7 +104,7 @@ def parabola(monkeypatch: pytest.MonkeyPatch, **changes: Any) -> Any:
         return SimpleNamespace(problem=held, shared=shared, local=local, cost=cost)
 
     monkeypatch.setattr(profile, "minimize", minimize)
-    return Kept(problem=problem, shared=np.array([problem.best]), local=np.zeros(1), cost=problem.least)
+    return Kept(problem=problem, shared=np.array([problem.best]), local=np.zeros(1), cost=problem.least, rms=1e-5)
 
 
 @pytest.mark.parametrize("distance", [0.3, 1.0, 8.0, -0.3, -8.0])

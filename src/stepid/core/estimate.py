@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from pydantic import model_validator
+
 from stepid.core.base import Finite, Model, NonNegative
 
 
@@ -32,6 +34,14 @@ def format_value(value: float, uncertainty: float | None) -> str:
     scale = math.floor(math.log10(max(abs(value), uncertainty)))
     places = max(digits + scale, 0)
     return f"({value / 10**scale:.{places}f} ± {uncertainty / 10**scale:.{places}f})e{scale}"
+
+
+def outward(value: float, *, up: bool) -> str:
+    """Write an end of an interval to two digits, rounded so that it holds no less: ``"0.43"`` for at least 0.438."""
+    if value == 0:
+        return "0"
+    scale = 10.0 ** (1 - math.floor(math.log10(abs(value))))
+    return f"{(math.ceil if up else math.floor)(value * scale) / scale:.5g}"
 
 
 _SHORT = 0.1  # m, s or rad
@@ -70,6 +80,12 @@ class Estimate(Model):
     parts: Mapping[str, NonNegative] = {}
     limits: tuple[Finite | None, Finite | None] | None = None
 
+    @model_validator(mode="after")
+    def _has_an_end(self) -> Estimate:
+        if self.limits == (None, None):
+            raise ValueError("limits need one end at least: give None where both are open")
+        return self
+
     @property
     def interval(self) -> tuple[float, float] | None:
         """The 95 % interval: `limits`, else value ± 1.96 standard uncertainties, or None where an end is open."""
@@ -86,7 +102,7 @@ class Estimate(Model):
         if self.one_sided:
             words, end = self.one_sided
             value, _, unit = prefixed(end, None, self.unit)
-            return f"{words} {value:.2g}", unit
+            return f"{words} {outward(value, up=words == 'at most')}", unit
         value, uncertainty, unit = prefixed(self.value, self.uncertainty, self.unit)
         return format_value(value, uncertainty) + " (undetermined)" * (uncertainty is None), unit
 

@@ -106,7 +106,7 @@ class EvidenceRecord:
 
     @cached_property
     def rivals(self) -> tuple[Candidate, ...]:
-        """Candidates that the data do not tell from the best and that may be named, best first, one for each set."""
+        """Candidates that the data do not tell from the best, nor from what it is, best first, one for each set."""
         best = self.best
         own = next(w.loss for w in self.weighed if w.candidate is best)
         out: dict[frozenset[str], Candidate] = {}
@@ -144,7 +144,7 @@ class EvidenceRecord:
     def _is_open(self, found: Candidate, simpler: Candidate) -> bool:
         """Tell whether the data leave open all that `found` has beyond `simpler`, which then stands for it."""
         more = [e for e in found.effects if e.name not in simpler.names]
-        open_ = undetermined(self.context, self.criteria, found)
+        open_ = self.open(found)
         return all(f"{e.name}.{q.name}" in open_ for e in more for q in e.parameters)
 
     def probability(self, answer: Answer) -> float | None:
@@ -166,10 +166,7 @@ class EvidenceRecord:
         return tuple(name for name in undetermined(self.context, self.criteria, found) if name not in sure)
 
     def limited(self, found: Candidate) -> dict[str, Estimate]:
-        """Parameters that the data limit on that side only: the effect is there, its size is open.
-
-        None where a rest remains: whatever bends the fit a little would limit them, too.
-        """
+        """Parameters that the data limit on that side only, where no rest remains that would limit them, too."""
         names = undetermined(self.context, self.criteria, found) if found.effects and self.at_floor(found) else ()
         return limited(found.optimum, found.effects, self.context.floor, names) if names else {}
 
@@ -181,7 +178,7 @@ class EvidenceRecord:
         """Effects of which the records are too short to show what sets them apart."""
         return unseen(self.context, self.criteria, found)
 
-    def _barred(self, found: Candidate) -> bool:
+    def barred(self, found: Candidate) -> bool:
         """Tell whether a candidate may not be named: something else stands in for an effect, or it is open."""
         return bool(self.imitators(found)) or bool(self.open(found))
 
@@ -249,11 +246,21 @@ class EvidenceRecord:
         for w in self.weighed:
             if able and math.exp(-0.5 * (w.loss - able[0].loss)) < (1.0 - self.criteria.sure) / len(self.weighed):
                 break  # all of them together cannot dispute
-            if not self._barred(w.candidate):
+            if self._counts(w.candidate, found):
                 able.append(w)
         raw = [math.exp(-0.5 * (w.loss - able[0].loss)) for w in able]
         held = [any(includes(w.candidate.effects, c.effects) for c in found) for w in able]
         return math.fsum(one for one, has in zip(raw, held, strict=True) if has) / math.fsum(raw)
+
+    def _counts(self, other: Candidate, found: tuple[Candidate, ...]) -> bool:
+        """Tell whether a candidate counts for or against some: what may not be named is for those that it holds only.
+
+        An effect that stands beside them may be open; one of theirs may not.
+        """
+        if self.imitators(other):
+            return False
+        open_ = {name.rpartition(".")[0] for name in self.open(other)}
+        return not open_ or any(includes(other.effects, c.effects) and not open_ & set(c.names) for c in found)
 
     def held_out(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
         """Residuals of runs left out, linear plant with the same conditions free and candidate; see docs/evidence.md.

@@ -51,7 +51,7 @@ def runs_differ(e: EvidenceRecord) -> Answer | None:
 
 def weights_are_enough(e: EvidenceRecord) -> Answer | None:
     """Errors of the added masses within their uncertainty are enough, and no single effect is."""
-    one = len(e.best.effects) == 1 and e.at_floor(e.best) and not e.undetermined and not is_free(e.best)
+    one = len(e.best.effects) == 1 and e.at_floor(e.best) and not is_free(e.best) and not e.barred(e.best)
     if e.context.by_weights is None or one:
         return None
     return Answer("adequate", e.linear, (), (_WEIGHTS,))
@@ -107,18 +107,18 @@ def complete_but_open(e: EvidenceRecord) -> Answer | None:
     if not e.at_floor(e.best) or not (e.undetermined or unseen):
         return None
     sure = [c for c in e.rivals if e.at_floor(c)] or list(e.simpler)
-    sure = [c for c in sure if not e.followed(c)]
-    but = "the data do not determine " + ", ".join(map(parameter_words, e.undetermined))
-    if not e.undetermined:
-        but = ", ".join(f"{effect_names((name,))} cannot be told from {what} here" for name, what in unseen.items())
-    said = f"{_title(e.best)} leaves only noise, but {but}."
+    sure = [c for c in sure if not e.followed(c) and not (unseen and e.barred(c))]
+    but = ["the data do not determine " + ", ".join(map(parameter_words, e.undetermined))] if e.undetermined else []
+    but += [f"{effect_names((name,))} cannot be told from {what} here" for name, what in unseen.items()]
+    said = f"{_title(e.best)} leaves only noise, but {', and '.join(but)}."
     if not sure:
         inside = _inside(e)
         if inside is None:
             return Answer("unexplained", e.best, (), (said, "No effect is named."))
         return replace(inside, reasons=(*inside.reasons, said))
     if unseen:
-        return _with_rivals(e, sure[0], tuple(sure[1:]), (said,)) or Answer("named", sure[0], (), (said,))
+        words = (said, f"{_title(sure[0])} leaves {length(sure[0].optimum.rms)}.")
+        return _with_rivals(e, sure[0], tuple(sure[1:]), words) or Answer("named", sure[0], (), words)
     return Answer("ambiguous", sure[0], (*sure[1:], e.best), (said,))
 
 

@@ -14,7 +14,7 @@ from stepid.simulation.records import Records
 
 _TURNS = (1.0, 100.0)  # of the encoder within the travel, that can be told
 _FINE = 0.25  # turns, by which pitches are told apart
-_INVERTED = 4  # steps by which a reading is corrected, each ten times as exact as the one before, or more
+_INVERTED = 8  # steps by which a reading is corrected, each 2π·amplitude/pitch times as far off as the one before
 _PASSES = 2  # from where the readings are to where the cart is
 _EVIDENCE = 50.0  # n ln(RSS / RSS) of the line
 _MOST = 0.7  # share of what is left above the noise that the line must take
@@ -23,7 +23,7 @@ _SCATTER = 4.0  # standard deviations, the same
 
 
 class Eccentricity(NamedTuple):
-    """The reading is off by ``amplitude·sin(2π·reading/pitch + phase)``, m, m and rad; and its fault in words."""
+    """The reading is off by ``amplitude·sin(2π·position/pitch + phase)``, m, m and rad; and its fault in words."""
 
     amplitude: float
     pitch: float
@@ -52,8 +52,6 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
     if excess <= 0 or line.travel <= 0 or not line.finite:
         return None
     turns = line.strongest()
-    if turns < _TURNS[0] + _FINE / 2:  # the longest that is tried: no pitch is the best
-        return None
     waves = line.waves(turns)
     values, gained = _fitted(waves, residual)
     for _ in range(_PASSES):  # the line is one of the true position
@@ -61,6 +59,8 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
         turns = line.strongest(near=turns)
         waves = line.waves(turns)
         values, gained = _fitted(waves, residual)
+    if turns < _TURNS[0] + _FINE / 2:  # the longest that is tried: no pitch is the best
+        return None
     left = float(residual @ residual) - gained
     evidence = use.sum() * np.log((left + gained) / max(left, 1e-30))
     if evidence < _EVIDENCE or gained < _MOST * excess:

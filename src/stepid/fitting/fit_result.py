@@ -8,7 +8,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from stepid.core.base import Matrix, Model, NonNegative
-from stepid.core.estimate import Estimate, format_value, prefixed
+from stepid.core.estimate import Estimate, format_value, outward, prefixed
 from stepid.core.frames import Row, parameter_frame
 from stepid.core.latex import parameter_name, parameter_table
 from stepid.core.quantities import InputUnit, Motion
@@ -96,7 +96,10 @@ class Fit(Model):
             value, spread, unit = prefixed(e.value, e.uncertainty, e.unit)
             factor = 1.0 if unit == e.unit else 1e3
             ends = e.interval and (factor * e.interval[0], factor * e.interval[1])
-            interval = e.shown[0] if e.one_sided else "not determined" if ends is None else _span(ends)
+            interval = "not determined" if ends is None else _span(ends)
+            if e.one_sided:
+                words, end = e.one_sided
+                interval = f"{words} {outward(factor * end, up=words == 'at most')}"
             parts = (_size(factor * e.parts[cause] if cause in e.parts else None) for cause in causes)
             rows.append((name, format_value(value, spread), interval, *parts, unit))
         return header, rows

@@ -19,6 +19,7 @@ _NEAR = 2.5  # standard uncertainties from a bound
 _VAGUE = 0.25  # uncertainty by noise over the value, above which a parabola is not trusted
 _TRIES = 7  # fits a side
 _CLOSE = 0.05  # relative, of the likelihood ratio at a limit
+_NOISY = 1.2  # times the floor, beyond which what bends the fit a little would limit a size, too
 _FAR = 30.0  # times the parabola's distance at which a side is open
 
 
@@ -39,7 +40,7 @@ def profiled(
         As there.
     """
     names = [name for name, _ in parameter_names(optimum, effects)]
-    vague = tuple(n for n in names if _vague(parameters[n]))
+    vague = tuple(n for n in names if _vague(parameters[n])) if optimum.rms < _NOISY * floor else ()
     problem, out = optimum.problem, {**parameters, **limited(optimum, effects, floor, vague)}
     odd = [i for i in np.flatnonzero(problem.free).tolist() if out[names[i]].parts and _odd(out[names[i]], optimum, i)]
     if not odd:
@@ -97,7 +98,9 @@ def limited(optimum: Optimum, effects: tuple[Effect, ...], floor: float, names: 
         wanted = _NORMAL**2 * near.level**2 * max(float(near.excess[column]), 1.0)
         toward = math.copysign(0.5 * value, away[moved[0]])
         end = _limit(optimum, index, toward, wanted)
-        if end is not None and abs(end - value) < abs(away[moved[0]]):
+        if end is None or not problem.lower[index] < end < problem.upper[index]:
+            continue
+        if abs(end - value) < abs(away[moved[0]]):
             ends = (end, None) if toward < 0 else (None, end)
             out[name] = Estimate(value=value, unit=effect.parameters[moved[0]].unit, limits=ends)
     return out
@@ -124,6 +127,7 @@ def _limit(optimum: Optimum, index: int, distance: float, wanted: float) -> floa
     inside, outside = 0.0, math.inf  # distances at which the cost has grown by less, and by more
     for _ in range(_TRIES):
         place = min(max(value + distance, low), high)
+        distance = place - value
         shared = found.shared.copy()
         shared[index] = place
         again = minimize(held, shared, found.local, tolerance=0.01 * wanted, iterations=12)
@@ -132,7 +136,7 @@ def _limit(optimum: Optimum, index: int, distance: float, wanted: float) -> floa
             return place
         if grown < wanted and place in (low, high):
             return place
-        if abs(distance) > _FAR * first:
+        if grown < wanted and abs(distance) > _FAR * first:
             return None
         if grown < wanted:
             found, inside = (again or found), abs(distance)

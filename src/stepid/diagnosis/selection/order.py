@@ -151,11 +151,16 @@ def promises_more(
     return 0.5 * known > proposal.left or (rival and known > proposal.left + slack)
 
 
-def nameable(fit: FitContext, criteria: Criteria, nodes: Sequence[Node]) -> list[Node]:
+def nameable(
+    fit: FitContext, criteria: Criteria, nodes: Sequence[Node], candidates: Mapping[Key, Candidate]
+) -> list[Node]:
     """Of some nodes those without an effect that something else can stand in for, by all samples where known."""
 
     def found(node: Node) -> Candidate:
-        return Candidate(node.effects, node.deviations, node.fitted.polished or node.best, 0.0)
+        known = candidates.get(node.key)
+        if known is not None and node.fitted.polished is not None:
+            return known
+        return Candidate(node.effects, node.deviations, node.best, 0.0)
 
     return [node for node in nodes if not imitators(fit, criteria, found(node))]
 

@@ -250,7 +250,7 @@ class Search(Standings):
         for node in order:
             # one that is not near, or cannot be named, is fitted once: it may go on for long, and cannot win
             known = node.key in self.candidates
-            if known and not by.nameable(self.fit, self.criteria, [node]):
+            if known and not self._named([node]):
                 continue
             if by.no_answer(self.noise_limit, node.effects, node.cost / 2):
                 continue

@@ -96,10 +96,14 @@ class Standings:
 
     def _nameable(self, order: Sequence[Node]) -> list[Node]:
         """Of some nodes those that may be named where a rest remains; none where the first leaves only noise."""
-        named = by.nameable(self.fit, self.criteria, order)
+        named = self._named(order)
         return [] if order[0].cost <= self.noise_limit and named[:1] == [order[0]] else named
 
     def _least(self) -> Node:
         """The node that leaves least, of those at the noise floor one that may be named."""
         order = sorted(self.nodes.values(), key=lambda n: n.cost)
-        return next(n for n in order if n.cost > self.noise_limit or by.nameable(self.fit, self.criteria, [n]))
+        named = (n for n in order if n.cost > self.noise_limit or self._named([n]))
+        return next(named)
+
+    def _named(self, nodes: Sequence[Node]) -> list[Node]:
+        return by.nameable(self.fit, self.criteria, nodes, self.candidates)
