@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import stepid
 from exact_plants import EFFECTS
-from hidden.sets import one
 from search_nodes import FRICTION, GENERAL, SIMPLE, context, node, noisy, prepared, sets, sound
 from stepid.diagnosis.selection.moves import drop
 from stepid.diagnosis.selection.moves.drop import Drop
@@ -71,14 +69,6 @@ def test_a_level_inside_is_that_of_the_nearest_force_along_the_motion() -> None:
     assert level_within(there, 0, uneven, context(fit)) is None
     built = node(fit, {own.name: {"level": 0.2, "distance": 1e-3}})  # with a memory
     assert level_within(built, 0, coulomb, context(fit)) == standing(built).values[0][0]
-
-
-def test_a_breakaway_that_does_not_count_is_no_part_of_the_level() -> None:
-    """Below the level it is none: a mean with it had sent the simpler law, and its kin, into a poor minimum."""
-    campaign, truth = one("pairs-all", 10, "2090368d5df9cecb29da1ec6a42e9abb69d9495a")
-    assert set(truth["effects"]) == {"cogging", "asymmetric_friction"}
-    found = stepid.diagnose(campaign)
-    assert set(truth["effects"]) in [set(found.effects), *map(set, found.alternatives)]
 
 
 def test_exchange_puts_every_other_simple_effect_in_each_place() -> None:
