@@ -92,7 +92,7 @@ def test_rivals_that_a_round_had_no_room_for_are_asked_in_the_next() -> None:
 
 @pytest.mark.slow
 def test_a_breakaway_below_the_level_sends_no_simpler_law_astray() -> None:
-    """The mean of level and breakaway had: Coulomb friction and its kin ended at 130 times what the true pair leaves."""
+    """The mean of level and breakaway had: its kin ended at 130 times what the true pair leaves."""
     campaign, truth = one("pairs-all", 10, "2090368d5df9cecb29da1ec6a42e9abb69d9495a")
     assert set(truth["effects"]) == {"cogging", "asymmetric_friction"}
     found = stepid.diagnose(campaign)
