@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 import stepid
 from made_up_readings import campaign, force, runs
 from stepid.core.base import Array
-from stepid.fitting.eccentricity import find_eccentricity, without_eccentricity
+from stepid.fitting.eccentricity import Eccentricity, find_eccentricity, without_eccentricity
 from stepid.fitting.fit import prepare
 from stepid.fitting.hum import find_hum
 from stepid.fitting.noise_color import colored_floor
@@ -157,13 +157,19 @@ def test_an_eccentric_encoder_is_told(pitch: float, size: float) -> None:
     assert any("off its axis" in note for note in stepid.fit(campaign(read, counts=FINE)).notes)
 
 
-def test_an_eccentric_encoder_is_subtracted() -> None:
-    size, pitch = 60e-6, 4.8e-3
-    clean = white(14, runs(), 5e-6)
+def eccentric(size: float, pitch: float, noise: float) -> tuple[list[Array], stepid.Campaign, Eccentricity]:
+    """Clean readings, the same of an encoder off its axis, and what is found."""
+    clean = white(14, runs(), noise)
     read = campaign([x + size * np.sin(2 * np.pi * x / pitch + 1.0) for x in clean], counts=FINE)
     context = prepare(read)
     found = find_eccentricity(context.linear, context.floor)
     assert found is not None
+    return clean, read, found
+
+
+def test_an_eccentric_encoder_is_subtracted() -> None:
+    size = 60e-6
+    clean, read, found = eccentric(size, 4.8e-3, 5e-6)
     for run, true in zip(without_eccentricity(read, found), clean, strict=True):
         rounding = 1 / FINE / np.sqrt(12)
         assert np.std(np.asarray(run.position) - true) < 1.1 * np.hypot(rounding, 0.01 * size)
@@ -172,11 +178,7 @@ def test_an_eccentric_encoder_is_subtracted() -> None:
 def test_a_large_eccentricity_is_subtracted_to_its_second_order() -> None:
     """The line is one of where the cart is: at the readings it would have harmonics, of 2π·size/pitch of its size."""
     size, pitch = 300e-6, 9.6e-3
-    clean = white(14, runs(), 2e-6)
-    read = campaign([x + size * np.sin(2 * np.pi * x / pitch + 1.0) for x in clean], counts=FINE)
-    context = prepare(read)
-    found = find_eccentricity(context.linear, context.floor)
-    assert found is not None
+    clean, read, found = eccentric(size, pitch, 2e-6)
     assert found.amplitude == pytest.approx(size, rel=3e-3)
     assert found.pitch == pytest.approx(pitch, rel=1e-3)
     for run, true in zip(without_eccentricity(read, found), clean, strict=True):

@@ -36,12 +36,13 @@ def format_value(value: float, uncertainty: float | None) -> str:
     return f"({value / 10**scale:.{places}f} ± {uncertainty / 10**scale:.{places}f})e{scale}"
 
 
-def outward(value: float, *, up: bool) -> str:
-    """Write an end of an interval to two digits, rounded so that it holds no less: ``"0.43"`` for at least 0.438."""
+def one_end(words: str, value: float) -> str:
+    """Write ``"at least"`` or ``"at most"`` and the end of an interval, to two digits that hold no less of it."""
     if value == 0:
-        return "0"
+        return f"{words} 0"
     scale = 10.0 ** (1 - math.floor(math.log10(abs(value))))
-    return f"{(math.ceil if up else math.floor)(value * scale) / scale:.5g}"
+    rounded = math.ceil if words == "at most" else math.floor
+    return f"{words} {rounded(value * scale) / scale:.5g}"
 
 
 _SHORT = 0.1  # m, s or rad
@@ -102,7 +103,7 @@ class Estimate(Model):
         if self.one_sided:
             words, end = self.one_sided
             value, _, unit = prefixed(end, None, self.unit)
-            return f"{words} {outward(value, up=words == 'at most')}", unit
+            return one_end(words, value), unit
         value, uncertainty, unit = prefixed(self.value, self.uncertainty, self.unit)
         return format_value(value, uncertainty) + " (undetermined)" * (uncertainty is None), unit
 

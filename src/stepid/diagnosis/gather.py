@@ -21,7 +21,7 @@ from stepid.diagnosis.free_law import FreeLaw, allowed, followed, free_laws
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.selection.candidate import Candidate, Deviations, includes, is_free
 from stepid.diagnosis.states import states_of_all
-from stepid.diagnosis.vetoes import imitators, undetermined, unseen
+from stepid.diagnosis.vetoes import effects_of, imitators, undetermined, unseen
 from stepid.fitting.cross_validation import held_out_residuals
 from stepid.fitting.deviations import with_deviations, without_deviations
 from stepid.fitting.input_fault import InputFault
@@ -106,7 +106,7 @@ class EvidenceRecord:
 
     @cached_property
     def rivals(self) -> tuple[Candidate, ...]:
-        """Candidates that the data do not tell from the best, nor from what it is, best first, one for each set."""
+        """Candidates that the data do not tell from the best, no effect `unseen`, best first, one for each set."""
         best = self.best
         own = next(w.loss for w in self.weighed if w.candidate is best)
         out: dict[frozenset[str], Candidate] = {}
@@ -158,17 +158,21 @@ class EvidenceRecord:
     @cached_property
     def undetermined(self) -> tuple[str, ...]:
         """Parameters of the best candidate's effects that the data do not determine."""
-        return self.open(self.best) if self.best.effects else ()
+        return self.open(self.best)
 
     def open(self, found: Candidate) -> tuple[str, ...]:
         """Parameters of a candidate's effects that the data leave open on the side on which the effect is absent."""
-        sure = self.limited(found)
-        return tuple(name for name in undetermined(self.context, self.criteria, found) if name not in sure)
+        names = undetermined(self.context, self.criteria, found)
+        sure = self._limited(found, names)
+        return tuple(name for name in names if name not in sure)
 
     def limited(self, found: Candidate) -> dict[str, Estimate]:
         """Parameters that the data limit on that side only, where no rest remains that would limit them, too."""
-        names = undetermined(self.context, self.criteria, found) if found.effects and self.at_floor(found) else ()
-        return limited(found.optimum, found.effects, self.context.floor, names) if names else {}
+        return self._limited(found, undetermined(self.context, self.criteria, found))
+
+    def _limited(self, found: Candidate, names: tuple[str, ...]) -> dict[str, Estimate]:
+        sized = names and self.at_floor(found)
+        return limited(found.optimum, found.effects, self.context.floor, names) if sized else {}
 
     def imitators(self, found: Candidate) -> dict[str, str]:
         """Effects that a linear parameter, or what the records do not tell from it, can stand in for."""
@@ -253,13 +257,10 @@ class EvidenceRecord:
         return math.fsum(one for one, has in zip(raw, held, strict=True) if has) / math.fsum(raw)
 
     def _counts(self, other: Candidate, found: tuple[Candidate, ...]) -> bool:
-        """Tell whether a candidate counts for or against some: what may not be named is for those that it holds only.
-
-        An effect that stands beside them may be open; one of theirs may not.
-        """
+        """Tell whether a candidate counts beside some: one with an open effect only for what it holds besides that."""
         if self.imitators(other):
             return False
-        open_ = {name.rpartition(".")[0] for name in self.open(other)}
+        open_ = effects_of(self.open(other))
         return not open_ or any(includes(other.effects, c.effects) and not open_ & set(c.names) for c in found)
 
     def held_out(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from stepid.diagnosis.evidence import Weighed
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, includes
+from stepid.diagnosis.vetoes import effects_of
 
 if TYPE_CHECKING:
     from stepid.diagnosis.gather import EvidenceRecord
@@ -64,7 +65,7 @@ class Leads:
 
     def _determined(self, pair: Candidate) -> Candidate:
         """One effect of two where the other is open: an effect that the data do not determine explains a rest only."""
-        open_ = {name.split(".")[0] for name in self._told.open(pair)}
+        open_ = effects_of(self._told.open(pair))
         named = [name for name in pair.names if name not in open_]
         alone = [w.candidate for w in self.able if w.candidate.names == tuple(named)]
         return alone[0] if open_ and alone else pair

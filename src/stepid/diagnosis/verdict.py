@@ -162,7 +162,7 @@ def leads(e: EvidenceRecord) -> Answer | None:
     lead, beside = e.lead, e.beside_lead
     if not lead.effects or e.weight(lead, *beside) < e.criteria.sure:
         return None
-    if any(name.split(".")[0] in lead.names for name in e.open(lead)):
+    if e.open(lead):
         return None
     share, steady = e.share(lead)
     least = e.criteria.lead if len(lead.effects) == 1 else (1 + e.criteria.lead) / 2  # a second has to halve the rest

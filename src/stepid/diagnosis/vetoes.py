@@ -6,6 +6,7 @@ The search, the evidence and the rules of `stepid.diagnosis.verdict` ask for the
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -45,7 +46,7 @@ def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict
     said = unseen(context, criteria, found)
     linear = _said(context, criteria, found, "imitates")
     if linear and _leaves_noise(context, criteria, found):
-        open_ = {name.rpartition(".")[0] for name in undetermined(context, criteria, found)}
+        open_ = effects_of(undetermined(context, criteria, found))
         linear = {name: words for name, words in linear.items() if name in open_}
     return linear | said
 
@@ -75,8 +76,15 @@ def _leaves_noise(context: FitContext, criteria: Criteria, found: Candidate) -> 
     return found.optimum.cost <= context.noise_limit
 
 
+def effects_of(parameters: Iterable[str]) -> set[str]:
+    """Names of the effects whose parameters have these names."""
+    return {name.rpartition(".")[0] for name in parameters}
+
+
 def undetermined(context: FitContext, criteria: Criteria, found: Candidate) -> tuple[str, ...]:
     """Parameters of a candidate's effects that the data do not determine, by name: those of angles do not count."""
+    if not found.effects:
+        return ()
     values, _ = estimates(found.optimum, found.effects, context.floor)
     own = effect_parameters(found.effects)
     out = []

@@ -52,13 +52,12 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
     if excess <= 0 or line.travel <= 0 or not line.finite:
         return None
     turns = line.strongest()
-    waves = line.waves(turns)
-    values, gained = _fitted(waves, residual)
     for _ in range(_PASSES):  # the line is one of the true position
+        values, _ = _fitted(line.waves(turns), residual)
         line.position = _true(records.position, *_wave(values), line.travel / turns)
         turns = line.strongest(near=turns)
-        waves = line.waves(turns)
-        values, gained = _fitted(waves, residual)
+    waves = line.waves(turns)
+    values, gained = _fitted(waves, residual)
     if turns < _TURNS[0] + _FINE / 2:  # the longest that is tried: no pitch is the best
         return None
     left = float(residual @ residual) - gained

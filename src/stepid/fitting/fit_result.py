@@ -8,7 +8,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from stepid.core.base import Matrix, Model, NonNegative
-from stepid.core.estimate import Estimate, format_value, outward, prefixed
+from stepid.core.estimate import Estimate, format_value, one_end, prefixed
 from stepid.core.frames import Row, parameter_frame
 from stepid.core.latex import parameter_name, parameter_table
 from stepid.core.quantities import InputUnit, Motion
@@ -99,7 +99,7 @@ class Fit(Model):
             interval = "not determined" if ends is None else _span(ends)
             if e.one_sided:
                 words, end = e.one_sided
-                interval = f"{words} {outward(factor * end, up=words == 'at most')}"
+                interval = one_end(words, factor * end)
             parts = (_size(factor * e.parts[cause] if cause in e.parts else None) for cause in causes)
             rows.append((name, format_value(value, spread), interval, *parts, unit))
         return header, rows

@@ -40,8 +40,8 @@ def profiled(
         As there.
     """
     names = [name for name, _ in parameter_names(optimum, effects)]
-    vague = tuple(n for n in names if _vague(parameters[n])) if optimum.rms < _NOISY * floor else ()
-    problem, out = optimum.problem, {**parameters, **limited(optimum, effects, floor, vague)}
+    sized = limited(optimum, effects, floor, tuple(names)) if optimum.rms < _NOISY * floor else {}
+    problem, out = optimum.problem, {**parameters, **sized}
     odd = [i for i in np.flatnonzero(problem.free).tolist() if out[names[i]].parts and _odd(out[names[i]], optimum, i)]
     if not odd:
         return out
@@ -75,7 +75,7 @@ def limited(optimum: Optimum, effects: tuple[Effect, ...], floor: float, names: 
     optimum, effects, floor
         As for `stepid.fitting.covariance.estimates`.
     names : tuple of str
-        Parameters that the data do not determine.
+        Parameters that are asked.
 
     Returns
     -------
@@ -106,10 +106,6 @@ def limited(optimum: Optimum, effects: tuple[Effect, ...], floor: float, names: 
     return out
 
 
-def _vague(e: Estimate) -> bool:
-    return e.uncertainty is None or e.uncertainty > 0.5 * abs(e.value)
-
-
 def _odd(e: Estimate, optimum: Optimum, index: int) -> bool:
     spread = e.parts.get("noise")
     if spread is None or not spread > 0 or e.unit == "rad":
@@ -134,12 +130,12 @@ def _limit(optimum: Optimum, index: int, distance: float, wanted: float) -> floa
         grown = np.inf if again is None else again.cost - best
         if abs(grown / wanted - 1.0) < _CLOSE:
             return place
-        if grown < wanted and place in (low, high):
-            return place
-        if grown < wanted and abs(distance) > _FAR * first:
-            return None
-        if grown < wanted:
-            found, inside = (again or found), abs(distance)
+        if again is not None and grown < wanted:
+            if place in (low, high):
+                return place
+            if abs(distance) > _FAR * first:
+                return None
+            found, inside = again, abs(distance)
         else:
             outside = abs(distance)
         factor = math.sqrt(wanted / max(grown, 0.02 * wanted)) if np.isfinite(grown) else 0.5

@@ -102,8 +102,7 @@ class Standings:
     def _least(self) -> Node:
         """The node that leaves least, of those at the noise floor one that may be named."""
         order = sorted(self.nodes.values(), key=lambda n: n.cost)
-        named = (n for n in order if n.cost > self.noise_limit or self._named([n]))
-        return next(named)
+        return next(n for n in order if n.cost > self.noise_limit or self._named([n]))
 
     def _named(self, nodes: Sequence[Node]) -> list[Node]:
         return by.nameable(self.fit, self.criteria, nodes, self.candidates)

@@ -20,12 +20,10 @@ class Regeneralize:
         out: list[Proposal] = []
         names = {e.name for e in node.effects}
         for place, effect in enumerate(node.effects):
+            inside = [e for e in context.catalogue if e.name in effect.contains]
+            levels = {e.name: level_within(node, place, e, context) for e in inside}
             for general in context.catalogue:
-                shared = [e for e in context.catalogue if e.name in effect.contains and e.name in general.contains]
-                if general.name in names or not shared:
-                    continue
-                levels = [level_within(node, place, e, context) for e in shared]
-                known = [level for level in levels if level is not None]
-                if known:
+                known = [level for name, level in levels.items() if level is not None and name in general.contains]
+                if known and general.name not in names:
                     out += grown_from(node, place, (known[0],), general, context, self.name)
         return out

@@ -20,10 +20,9 @@ class Specialize:
         here, out = standing(node), []
         for place, effect in enumerate(node.effects):
             for inner in context.catalogue:
-                taken = any(inner.name == e.name for e in node.effects)
-                level = (
-                    None if taken or inner.name not in effect.contains else level_within(node, place, inner, context)
-                )
+                if inner.name not in effect.contains or any(inner.name == e.name for e in node.effects):
+                    continue
+                level = level_within(node, place, inner, context)
                 if level is None:
                     continue
                 effects = (*node.effects[:place], inner, *node.effects[place + 1 :])
@@ -44,8 +43,10 @@ def level_within(node: Node, place: int, simple: Effect, context: SearchContext)
         return None
     unit = simple.parameters[0].unit
     alike = [v for v, q in zip(values, general.parameters, strict=True) if q.unit == unit]
-    if not alike or not is_force(general):
-        return float(np.mean(alike)) if alike else None
-    force = ForceAlong(node, place, context)
-    near = [force.strength(one) for one in simple.regressors(context.fit.scales, force.motion)]
+    if not alike:
+        return None
+    near: list[float | None] = []
+    if is_force(general):
+        force = ForceAlong(node, place, context)
+        near = [force.strength(one) for one in simple.regressors(context.fit.scales, force.motion)]
     return next((level for level in near if level is not None), float(np.mean(alike)))
