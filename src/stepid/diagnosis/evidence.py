@@ -114,3 +114,8 @@ def is_white(context: FitContext, found: Candidate, deviations: float) -> bool:
 def block_means(context: FitContext, optimum: Optimum) -> float:
     """Standard deviations by which a residual's means over blocks exceed those of white noise of the floor's size."""
     return structure(context.records, optimum.problem.residual(optimum.solved), context.floor, context.period)
+
+
+def least_share(criteria: Criteria, count: int) -> float:
+    """Share of the misfit that so many effects have to take to lead: each further one halves what may be left."""
+    return 1.0 - (1.0 - criteria.lead) * 0.5 ** max(count - 1, 0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from stepid.diagnosis.evidence import least_share
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.result import Verdict
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
@@ -165,8 +166,7 @@ def leads(e: EvidenceRecord) -> Answer | None:
     if e.open(lead):
         return None
     share, steady = e.share(lead)
-    least = e.criteria.lead if len(lead.effects) == 1 else (1 + e.criteria.lead) / 2  # a second has to halve the rest
-    if share < least or steady < e.criteria.steady:
+    if share < least_share(e.criteria, len(lead.effects)) or steady < e.criteria.steady:
         return None
     said: tuple[str, ...] = (
         f"{_title(lead)} takes {whole_percent(share)} of the misfit's power on runs that the fit did not see.",

@@ -44,3 +44,5 @@ def includes(bigger: tuple[Effect, ...], smaller: tuple[Effect, ...]) -> bool:
 
 
 Key = tuple[frozenset[str], Deviations]
+LINEAR: Key = (frozenset(), frozenset())
+"""Key of the linear plant."""

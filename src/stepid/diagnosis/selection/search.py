@@ -122,6 +122,8 @@ class Search(Standings):
                 asked += by.instead(self.proposals, self._tried, {node.key for node in calmer}, self.effort.share)
             else:  # what the rounds before had no room for
                 asked = [p for p in asked if p.size <= self.nodes[self.best.key].size]
+            if not self._answered():
+                asked = [p for p in asked if self._may_answer(p)]
             if not asked:
                 break
             for proposal in asked:
@@ -195,7 +197,7 @@ class Search(Standings):
         least = self._least()
         if least.cost > self.noise_limit:
             hoped = by.hoped_of_parts(proposal, self.proposals, self.nodes, self.effort)
-            return by.no_answer(self.noise_limit, proposal.effects, hoped)
+            return len(proposal.effects) > LEADING and hoped > self.noise_limit
         return by.outdone(proposal, least, self.root, self.proposals, self.effort, self.criteria.tie * self.fit.unit)
 
     def _new(self, proposal: Proposal) -> bool:
@@ -213,13 +215,21 @@ class Search(Standings):
         if proposal.move == Drop.name:
             return True  # it may have been stuck, or never tried
         if proposal.move in _RIVALS:
+            if len(proposal.effects) > LEADING and by.hoped(proposal, self.effort) > 2 * self.noise_limit:
+                return False
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
-        hoped = by.hoped(proposal, self.effort)
-        if (proposal.base != self.root.key and hoped > named) or by.no_answer(
-            self.noise_limit, proposal.effects, hoped
-        ):
+        if proposal.base != self.root.key and by.hoped(proposal, self.effort) > named:
             return False
-        return proposal.left < proposal.like.cost - slack
+        return self._may_answer(proposal) and proposal.left < proposal.like.cost - slack
+
+    def _may_answer(self, proposal: Proposal) -> bool:
+        """Tell whether a set may leave so little that it is an answer."""
+        return by.hoped(proposal, self.effort) <= self.needed(proposal.effects, proposal.deviations)
+
+    def _answered(self) -> bool:
+        """Tell whether one of the leading sets is an answer, or misses that by little."""
+        leading = [self.nodes[c.key] for c in self._leading()]
+        return any(n.cost <= 2 * self.needed(n.effects, n.deviations) for n in leading)
 
     # ---- fits -----------------------------------------------------------------------------------------------------
 
@@ -252,7 +262,7 @@ class Search(Standings):
             known = node.key in self.candidates
             if known and not self._named([node]):
                 continue
-            if by.no_answer(self.noise_limit, node.effects, node.cost / 2):
+            if len(node.effects) > LEADING and node.cost > 2 * self.noise_limit:
                 continue
             if by.value(self.fit, node) < near or (any(node is f for f in first) and not known):
                 self._polish(node)

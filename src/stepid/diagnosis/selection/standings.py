@@ -9,13 +9,14 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import at_floor, effective_samples, is_white, price
+from stepid.diagnosis.evidence import at_floor, effective_samples, is_white, least_share, price
 from stepid.diagnosis.free_law import followed
 from stepid.diagnosis.selection import order as by
-from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
+from stepid.diagnosis.selection.candidate import LEADING, LINEAR, Candidate, Deviations, Key, includes
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.proposal import Node
 from stepid.diagnosis.vetoes import imitators
+from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 
@@ -75,6 +76,26 @@ class Standings:
         counts, variance = self._counts(best), best.optimum.cost / float((self.fit.records.weight**2).sum())
         cost = max(optimum.cost, np.finfo(float).tiny)
         return float(counts.sum()) * math.log(cost) + price(optimum, counts, variance)
+
+    def needed(self, effects: Sequence[Effect], deviations: Deviations) -> float:
+        """Cost in the race at which a set is an answer, m²: the noise, or as little of a misfit as a lead may leave.
+
+        The misfit is that of the linear plant with the same conditions free; of two effects, one of which leads alone,
+        it is what that one leaves. A single effect in all runs alike is always of use: sets are made of it.
+        """
+        if len(effects) > LEADING:
+            return self.noise_limit
+        if not effects or (len(effects) == 1 and not deviations):
+            return math.inf
+        plain = self.nodes.get((frozenset(), deviations), self.nodes[LINEAR]).cost
+        least = self._left_of(plain, least_share(self.criteria, len(effects)))
+        alone = [n for n in self.nodes.values() if len(n.effects) == 1 and n.deviations == deviations]
+        alone = [n for n in alone if len(effects) > 1 and includes(effects, n.effects)]
+        leading = [n.cost for n in alone if n.cost <= self._left_of(plain, self.criteria.lead)]
+        return min([least, *(self._left_of(cost, self.criteria.lead) for cost in leading)])
+
+    def _left_of(self, cost: float, share: float) -> float:
+        return self.noise_limit + (1 - share) * max(cost - self.noise_limit, 0.0)
 
     def _complete(self, best: Candidate) -> bool:
         """Tell whether the best may be named and leaves nothing that a further effect could explain."""
