@@ -55,6 +55,26 @@ def worthy(
     return first + then
 
 
+def first_of_bases(order: Sequence[Proposal], tried: Collection[tuple[Key, Key]], share: int) -> set[tuple[Key, Key]]:
+    """Base and set of the first few proposals of each base, those tried before counted: fitted whatever they promise.
+
+    Parameters
+    ----------
+    order : sequence of Proposal
+        Those not tried, most promising first.
+    tried : collection of tuple
+        Base and set.
+    share : int
+    """
+    taken = Counter(base for base, _ in tried)
+    first = set()
+    for p in order:
+        taken[p.base] += 1
+        if taken[p.base] <= share:
+            first.add((p.base, p.key))
+    return first
+
+
 def first_together(
     proposals: Sequence[Proposal], nodes: Mapping[Key, Node], share: int, moves: Sequence[Move]
 ) -> list[Proposal]:

@@ -183,6 +183,8 @@ class Search(Standings):
             unforeseen = [p for p in new if p.move in UNFORESEEN and p not in out][: self.effort.share * nearest]
             out.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
             return [*out, *unforeseen][: self.effort.width]
+        first = by.first_of_bases(order, self._tried, self.effort.share)
+        out = [p for p in out if self._may_answer(p) or ((p.base, p.key) in first and len(p.effects) <= LEADING)]
         together = by.first_together(self.proposals, self.nodes, self.effort.share, TOGETHER)
         sets = {p.key for p in together}
         out = [p for p in out if p.key not in sets]
@@ -220,7 +222,7 @@ class Search(Standings):
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
         if proposal.base != self.root.key and by.hoped(proposal, self.effort) > named:
             return False
-        return self._may_answer(proposal) and proposal.left < proposal.like.cost - slack
+        return proposal.left < proposal.like.cost - slack
 
     def _may_answer(self, proposal: Proposal) -> bool:
         """Tell whether a set may leave so little that it is an answer."""
@@ -228,8 +230,11 @@ class Search(Standings):
 
     def _answered(self) -> bool:
         """Tell whether one of the leading sets is an answer, or misses that by little."""
-        leading = [self.nodes[c.key] for c in self._leading()]
-        return any(n.cost <= 2 * self.needed(n.effects, n.deviations) for n in leading)
+        return any(self._answers(self.nodes[c.key]) for c in self._leading())
+
+    def _answers(self, node: Node) -> bool:
+        """Tell whether a node is an answer, or misses that by little."""
+        return node.cost <= 2 * self.needed(node.effects, node.deviations)
 
     # ---- fits -----------------------------------------------------------------------------------------------------
 
@@ -262,9 +267,10 @@ class Search(Standings):
             known = node.key in self.candidates
             if known and not self._named([node]):
                 continue
-            if len(node.effects) > LEADING and node.cost > 2 * self.noise_limit:
+            if len(node.effects) > LEADING and not self._answers(node):
                 continue
-            if by.value(self.fit, node) < near or (any(node is f for f in first) and not known):
+            near_by = by.value(self.fit, node) < near and self._answers(node)
+            if near_by or (any(node is f for f in first) and not known):
                 self._polish(node)
         node = self.nodes[self.best.key]
         if any(e.dry for e in node.effects) and not self._complete(self.best) and node.fitted.other_sticking():
