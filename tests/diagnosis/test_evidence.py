@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, context, evidence, losing, white
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import at_floor, effective_samples, is_white, price, weigh
+from stepid.diagnosis.evidence import at_floor, effective_samples, is_white, least_share, price, weigh
 from stepid.diagnosis.selection.candidate import Candidate
 
 
@@ -114,3 +114,8 @@ def test_a_rest_is_no_correlation_and_two_samples_are_the_least() -> None:
     late, plain = candidate(deviations=["start_time"]), candidate()
     cost = [price(one.optimum, few, FLOOR**2) for one in (late, plain)]
     assert cost[0] - cost[1] == pytest.approx(math.log(2) + 2 * math.log(50.0))
+
+
+@pytest.mark.parametrize(("count", "share"), [(1, 0.8), (2, 0.9), (3, 0.95)])
+def test_each_further_effect_halves_what_a_lead_may_leave(count: int, share: float) -> None:
+    assert least_share(Criteria(lead=0.8), count) == pytest.approx(share)

@@ -11,10 +11,10 @@ import pytest
 from made_up_evidence import candidate
 from stepid.diagnosis.selection.order import (
     calmer,
+    first_of_bases,
     instead,
     larger,
     largest_lead,
-    no_answer,
     of_each_size,
     singles,
     starts_in_order,
@@ -75,12 +75,6 @@ def test_starts_follow_their_effects() -> None:
     source = SimpleNamespace(effects=(play, cogging), starts=(start,))
     (turned,) = starts_in_order(source, (cogging, play))  # type: ignore[arg-type]
     assert turned.values == ((0.1, 0.02, 0.0), (1e-3,))
-
-
-@pytest.mark.parametrize(("count", "cost", "none"), [(2, 9.0, False), (3, 1.0, False), (3, 1.2, True), (4, 9.0, True)])
-def test_more_effects_than_may_lead_are_an_answer_at_the_floor_only(count: int, cost: float, none: bool) -> None:
-    effects = resolve(["coulomb_friction", "free_play", "cogging", "actuator_lag"])[:count]
-    assert no_answer(1.1, effects, cost) is none
 
 
 def test_the_largest_set_that_may_lead_is_the_one_of_two_effects_that_leaves_least() -> None:
@@ -158,3 +152,29 @@ def test_effects_in_the_place_of_a_condition_are_the_first_few_on_each_base_not_
     assert instead(every, set(), bases, 2) == [on_play[1], on_play[2], on_cogging[0]]
     tried = {(on_play[1].base, on_play[1].key)}
     assert instead(every, tried, bases, 2) == [on_play[2], on_cogging[0]]  # it was of the first
+
+
+@pytest.mark.parametrize(
+    ("tried", "first"),
+    [
+        (0, {"cogging", "end_stop", "flexible_coupling"}),  # two, and a mode, whose promise tells nothing
+        (1, {"cogging", "flexible_coupling"}),
+        (2, {"flexible_coupling"}),
+    ],
+)
+def test_the_first_of_a_base_are_fitted_whatever_they_promise_and_those_tried_count(
+    tried: int, first: set[str]
+) -> None:
+    ranked = ["cogging", "end_stop", "sensor_drift", "flexible_coupling"]
+    order = [proposed(f"free_play {name}", "free_play", float(place)) for place, name in enumerate(ranked)]
+    base: Any = (frozenset({"free_play"}), frozenset())
+    before: Any = [(base, (frozenset({"free_play", f"other {i}"}), frozenset())) for i in range(tried)]
+    before += [((frozenset({"end_stop"}), frozenset()), base)] * 5  # on another base
+    found = first_of_bases(order, before, 2)
+    assert {next(iter(key[0] - {"free_play"})) for _, key in found} == first
+    assert {on for on, _ in found} == {base}
+
+
+def test_a_mode_that_is_there_already_is_none_that_is_new() -> None:
+    one = proposed("flexible_coupling cogging", "flexible_coupling", 1.0)
+    assert first_of_bases([one], [(one.base, one.base)], 1) == set()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from types import SimpleNamespace
 
 import pytest
@@ -76,3 +77,41 @@ def test_a_set_that_leaves_a_rest_lowers_no_floor() -> None:
     found._lower_floor(PAIR)
     assert found.noise_limit == before
     assert not found._complete(PAIR)
+
+
+def raced(names: list[str], cost: float, deviations: tuple[str, ...] = ()) -> SimpleNamespace:
+    found = candidate(names, deviations=deviations)
+    return SimpleNamespace(effects=found.effects, deviations=found.deviations, key=found.key, cost=cost)
+
+
+@pytest.mark.parametrize(
+    ("names", "deviations", "alone", "needed"),
+    [
+        (["cogging"], (), 90.0, math.inf),  # sets are made of it
+        ([], ("gain",), 90.0, math.inf),
+        (["cogging"], ("gain",), 90.0, 1 + 0.2 * 50),  # of what the plant with the same condition leaves
+        (["cogging"], ("damping",), 90.0, 1 + 0.2 * 100),  # not fitted: of what the plant leaves
+        (["cogging", "free_play"], (), 90.0, 1 + 0.1 * 100),  # a second effect halves what may be left
+        (["cogging", "free_play"], (), 11.0, 1 + 0.2 * 10),  # one of them leads: the other has to lead beside it
+        (["coulomb_friction", "free_play"], (), 11.0, 1 + 0.1 * 100),  # none of these does
+        (THREE, (), 11.0, 1.0),  # so many are an answer at the noise only
+    ],
+)
+def test_what_a_set_may_leave_to_be_an_answer(
+    names: list[str], deviations: tuple[str, ...], alone: float, needed: float
+) -> None:
+    found = Standings(context(), Criteria(lead=0.8), Effort())
+    found.noise_limit = 1.0
+    nodes = [raced([], 101.0), raced([], 51.0, ("gain",)), raced(["cogging"], alone), raced(["free_play"], 70.0)]
+    found.nodes = {node.key: node for node in nodes}  # type: ignore[misc]
+    wanted = candidate(names, deviations=deviations)
+    assert found.needed(wanted.effects, wanted.deviations) == pytest.approx(needed)
+
+
+def test_a_law_inside_one_of_a_pair_leads_too() -> None:
+    found = Standings(context(), Criteria(lead=0.8), Effort())
+    found.noise_limit = 1.0
+    nodes = [raced([], 101.0), raced(["coulomb_friction"], 11.0)]
+    found.nodes = {node.key: node for node in nodes}  # type: ignore[misc]
+    pair = candidate(["stribeck_friction", "free_play"])
+    assert found.needed(pair.effects, pair.deviations) == pytest.approx(1 + 0.2 * 10)

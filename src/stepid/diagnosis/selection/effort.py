@@ -100,8 +100,9 @@ class Effort(Model):
 
     @classmethod
     def quick(cls) -> Effort:
-        """Half the default: for a first look."""
-        return cls().scaled(0.5)
+        """Half of the default's fits, rounds and starts: for a first look; as many rivals are asked in a round."""
+        plain, half = cls(), cls().scaled(0.5)
+        return half.model_copy(update={name: getattr(plain, name) for name in ("width", "share", "beam")})
 
     @classmethod
     def thorough(cls) -> Effort:

@@ -184,7 +184,7 @@ class Search(Standings):
             out.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
             return [*out, *unforeseen][: self.effort.width]
         first = by.first_of_bases(order, self._tried, self.effort.share)
-        out = [p for p in out if self._may_answer(p) or ((p.base, p.key) in first and len(p.effects) <= LEADING)]
+        out = [p for p in out if self._may_answer(p) or (len(p.effects) <= LEADING and (p.base, p.key) in first)]
         together = by.first_together(self.proposals, self.nodes, self.effort.share, TOGETHER)
         sets = {p.key for p in together}
         out = [p for p in out if p.key not in sets]

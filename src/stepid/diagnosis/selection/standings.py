@@ -77,7 +77,7 @@ class Standings:
         cost = max(optimum.cost, np.finfo(float).tiny)
         return float(counts.sum()) * math.log(cost) + price(optimum, counts, variance)
 
-    def needed(self, effects: Sequence[Effect], deviations: Deviations) -> float:
+    def needed(self, effects: tuple[Effect, ...], deviations: Deviations) -> float:
         """Cost in the race at which a set is an answer, m²: the noise, or as little of a misfit as a lead may leave.
 
         The misfit is that of the linear plant with the same conditions free; of two effects, one of which leads alone,
