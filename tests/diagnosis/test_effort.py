@@ -26,9 +26,8 @@ def test_presets() -> None:
     quick, plain, thorough = Effort.quick(), Effort(), Effort.thorough()
     assert quick.fits < plain.fits < thorough.fits
     assert quick.effects == plain.effects < thorough.effects
-    halved = {"fits", "first", "rounds", "starts", "keep", "promoted", "polish"}
-    for name in Effort.model_fields:
-        assert getattr(quick, name) == getattr(plain.scaled(0.5) if name in halved else plain, name)
+    assert (quick.fits, quick.first, quick.rounds, quick.starts, quick.keep) == (30, 6, 4, 2, 1)
+    assert (quick.width, quick.share, quick.beam) == (plain.width, plain.share, plain.beam)
 
 
 def test_wrong_efforts_are_refused() -> None:

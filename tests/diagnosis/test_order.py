@@ -11,7 +11,6 @@ import pytest
 from made_up_evidence import candidate
 from stepid.diagnosis.selection.order import (
     calmer,
-    first_of_bases,
     instead,
     larger,
     largest_lead,
@@ -152,29 +151,3 @@ def test_effects_in_the_place_of_a_condition_are_the_first_few_on_each_base_not_
     assert instead(every, set(), bases, 2) == [on_play[1], on_play[2], on_cogging[0]]
     tried = {(on_play[1].base, on_play[1].key)}
     assert instead(every, tried, bases, 2) == [on_play[2], on_cogging[0]]  # it was of the first
-
-
-@pytest.mark.parametrize(
-    ("tried", "first"),
-    [
-        (0, {"cogging", "end_stop", "flexible_coupling"}),  # two, and a mode, whose promise tells nothing
-        (1, {"cogging", "flexible_coupling"}),
-        (2, {"flexible_coupling"}),
-    ],
-)
-def test_the_first_of_a_base_are_fitted_whatever_they_promise_and_those_tried_count(
-    tried: int, first: set[str]
-) -> None:
-    ranked = ["cogging", "end_stop", "sensor_drift", "flexible_coupling"]
-    order = [proposed(f"free_play {name}", "free_play", float(place)) for place, name in enumerate(ranked)]
-    base: Any = (frozenset({"free_play"}), frozenset())
-    before: Any = [(base, (frozenset({"free_play", f"other {i}"}), frozenset())) for i in range(tried)]
-    before += [((frozenset({"end_stop"}), frozenset()), base)] * 5  # on another base
-    found = first_of_bases(order, before, 2)
-    assert {next(iter(key[0] - {"free_play"})) for _, key in found} == first
-    assert {on for on, _ in found} == {base}
-
-
-def test_a_mode_that_is_there_already_is_none_that_is_new() -> None:
-    one = proposed("flexible_coupling cogging", "flexible_coupling", 1.0)
-    assert first_of_bases([one], [(one.base, one.base)], 1) == set()

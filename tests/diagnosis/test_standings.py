@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from types import SimpleNamespace
 
 import pytest
@@ -19,6 +18,7 @@ THREE = ["coulomb_friction", "cogging", "free_play"]
 @pytest.fixture(autouse=True)
 def no_imitators(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stepid.diagnosis.selection.standings.imitators", lambda *_: {})
+    monkeypatch.setattr("stepid.diagnosis.selection.standings.repeatability", lambda _: None)
 
 
 @pytest.mark.parametrize(
@@ -87,8 +87,9 @@ def raced(names: list[str], cost: float, deviations: tuple[str, ...] = ()) -> Si
 @pytest.mark.parametrize(
     ("names", "deviations", "alone", "needed"),
     [
-        (["cogging"], (), 90.0, math.inf),  # sets are made of it
-        ([], ("gain",), 90.0, math.inf),
+        (["cogging"], (), 90.0, 1 + 0.2 * 100),
+        ([], (), 90.0, 1.0),  # no effect is an answer where only noise is left
+        ([], ("gain",), 90.0, 1.0),
         (["cogging"], ("gain",), 90.0, 1 + 0.2 * 50),  # of what the plant with the same condition leaves
         (["cogging"], ("damping",), 90.0, 1 + 0.2 * 100),  # not fitted: of what the plant leaves
         (["cogging", "free_play"], (), 90.0, 1 + 0.1 * 100),  # a second effect halves what may be left
@@ -105,7 +106,7 @@ def test_what_a_set_may_leave_to_be_an_answer(
     nodes = [raced([], 101.0), raced([], 51.0, ("gain",)), raced(["cogging"], alone), raced(["free_play"], 70.0)]
     found.nodes = {node.key: node for node in nodes}  # type: ignore[misc]
     wanted = candidate(names, deviations=deviations)
-    assert found.needed(wanted.effects, wanted.deviations) == pytest.approx(needed)
+    assert found._needed(wanted.effects, wanted.deviations) == pytest.approx(needed)
 
 
 def test_a_law_inside_one_of_a_pair_leads_too() -> None:
@@ -114,4 +115,29 @@ def test_a_law_inside_one_of_a_pair_leads_too() -> None:
     nodes = [raced([], 101.0), raced(["coulomb_friction"], 11.0)]
     found.nodes = {node.key: node for node in nodes}  # type: ignore[misc]
     pair = candidate(["stribeck_friction", "free_play"])
-    assert found.needed(pair.effects, pair.deviations) == pytest.approx(1 + 0.2 * 10)
+    assert found._needed(pair.effects, pair.deviations) == pytest.approx(1 + 0.2 * 10)
+
+
+@pytest.mark.parametrize(
+    ("cost", "times", "answered"),
+    [(40.0, 8.0, True), (44.0, 8.0, False), (44.0, 1.0, True)],  # twice 21; on all samples only noise may be left
+)
+def test_the_leading_set_is_an_answer_or_misses_that_by_a_factor_of_two(
+    cost: float, times: float, answered: bool
+) -> None:
+    one = candidate(["cogging"], times=times)
+    found = Standings(context(), Criteria(lead=0.8), Effort())
+    found.noise_limit = 1.0
+    found.nodes = {node.key: node for node in (raced([], 101.0), raced(["cogging"], cost))}  # type: ignore[misc]
+    found.candidates = {c.key: c for c in (candidate(times=30.0), one)}
+    assert found._answered() is answered
+
+
+def test_what_repeated_runs_differ_by_no_set_has_to_take() -> None:
+    found = Standings(context(), Criteria(lead=0.8), Effort())
+    found.noise_limit, found._spread = 1.0, 3.0 * context().floor
+    found.nodes = {node.key: node for node in (raced([], 101.0), raced(["cogging"], 20.0))}  # type: ignore[misc]
+    cogging = candidate(["cogging"])
+    assert found._needed(cogging.effects, frozenset()) == pytest.approx(9 + 0.2 * 92)
+    found._spread = 0.5 * context().floor
+    assert found._needed(cogging.effects, frozenset()) == pytest.approx(21)

@@ -100,7 +100,7 @@ class Effort(Model):
 
     @classmethod
     def quick(cls) -> Effort:
-        """Half of the default's fits, rounds and starts: for a first look; as many rivals are asked in a round."""
+        """Half of the default's fits, rounds and starts for a first look; its rounds are as wide, for all rivals."""
         plain, half = cls(), cls().scaled(0.5)
         return half.model_copy(update={name: getattr(plain, name) for name in ("width", "share", "beam")})
 

@@ -12,7 +12,7 @@ from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key, includ
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves.instead import Instead
 from stepid.diagnosis.selection.moves.specialize import Specialize
-from stepid.diagnosis.selection.proposal import Move, Node, Proposal, is_mode
+from stepid.diagnosis.selection.proposal import Move, Node, Proposal
 from stepid.diagnosis.vetoes import imitators
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import FitContext, Start
@@ -53,30 +53,6 @@ def worthy(
         elif p.base in leading and (taken[p.base] <= effort.first or p.gain > effort.worth * most[p.base]):
             then.append(p)
     return first + then
-
-
-def first_of_bases(order: Sequence[Proposal], tried: Collection[tuple[Key, Key]], share: int) -> set[tuple[Key, Key]]:
-    """Base and set of proposals that are fitted whatever they promise: the first few of each base, and modes.
-
-    A mode's response is in no proportion to its mass: what a step promises tells nothing of it.
-
-    Parameters
-    ----------
-    order : sequence of Proposal
-        Those not tried, most promising first.
-    tried : collection of tuple
-        Base and set of those tried, which count among the first.
-    share : int
-        How many the first are.
-    """
-    taken = Counter(base for base, _ in tried)
-    first = set()
-    for p in order:
-        taken[p.base] += 1
-        new = (e for e in p.effects if e.name not in p.base[0])
-        if taken[p.base] <= share or any(map(is_mode, new)):
-            first.add((p.base, p.key))
-    return first
 
 
 def first_together(

@@ -122,8 +122,6 @@ class Search(Standings):
                 asked += by.instead(self.proposals, self._tried, {node.key for node in calmer}, self.effort.share)
             else:  # what the rounds before had no room for
                 asked = [p for p in asked if p.size <= self.nodes[self.best.key].size]
-            if not self._answered():
-                asked = [p for p in asked if self._may_answer(p)]
             if not asked:
                 break
             for proposal in asked:
@@ -181,10 +179,10 @@ class Search(Standings):
         out = [p for p in new if self._gains(least, named, p)]
         if bases is not None:
             unforeseen = [p for p in new if p.move in UNFORESEEN and p not in out][: self.effort.share * nearest]
+            if not self._answered():  # no rivals, where nothing is named
+                out, unforeseen = [p for p in out if self._may_answer(p)], []
             out.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
             return [*out, *unforeseen][: self.effort.width]
-        first = by.first_of_bases(order, self._tried, self.effort.share)
-        out = [p for p in out if self._may_answer(p) or (len(p.effects) <= LEADING and (p.base, p.key) in first)]
         together = by.first_together(self.proposals, self.nodes, self.effort.share, TOGETHER)
         sets = {p.key for p in together}
         out = [p for p in out if p.key not in sets]
@@ -216,25 +214,18 @@ class Search(Standings):
         slack = self.criteria.tie * self.fit.unit
         if proposal.move == Drop.name:
             return True  # it may have been stuck, or never tried
+        hoped = by.hoped(proposal, self.effort)
         if proposal.move in _RIVALS:
-            if len(proposal.effects) > LEADING and by.hoped(proposal, self.effort) > 2 * self.noise_limit:
-                return False
-            return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
-        if proposal.base != self.root.key and by.hoped(proposal, self.effort) > named:
+            answers = len(proposal.effects) <= LEADING or hoped <= 2 * self.noise_limit
+            return answers and proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
+        too_many = len(proposal.effects) > LEADING and hoped > self.noise_limit
+        if too_many or (proposal.base != self.root.key and hoped > named):
             return False
         return proposal.left < proposal.like.cost - slack
 
     def _may_answer(self, proposal: Proposal) -> bool:
-        """Tell whether a set may leave so little that it is an answer."""
-        return by.hoped(proposal, self.effort) <= self.needed(proposal.effects, proposal.deviations)
-
-    def _answered(self) -> bool:
-        """Tell whether one of the leading sets is an answer, or misses that by little."""
-        return any(self._answers(self.nodes[c.key]) for c in self._leading())
-
-    def _answers(self, node: Node) -> bool:
-        """Tell whether a node is an answer, or misses that by little."""
-        return node.cost <= 2 * self.needed(node.effects, node.deviations)
+        """Tell whether a set may really leave so little that it is an answer, by what a linearized step promises."""
+        return by.hoped(proposal, self.effort) <= self._needed(proposal.effects, proposal.deviations)
 
     # ---- fits -----------------------------------------------------------------------------------------------------
 
@@ -267,10 +258,11 @@ class Search(Standings):
             known = node.key in self.candidates
             if known and not self._named([node]):
                 continue
-            if len(node.effects) > LEADING and not self._answers(node):
+            answers, ahead = self._answers(node), any(node is f for f in first)
+            if len(node.effects) > LEADING and not answers:
                 continue
-            near_by = by.value(self.fit, node) < near and self._answers(node)
-            if near_by or (any(node is f for f in first) and not known):
+            near_by = by.value(self.fit, node) < near and (ahead or answers or len(node.effects) < LEADING)
+            if near_by or (ahead and not known):
                 self._polish(node)
         node = self.nodes[self.best.key]
         if any(e.dry for e in node.effects) and not self._complete(self.best) and node.fitted.other_sticking():

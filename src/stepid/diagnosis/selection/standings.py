@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from stepid.diagnosis.vetoes import imitators
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
+from stepid.fitting.noise_floor import repeatability
 
 
 class Standings:
@@ -37,6 +39,11 @@ class Standings:
         self.candidates: dict[Key, Candidate] = {}
         self._counted: tuple[Candidate, Array] | None = None
         self.noise_limit = fit.noise_limit  # cost in the race below which nothing but noise is left, m²
+
+    @cached_property
+    def _spread(self) -> float:
+        """What repeated runs differ by, m: no model of one plant takes that."""
+        return repeatability(self.fit.records) or 0.0
 
     @property
     def best(self) -> Candidate:
@@ -77,25 +84,33 @@ class Standings:
         cost = max(optimum.cost, np.finfo(float).tiny)
         return float(counts.sum()) * math.log(cost) + price(optimum, counts, variance)
 
-    def needed(self, effects: tuple[Effect, ...], deviations: Deviations) -> float:
+    def _needed(self, effects: tuple[Effect, ...], deviations: Deviations) -> float:
         """Cost in the race at which a set is an answer, m²: the noise, or as little of a misfit as a lead may leave.
 
         The misfit is that of the linear plant with the same conditions free; of two effects, one of which leads alone,
-        it is what that one leaves. A single effect in all runs alike is always of use: sets are made of it.
+        it is what that one leaves.
         """
-        if len(effects) > LEADING:
+        if not effects or len(effects) > LEADING:
             return self.noise_limit
-        if not effects or (len(effects) == 1 and not deviations):
-            return math.inf
         plain = self.nodes.get((frozenset(), deviations), self.nodes[LINEAR]).cost
         least = self._left_of(plain, least_share(self.criteria, len(effects)))
-        alone = [n for n in self.nodes.values() if len(n.effects) == 1 and n.deviations == deviations]
-        alone = [n for n in alone if len(effects) > 1 and includes(effects, n.effects)]
-        leading = [n.cost for n in alone if n.cost <= self._left_of(plain, self.criteria.lead)]
+        inside = [n for n in self.nodes.values() if len(n.effects) == 1 < len(effects) and n.deviations == deviations]
+        alone = [n.cost for n in inside if includes(effects, n.effects)]
+        leading = [cost for cost in alone if cost <= self._left_of(plain, self.criteria.lead)]
         return min([least, *(self._left_of(cost, self.criteria.lead) for cost in leading)])
 
     def _left_of(self, cost: float, share: float) -> float:
-        return self.noise_limit + (1 - share) * max(cost - self.noise_limit, 0.0)
+        """What is left of a cost, m², of which a share is taken that is no noise, nor differs between repeated runs."""
+        noise = self.noise_limit * max(self._spread / self.fit.floor, 1.0) ** 2
+        return noise + (1 - share) * max(cost - noise, 0.0)
+
+    def _answers(self, node: Node) -> bool:
+        """Tell whether a node leaves at most twice what an answer may."""
+        return node.cost <= 2 * self._needed(node.effects, node.deviations)
+
+    def _answered(self) -> bool:
+        """Tell whether one of the leading sets leaves only noise, or at most twice what an answer may."""
+        return any(at_floor(self.fit, self.criteria, c) or self._answers(self.nodes[c.key]) for c in self._leading())
 
     def _complete(self, best: Candidate) -> bool:
         """Tell whether the best may be named and leaves nothing that a further effect could explain."""
