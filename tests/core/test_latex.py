@@ -9,6 +9,7 @@ import pytest
 
 import stepid
 from stepid.core.estimate import format_value
+from stepid.core.frames import Row, rows_of
 from stepid.core.latex import escaped, number, parameter_name, parameter_table, unit
 
 GOLDEN = Path(__file__).resolve().parents[1] / "golden"
@@ -25,7 +26,7 @@ def test_numbers_are_those_of_the_summary(name: str) -> None:
 
 
 def test_a_table_with_a_caption_is_a_float() -> None:
-    rows = [("coulomb_friction.level", 0.3, 0.01, "N"), ("stiffness[50 % & [a]]", 216.0, None, "N/m")]
+    rows = [Row("coulomb_friction.level", 0.3, 0.01, "N"), Row("stiffness[50 % & [a]]", 216.0, None, "N/m")]
     text = parameter_table(rows, caption="Fit #1", label="tab:fit")
     assert text.splitlines()[0] == r"\begin{table}"
     assert r"\caption{Fit \#1}" in text
@@ -33,7 +34,22 @@ def test_a_table_with_a_caption_is_a_float() -> None:
     assert r"Coulomb friction, level & \num{0.300 +- 0.010} & \unit{\newton} \\" in text
     assert r"stiffness (50 \% \& {[}a{]}) & \num{216} (undetermined) & \unit{\newton\per\meter} \\" in text
     assert text.count("{") == text.count("}")
-    assert "undetermined" not in parameter_table([("a", 1.0, None, "")])
+    assert "undetermined" not in parameter_table([Row("a", 1.0, None, "")])
+
+
+@pytest.mark.parametrize(
+    ("limits", "written"),
+    [
+        ((4.31e-4, None), r"at least \num{0.43} & \unit{\milli\meter}"),
+        ((None, 0.0), r"at most \num{0} & \unit{\meter}"),
+    ],
+)
+def test_a_size_with_one_end_says_so(limits: tuple[float | None, float | None], written: str) -> None:
+    gap = stepid.Estimate(value=5e-4, unit="m", limits=limits)
+    known = stepid.Estimate(value=216.0, uncertainty=1.4, unit="N/m")
+    text = parameter_table(rows_of({"stiffness[medium]": known, "free_play.gap": gap}))
+    assert rf"free play, gap & {written} \\" in text
+    assert "undetermined" not in text
 
 
 @pytest.mark.parametrize(

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from stepid.core.estimate import Estimate
 from stepid.core.quantities import spoken_now
 from stepid.core.takes import described
 from stepid.errors import InputError, MissingPackageError
@@ -17,8 +18,21 @@ if TYPE_CHECKING:
     from stepid.core.base import Array
 
 _MOST, _LETTERS = 50, 60  # columns that a message lists, and letters of each
-Row = tuple[str, float, float | None, str]
-"""One parameter: name, value, standard uncertainty (None where undetermined), unit."""
+
+
+class Row(NamedTuple):
+    """One parameter: name, value, standard uncertainty (None where undetermined), unit; see `Estimate.one_sided`."""
+
+    name: str
+    value: float
+    uncertainty: float | None
+    unit: str
+    one_sided: tuple[str, float] | None = None
+
+
+def rows_of(parameters: Mapping[str, Estimate]) -> list[Row]:
+    """Rows of a table of estimates."""
+    return [Row(name, e.value, e.uncertainty, e.unit, e.one_sided) for name, e in parameters.items()]
 
 
 def make_frame(columns: Mapping[str, Any]) -> DataFrame:
@@ -67,10 +81,10 @@ def parameter_frame(rows: Iterable[Row]) -> DataFrame:
     given = list(rows)
     frame = make_frame(
         {
-            "parameter": [name for name, _, _, _ in given],
-            "value": [float(value) for _, value, _, _ in given],
-            "uncertainty": [np.nan if spread is None else float(spread) for _, _, spread, _ in given],
-            "unit": [spoken_now().unit(unit) for _, _, _, unit in given],
+            "parameter": [row.name for row in given],
+            "value": [float(row.value) for row in given],
+            "uncertainty": [np.nan if row.uncertainty is None else float(row.uncertainty) for row in given],
+            "unit": [spoken_now().unit(row.unit) for row in given],
         }
     )
     return frame.set_index("parameter")

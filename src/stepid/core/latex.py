@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from stepid.core.estimate import format_value, prefixed
+from stepid.core.estimate import format_value, one_end, prefixed
 from stepid.core.frames import Row
 from stepid.core.quantities import spoken_now
 
@@ -109,8 +109,7 @@ def parameter_table(rows: Iterable[Row], *, caption: str | None = None, label: s
 
     Parameters
     ----------
-    rows : iterable of tuple
-        Name, value, standard uncertainty (None where undetermined), unit.
+    rows : iterable of Row
     caption : str, optional
         With one, the table is a float with this caption.
     label : str, optional
@@ -122,15 +121,26 @@ def parameter_table(rows: Iterable[Row], *, caption: str | None = None, label: s
         Value and standard uncertainty have the digits that the text tables have.
     """
     lines = [r"\begin{tabular}{lrl}", r"\hline", r"parameter & value & unit \\", r"\hline"]
-    given = [(name, *prefixed(value, uncertainty, symbol)) for name, value, uncertainty, symbol in rows]
-    quantities = spoken_now()
-    some = any(uncertainty is not None for _, _, uncertainty, _ in given)
-    for name, value, uncertainty, symbol in given:
-        remark = " (undetermined)" if some and uncertainty is None else ""
-        said, own = quantities.text(parameter_name(name)), quantities.unit(symbol)
-        lines.append(rf"{escaped(said)} & {number(value, uncertainty)}{remark} & {unit(own)} \\")
+    given, quantities = list(rows), spoken_now()
+    some = any(row.uncertainty is not None for row in given)
+    for row in given:
+        value, symbol = _written(row, some)
+        said, own = quantities.text(parameter_name(row.name)), quantities.unit(symbol)
+        lines.append(rf"{escaped(said)} & {value} & {unit(own)} \\")
     lines += [r"\hline", r"\end{tabular}"]
     if caption is not None:
         named = [rf"\label{{{label}}}"] if label else []
         lines = [r"\begin{table}", r"\centering", rf"\caption{{{escaped(caption)}}}", *named, *lines, r"\end{table}"]
     return "\n".join(lines) + "\n"
+
+
+def _written(row: Row, others_are_known: bool) -> tuple[str, str]:
+    """A value, or the one end that the data give it, and its unit; undetermined only where others are not."""
+    if row.one_sided is not None:
+        words, end = row.one_sided
+        value, _, symbol = prefixed(end, None, row.unit)
+        figure = one_end(words, value).removeprefix(f"{words} ")
+        return rf"{words} \num{{{figure}}}", symbol
+    value, uncertainty, symbol = prefixed(row.value, row.uncertainty, row.unit)
+    remark = " (undetermined)" if others_are_known and uncertainty is None else ""
+    return number(value, uncertainty) + remark, symbol

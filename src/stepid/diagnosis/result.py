@@ -10,7 +10,7 @@ import numpy as np
 from stepid.core.base import Finite, Label, Model, NonNegative, Vector
 from stepid.core.estimate import Estimate
 from stepid.core.experiment import Campaign
-from stepid.core.frames import Row, make_frame, parameter_frame
+from stepid.core.frames import make_frame, parameter_frame, rows_of
 from stepid.core.latex import parameter_table
 from stepid.core.quantities import InputUnit, Motion
 from stepid.diagnosis.differences import Scatter
@@ -232,14 +232,11 @@ class Diagnosis(Written):
 
     def to_dataframe(self) -> DataFrame:
         """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""
-        return parameter_frame(self._parameter_rows())
+        return parameter_frame(rows_of(self.parameters))
 
     def to_latex(self, *, caption: str | None = None, label: str | None = None) -> str:
         """Return the parameters as a LaTeX table for siunitx, with a caption as a float; see `stepid.core.latex`."""
-        return parameter_table(self._parameter_rows(), caption=caption, label=label)
-
-    def _parameter_rows(self) -> list[Row]:
-        return [(name, e.value, e.uncertainty, e.unit) for name, e in self.parameters.items()]
+        return parameter_table(rows_of(self.parameters), caption=caption, label=label)
 
     def summary(self) -> str:
         """Return the answers to the five questions: noise floor, where, which, is it, what next; with tables."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from stepid.core.base import Matrix, Model, NonNegative
 from stepid.core.estimate import Estimate, format_value, one_end, prefixed
-from stepid.core.frames import Row, parameter_frame
+from stepid.core.frames import parameter_frame, rows_of
 from stepid.core.latex import parameter_name, parameter_table
 from stepid.core.quantities import InputUnit, Motion
 from stepid.core.tables import html_table, text_table
@@ -57,14 +57,11 @@ class Fit(Model):
 
     def to_dataframe(self) -> DataFrame:
         """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""
-        return parameter_frame(self._parameter_rows())
+        return parameter_frame(rows_of(self.parameters))
 
     def to_latex(self, *, caption: str | None = None, label: str | None = None) -> str:
         """Return the parameters as a LaTeX table for siunitx, with a caption as a float; see `stepid.core.latex`."""
-        return parameter_table(self._parameter_rows(), caption=caption, label=label)
-
-    def _parameter_rows(self) -> list[Row]:
-        return [(name, e.value, e.uncertainty, e.unit) for name, e in self.parameters.items()]
+        return parameter_table(rows_of(self.parameters), caption=caption, label=label)
 
     def summary(self) -> str:
         """Return a table: each value ± standard uncertainty, its 95 % interval, and what the uncertainty comes from."""

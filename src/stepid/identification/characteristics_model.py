@@ -11,6 +11,7 @@ from pydantic import model_validator
 
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive
 from stepid.core.estimate import format_value, prefixed
+from stepid.core.frames import Row
 from stepid.core.latex import parameter_table
 from stepid.core.quantities import InputUnit, Motion
 from stepid.core.tables import html_table, text_table
@@ -149,7 +150,7 @@ class Characteristics(Model):
     def to_latex(self, *, caption: str | None = None, label: str | None = None) -> str:
         """Return them as a LaTeX table for siunitx, with a caption as a float; see `stepid.core.latex`."""
         given = ((field, getattr(self, field), unit) for field, unit in _UNITS.items())
-        rows = [(f, value, getattr(self.uncertainty, f), unit) for f, value, unit in given if value is not None]
+        rows = [Row(f, value, getattr(self.uncertainty, f), unit) for f, value, unit in given if value is not None]
         return parameter_table(rows, caption=caption, label=label)
 
     def _rows(self) -> list[tuple[str, str, str]]:

@@ -189,7 +189,7 @@ class IdentifiedParameters(Model):
 
     def _parameter_rows(self) -> list[Row]:
         return [
-            (f"{group}[{label}]", value, getattr(self.uncertainty, group).get(label), unit)
+            Row(f"{group}[{label}]", value, getattr(self.uncertainty, group).get(label), unit)
             for group, unit in _UNITS.items()
             for label, value in getattr(self, group).items()
         ]
