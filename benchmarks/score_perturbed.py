@@ -1,6 +1,6 @@
 """Acceptance figures of clean and perturbed campaigns, from the lines of `benchmarks/diagnosis.py --lines FILE`.
 
-python benchmarks/score_perturbed.py FILE [FILE ...] [--json OUT] [--failures]
+python benchmarks/score_perturbed.py FILE [FILE ...] [--json OUT] [--failures] [--page docs/diagnosis-benchmark.md]
 """
 
 from __future__ import annotations
@@ -25,10 +25,11 @@ SILENT: Record = {"verdict": "unexplained", "effects": [], "alternatives": [], "
 BINS = (0.0, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 1.0)
 
 
-def count(name: str, most: int, records: Sequence[Record], bad: Callable[[Record], bool]) -> Line:
-    """How many records are bad, of how many; at most `most` are asked for."""
+def count(name: str, most: int, of: int, records: Sequence[Record], bad: Callable[[Record], bool]) -> Line:
+    """How many records are bad, of how many; at most `most` of `of` are asked for, of fewer as large a part."""
     wrong = [r for r in records if bad(r)]
-    return Line(name, f"≤ {most}", float(len(wrong)) if records else None, len(records), len(wrong) <= most, wrong)
+    met = len(wrong) <= most and len(wrong) * of <= most * len(records)
+    return Line(name, f"≤ {most} of {of:,}", float(len(wrong)) if records else None, len(records), met, wrong)
 
 
 def needed(record: Record) -> bool:
@@ -57,14 +58,14 @@ def clean(by: dict[str, list[Record]]) -> list[Line]:
         return not (in_set(r) or judge.is_twin(r))
 
     return [
-        count("single, r0 ≥ 2: truth not in the answer", 1, clear, lost),
+        count("single, r0 ≥ 2: truth not in the answer", 1, 236, clear, lost),
         share("single, r0 ≥ 2, separable: named first", "≥ 99 %", 0.99, separable, first_right),
         mean("single, r0 ≥ 2, separable: set size", "≤ 1.15", 1.15, [max(len(answers(r)), 1) for r in separable]),
         share("single, r0 1.1 to 2: truth not in it", "≤ 3 %", 0.03, band, lost, at_most=True),
-        count("none: named", 5, none, misnamed),
+        count("none: named", 5, 1000, none, misnamed),
         share("pairs that need both: both named", "≥ 95 %", 0.95, pairs, judge.right_or_twin),
         share("triples that need all: all named", "≥ 80 %", 0.8, triples, judge.right_or_twin),
-        count("outside the catalogue: wrong names", 6, outside, judge.wrong_name),
+        count("outside the catalogue: wrong names", 6, 300, outside, judge.wrong_name),
         untold("outside the catalogue", outside),
     ]
 
@@ -76,11 +77,11 @@ def perturbed(by: dict[str, list[Record]], seen: str) -> list[Line]:
     tellable = [r | {"kind told": k} for r in none for k in judge.mattering(r)]
     words = seen.replace("-", ", ")
     lines = [
-        count(f"perturbed{words}, linear: wrong names", 6, none, judge.wrong_name),
+        count(f"perturbed{words}, linear: wrong names", 6, 300, none, judge.wrong_name),
         share(f"perturbed{words}, r0 ≥ 2: kind told", "≥ 80 %", 0.8, tellable, lambda r: judge.told(r, r["kind told"])),
         share(f"perturbed{words}, one effect: named", "≥ 90 %", 0.9, single, judge.named_right),
         share(f"perturbed{words}, one effect: other name", "≤ 2 %", 0.02, single, judge.wrong_name, at_most=True),
-        count(f"perturbed{words}, outside: wrong names", 8, outside, judge.wrong_name),
+        count(f"perturbed{words}, outside: wrong names", 8, 200, outside, judge.wrong_name),
         untold(f"perturbed{words}, outside", outside),
     ]
     return [x for x in lines if x.count]
@@ -127,7 +128,7 @@ def efforts(records: Sequence[Record]) -> list[Line]:
         return lambda r: r["efforts"][name] != [r["verdict"], sorted(r["effects"])]
 
     return [
-        count("twice the effort: another answer", 3, some, changed("doubled")),
+        count("twice the effort: another answer", 3, 534, some, changed("doubled")),
         share("quick: another answer", "≤ 4 %", 0.04, some, changed("quick"), at_most=True),
     ]
 
@@ -215,9 +216,15 @@ def main() -> None:
     parser.add_argument("files", type=Path, nargs="+")
     parser.add_argument("--json", type=Path, help="write the figures here")
     parser.add_argument("--failures", action="store_true", help="list every case that missed a line")
+    parser.add_argument("--page", type=Path, help="write the documentation's page here")
+    parser.add_argument("--commit", default="the salt's commit", help="that froze the code, for the page")
     args = parser.parse_args()
     records = [r for file in args.files for r in read(file)]
     print(report(records, failures=args.failures))
+    if args.page:
+        from frozen_page import markdown
+
+        args.page.write_text(markdown(report(records), records, args.commit), encoding="utf-8")
     if args.json:
         figures = [
             {"name": x.name, "asked": x.asked, "value": x.value, "count": x.count, "met": x.met} for x in score(records)
