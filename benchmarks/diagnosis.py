@@ -1,6 +1,6 @@
 """Diagnose campaigns with a known missing effect and score every line that the diagnosis has to meet.
 
-    python benchmarks/diagnosis.py --page docs/diagnosis-benchmark.md        the whole benchmark, and its page
+    python benchmarks/diagnosis.py                                        the standing campaigns
     python benchmarks/diagnosis.py --single 40 --none 20 --pairs 5 --outside 5      a smoke run
     python benchmarks/diagnosis.py --catalogue old --json FILE             the same with the 20 effects of the old sets
     python benchmarks/diagnosis.py --practice FOLDER                       campaigns in files, answers.json beside them
@@ -34,8 +34,8 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "benchmarks")]
 
 import one_by_one  # noqa: E402
-import page  # noqa: E402
 import practice  # noqa: E402
+import report  # noqa: E402
 import score  # noqa: E402
 import score_perturbed  # noqa: E402
 from hidden.plant import NEW  # noqa: E402
@@ -96,7 +96,6 @@ def main() -> None:
     parser.add_argument("--practice", type=Path, help="folder of campaigns with answers.json")
     parser.add_argument("--only", help="only campaigns whose name contains this")
     parser.add_argument("--json", type=Path, help="write every record and score here")
-    parser.add_argument("--page", type=Path, help="write the Markdown page here")
     parser.add_argument("--set", type=one_by_one.wanted, action="append", metavar="NAME=N", help="N campaigns of a set")
     parser.add_argument("--salt", default="", help="what the seeds of --set are made from")
     parser.add_argument("--first", type=int, default=0, metavar="N", help="number of the first campaign of each --set")
@@ -119,13 +118,11 @@ def main() -> None:
         diagnose_case(cases[0], twins=False)
     records = collect(run(cases, args.jobs, CATALOGUES[args.catalogue]), len(cases))
     lines = score.score(records)
-    print(page.report(lines, records))
-    print(page.failures(lines))
+    print(report.report(lines, records))
+    print(report.failures(lines))
     if args.json:
         summary = [{"name": x.name, "asked": x.asked, "value": x.value, "count": x.count, "met": x.met} for x in lines]
         args.json.write_text(json.dumps({"lines": summary, "records": records}, indent=1), encoding="utf-8")
-    if args.page:
-        args.page.write_text(page.markdown(lines, records), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -166,17 +166,3 @@ def faint_right(record: Record) -> bool:
 
 def misnamed(record: Record) -> bool:
     return record["verdict"] in ("named", "ambiguous") and bool(record["effects"])
-
-
-def confusion(records: Iterable[Record]) -> dict[str, Counter[str]]:
-    """Rows: the truth; columns: the first answer or the verdict."""
-    table: dict[str, Counter[str]] = defaultdict(Counter)
-    for r in records:
-        if "error" in r:
-            told = "error"
-        elif r["verdict"] in ("named", "ambiguous"):
-            told = " + ".join(sorted(r["effects"]))
-        else:
-            told = r["verdict"]
-        table[" + ".join(sorted(r["truth"])) or r["outside"] or "none"][told] += 1
-    return dict(table)

@@ -222,7 +222,7 @@ def main() -> None:
     records = [r for file in args.files for r in read(file)]
     print(report(records, failures=args.failures))
     if args.page:
-        from frozen_page import markdown
+        from page import markdown
 
         args.page.write_text(markdown(report(records), records, args.commit), encoding="utf-8")
     if args.json:

@@ -16,6 +16,7 @@ sys.path.append(str(BENCHMARKS))
 
 import judge  # noqa: E402
 import one_by_one  # noqa: E402
+import page  # noqa: E402
 import score_perturbed  # noqa: E402
 
 
@@ -157,3 +158,40 @@ def test_a_run_is_taken_up_where_it_broke_off(tmp_path: Path, monkeypatch: pytes
     assert one_by_one.wanted("triples=60") == ("triples", 60)
     with pytest.raises(ValueError, match="NAME=N"):
         one_by_one.wanted("nothing=3")
+
+
+@pytest.mark.parametrize(("wrong", "of", "met"), [(1, 50, True), (2, 50, False), (6, 300, True), (7, 400, False)])
+def test_of_fewer_campaigns_than_asked_as_large_a_part_may_be_wrong(wrong: int, of: int, met: bool) -> None:
+    named = record(verdict="named", effects=["cogging"])
+    lines = score_perturbed.score([named] * wrong + [record()] * (of - wrong))
+    (line,) = (x for x in lines if x.name == "perturbed, linear: wrong names")
+    assert (line.asked, line.value, line.count, line.met) == ("≤ 6 of 300", wrong, of, met)
+
+
+def test_the_page_counts_by_effect_by_trouble_and_by_law() -> None:
+    lost = {"truth": ["free_play"], "verdict": "unexplained"}
+    found = {"truth": ["free_play"], "verdict": "named", "effects": ["free_play"]}
+    clean = [record(set="single-all", **lost), record(set="single-all", **found), record(set="single-all", r0=1.0)]
+    troubled = [
+        record(set="perturbed-single", perturbations={"gain": {}, "hum": {}}, **found),
+        record(set="perturbed-single", perturbations={"hum": {}}, **lost),
+        record(set="perturbed-single", perturbations={"hum": {}}, qualified=False, **lost),
+    ]
+    eddy = {"set": "outside-all", "outside": "eddy_brake", "verdict": "named", "effects": ["cogging"]}
+    strange = [
+        record(**eddy, outside_twins=[["cogging"]]),
+        record(**eddy),
+        record(set="perturbed-outside", outside="bump"),
+    ]
+    text = page.markdown("THE LINES", [*clean, *troubled, *strange], "abc1234")
+    assert (
+        "abc1234: 9 campaigns, 2 of outside-all, 1 of perturbed-outside, 3 of perturbed-single, 3 of single-all."
+        in text
+    )
+    assert "THE LINES" in text
+    assert "| free play | 2 | 1 | 1 |" in text
+    assert "| gain | 1 | 1 | 0 |" in text
+    assert "| hum | 2 | 1 | 0 |" in text
+    assert "| eddy brake | 2 | 2 | 1 |" in text
+    assert "| bump | 1 | 0 | 0 |" in text
+    assert "| outside-all | 2 | 0 | 0 | 0 | 1.00 |" in text
