@@ -117,7 +117,7 @@ class Search(Standings):
             calmer = by.calmer(self.nodes.values(), self.best) if at_floor(self.fit, self.criteria, self.best) else []
             made += [self._expand(node, IN_PLACE) for node in calmer]
             keys = {node.key for node in (*bases, *steady)}
-            asked = self._promising(keys, nearest=any(made))
+            asked = self._rivals(keys, nearest=any(made))
             if any(made):
                 asked += by.instead(self.proposals, self._tried, {node.key for node in calmer}, self.effort.share)
             else:  # what the rounds before had no room for
@@ -161,36 +161,41 @@ class Search(Standings):
         beam += [n for n in self._nameable(order)[:1] if not any(n is other for other in beam)]
         return sum(self._expand(node, moves) for node in beam) > 0
 
-    def _promising(self, bases: Collection[Key] | None = None, *, nearest: bool = True) -> list[Proposal]:
-        """The proposals to fit next: the smallest sets first, of these the most promising.
+    def _promising(self) -> list[Proposal]:
+        """The proposals to fit next: the smallest sets first, of these the most promising."""
+        found = self._gaining(self._worthy(lambda p: p.move not in _TOGETHER))
+        together = by.first_together(self.proposals, self.nodes, self.effort.share, TOGETHER)
+        sets = {p.key for p in together}
+        found = [p for p in found if p.key not in sets]
+        smallest = min((p.size for p in found), default=0)
+        first = [p for p in found if p.size == smallest][: self.effort.width]
+        larger = [p for p in found if p.size > smallest and not p.deviations][: self.effort.share]
+        return sorted([*first, *together, *larger], key=lambda p: p.size)  # what needs less is asked first
 
-        With `bases`, only rivals that are proposed on these, with `nearest` the first few that no step foresees, too.
-        """
-        nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
-        least, named = self._least().cost, (self._nameable(nodes) or nodes)[0].cost
+    def _rivals(self, bases: Collection[Key], *, nearest: bool) -> list[Proposal]:
+        """Rivals to fit next, of those proposed on some bases; with `nearest` a few that no step foresees, too."""
+        new = self._worthy(lambda p: p.base in bases and p.move in _RIVALS_AND_RUNS)
+        found = self._gaining(new)
+        unforeseen = [p for p in new if p.move in UNFORESEEN and p not in found][: self.effort.share * nearest]
+        if not self._answered():  # no rivals, where nothing is named
+            found, unforeseen = [p for p in found if self._may_answer(p)], []
+        found.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
+        return [*found, *unforeseen][: self.effort.width]
+
+    def _worthy(self, able: Callable[[Proposal], bool]) -> list[Proposal]:
+        """Of some proposals the best of each set that is new, those of each node that promise most of it."""
         best: dict[Key, Proposal] = {}
-        for p in self.proposals:
-            if p.move in _TOGETHER or (bases is not None and (p.base not in bases or p.move not in _RIVALS_AND_RUNS)):
-                continue
+        for p in filter(able, self.proposals):
             if (p.base, p.key) not in self._tried and (p.key not in best or p.rank < best[p.key].rank):
                 best[p.key] = p
         order = sorted(best.values(), key=lambda p: p.rank)
-        new = [p for p in by.worthy(order, self.nodes, self.effort, _RIVALS) if self._new(p)]
-        out = [p for p in new if self._gains(least, named, p)]
-        if bases is not None:
-            unforeseen = [p for p in new if p.move in UNFORESEEN and p not in out][: self.effort.share * nearest]
-            if not self._answered():  # no rivals, where nothing is named
-                out, unforeseen = [p for p in out if self._may_answer(p)], []
-            out.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
-            return [*out, *unforeseen][: self.effort.width]
-        together = by.first_together(self.proposals, self.nodes, self.effort.share, TOGETHER)
-        sets = {p.key for p in together}
-        out = [p for p in out if p.key not in sets]
-        smallest = min((p.size for p in out), default=0)
-        larger = [p for p in out if p.size > smallest and not p.deviations][: self.effort.share]
-        out = [*[p for p in out if p.size == smallest][: self.effort.width], *together, *larger]
-        out.sort(key=lambda p: p.size)  # what needs less is asked first
-        return out
+        return [p for p in by.worthy(order, self.nodes, self.effort, _RIVALS) if self._new(p)]
+
+    def _gaining(self, proposals: Sequence[Proposal]) -> list[Proposal]:
+        """Those that may better the best so far."""
+        nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
+        least, named = self._least().cost, (self._nameable(nodes) or nodes)[0].cost
+        return [p for p in proposals if self._gains(least, named, p)]
 
     def _idle(self, proposal: Proposal) -> bool:
         """Tell whether a set is no answer by what its parts left, or promises far less than one at the noise floor."""

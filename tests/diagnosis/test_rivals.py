@@ -1,0 +1,90 @@
+"""Which rivals are asked: none where nothing can be named, but for what may itself become an answer."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from made_up_evidence import candidate, context
+from stepid import Criteria, Effort
+from stepid.diagnosis.selection.search import Search
+from stepid.diagnosis.selection.standings import Standings
+
+PAIR = ("coulomb_friction", "cogging")
+
+
+@pytest.fixture(autouse=True)
+def nothing_imitates(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in ("standings", "order"):
+        monkeypatch.setattr(f"stepid.diagnosis.selection.{module}.imitators", lambda *_: {})
+    monkeypatch.setattr("stepid.diagnosis.selection.standings.repeatability", lambda _: None)
+
+
+def node(*names: str, cost: float) -> Any:
+    found = candidate(names)
+    fitted = SimpleNamespace(polished=None)
+    own = {"effects": found.effects, "deviations": found.deviations, "key": found.key, "size": len(names)}
+    return SimpleNamespace(**own, cost=cost, fitted=fitted, best=found.optimum)
+
+
+def proposed(base: Any, *names: str, move: str, left: float) -> Any:
+    found = candidate(names)
+    like = SimpleNamespace(cost=base.cost)
+    own = {"effects": found.effects, "deviations": found.deviations, "key": found.key, "size": len(names)}
+    return SimpleNamespace(**own, base=base.key, move=move, left=left, rank=left, like=like, gain=base.cost - left)
+
+
+def a_search(lead: float) -> Search:
+    """A pair that leaves so much of a misfit of 100 leads; four rivals of it are proposed."""
+    found: Any = Search.__new__(Search)
+    fit: Any = SimpleNamespace(**vars(context()), unit=0.01)
+    Standings.__init__(found, fit, Criteria(), Effort())
+    found.noise_limit = 1.0
+    pair = node(*PAIR, cost=lead)
+    found.root = node(cost=100.0)
+    found.nodes = {n.key: n for n in (found.root, pair)}
+    found.candidates = {c.key: c for c in (candidate(times=30.0), candidate(PAIR, times=8.0))}
+    found._tried = set()
+    found.proposals = [
+        proposed(pair, "coulomb_friction", "free_play", move="exchange", left=0.6 * lead),  # really 0.6^8 of it
+        proposed(pair, "stribeck_friction", "cogging", move="generalize", left=0.98 * lead),
+        proposed(pair, "coulomb_friction", move="drop", left=lead),
+        proposed(pair, *PAIR, "free_play", move="exchange", left=0.9 * lead),  # three are an answer at the noise only
+    ]
+    return found  # type: ignore[no-any-return]
+
+
+def asked(search: Search, *, nearest: bool = False) -> list[tuple[str, int]]:
+    base = frozenset(PAIR), frozenset[str]()
+    return [(p.move, p.size) for p in search._rivals([base], nearest=nearest)]
+
+
+@pytest.mark.parametrize("nearest", [False, True])
+def test_where_nothing_leads_only_what_may_become_an_answer_is_asked(nearest: bool) -> None:
+    assert asked(a_search(lead=40.0), nearest=nearest) == [("exchange", 2)]
+
+
+@pytest.mark.parametrize("lead", [9.0, 16.0])  # two effects lead where they leave 8.4; twice that is near
+def test_beside_a_lead_all_rivals_are_asked_what_needs_less_first(lead: float) -> None:
+    assert asked(a_search(lead)) == [("drop", 1), ("exchange", 2), ("generalize", 2)]
+
+
+def test_beside_a_lead_the_nearest_that_no_step_foresees_come_last() -> None:
+    assert asked(a_search(lead=9.0), nearest=True)[-1] == ("exchange", 3)
+
+
+def test_more_effects_than_may_lead_are_asked_where_they_may_reach_twice_the_noise() -> None:
+    assert ("exchange", 3) in asked(a_search(lead=2.5))  # 2.5 × 0.9^8 = 1.1
+
+
+def test_rivals_on_other_bases_are_not_asked() -> None:
+    found = a_search(lead=9.0)
+    assert found._rivals([found.root.key], nearest=True) == []
+
+
+def test_sets_that_were_tried_from_a_base_are_not_asked_again_from_there() -> None:
+    found = a_search(lead=9.0)
+    found._tried = {(p.base, p.key) for p in found.proposals if p.move == "drop"}
+    assert asked(found) == [("exchange", 2), ("generalize", 2)]
