@@ -14,6 +14,8 @@ from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import CandidateFit, FitContext, Start
 
+_MODE = 2  # own states
+
 
 @dataclass(frozen=True)
 class SearchContext:
@@ -136,6 +138,11 @@ def standing(node: Node, shared: Array | None = None) -> Start:
     of = node.best.problem.layout
     shared = node.best.shared if shared is None else shared
     return Start(shared[of.linear], tuple(tuple(float(v) for v in shared[place]) for place in of.values))
+
+
+def is_mode(effect: Effect) -> bool:
+    """Tell whether an effect is a mode of its own, whose response is in no proportion to its mass."""
+    return effect.n_extra >= _MODE
 
 
 def n_parameters(effects: tuple[Effect, ...]) -> int:

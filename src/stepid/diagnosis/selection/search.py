@@ -15,7 +15,7 @@ from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.instead import Instead
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.promote import promote
-from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
+from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext, is_mode
 from stepid.diagnosis.selection.standings import Standings
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import CandidateFit, FitContext
@@ -219,17 +219,18 @@ class Search(Standings):
         slack = self.criteria.tie * self.fit.unit
         if proposal.move == Drop.name:
             return True  # it may have been stuck, or never tried
-        hoped = by.hoped(proposal, self.effort)
         if proposal.move in _RIVALS:
-            answers = len(proposal.effects) <= LEADING or hoped <= 2 * self.noise_limit
-            return answers and proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
+            return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
+        hoped = by.hoped(proposal, self.effort)
         too_many = len(proposal.effects) > LEADING and hoped > self.noise_limit
         if too_many or (proposal.base != self.root.key and hoped > named):
             return False
         return proposal.left < proposal.like.cost - slack
 
     def _may_answer(self, proposal: Proposal) -> bool:
-        """Tell whether a set may really leave so little that it is an answer, by what a linearized step promises."""
+        """Tell whether a set may leave so little that it is an answer, by what a step promises of it, or a new mode."""
+        if any(is_mode(e) for e in proposal.effects if e.name not in proposal.base[0]):
+            return True  # a step tells nothing of it
         return by.hoped(proposal, self.effort) <= self._needed(proposal.effects, proposal.deviations)
 
     # ---- fits -----------------------------------------------------------------------------------------------------

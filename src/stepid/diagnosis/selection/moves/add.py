@@ -8,6 +8,7 @@ from stepid.diagnosis.selection.proposal import (
     Node,
     Proposal,
     SearchContext,
+    is_mode,
     n_parameters,
     overshadowed,
     related,
@@ -19,8 +20,6 @@ from stepid.fitting.multistart import Scored, Start
 from stepid.fitting.multistart_race import race_starts
 from stepid.fitting.score_test import columns, score
 from stepid.fitting.spectrum import resonances
-
-_MODE = 2  # own states that make an effect a mode, whose response is not in proportion to its mass
 
 
 class Add:
@@ -75,7 +74,7 @@ class Add:
         for scored in found[:1]:
             attenuated = effect.faint(scored.values, effort.attenuated)
             starts.append(Start(here.linear, (*here.values, attenuated)))
-        if effect.n_extra >= _MODE:
+        if is_mode(effect):
             guesses = effect.starts(context.fit.scales)[-effort.starts :]
             starts += [Start(here.linear, (*here.values, tuple(guess))) for guess in guesses]
         left = max(node.cost - found[0].gain, 0.0)
