@@ -33,8 +33,8 @@ made from the truth, the wrong name leaves Δχ² below 10. [Earlier runs](bench
 """
 
 
-def markdown(lines: str, records: Sequence[Record], commit: str) -> str:
-    """The whole page.
+def markdown(lines: str, records: Sequence[Record], commit: str, plants: str = "") -> str:
+    """The whole page: clean, perturbed and real side by side.
 
     Parameters
     ----------
@@ -44,6 +44,8 @@ def markdown(lines: str, records: Sequence[Record], commit: str) -> str:
         What was run.
     commit : str
         That the salt was the hash of.
+    plants : str
+        The documentation's page of real plants.
     """
     run = [r for r in records if "error" not in r]
     one = [r for r in run if r["set"] == "single-all" and r["r0"] >= 1.1]
@@ -64,6 +66,8 @@ def markdown(lines: str, records: Sequence[Record], commit: str) -> str:
         ),
         "## Outside the catalogue",
         _by(outside, _law, {"campaigns": bool, "wrong names": judge.wrong_name, "told by no data": _alike}),
+        "## Real plants",
+        _real(plants),
         "## Answers",
         _answers(run),
     ]
@@ -97,6 +101,12 @@ def _by(
         counts = (sum(bool(has(r)) for r in own) for has in columns.values())
         rows.append(f"| {group.replace('_', ' ')} | {' | '.join(map(str, counts))} |")
     return "\n".join(rows)
+
+
+def _real(plants: str) -> str:
+    """Of the table of real plants what is known, what is answered and whether that is as asked."""
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in plants.splitlines() if line.startswith("|")]
+    return "\n".join(f"| {row[0].partition(':')[0]} | {row[1]} | {row[2]} | {row[-1]} |" for row in rows)
 
 
 def _answers(records: Iterable[Record]) -> str:

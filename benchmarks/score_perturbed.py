@@ -224,7 +224,8 @@ def main() -> None:
     if args.page:
         from page import markdown
 
-        args.page.write_text(markdown(report(records), records, args.commit), encoding="utf-8")
+        plants = (Path(__file__).parents[1] / "docs" / "real-plants.md").read_text(encoding="utf-8")
+        args.page.write_text(markdown(report(records), records, args.commit, plants), encoding="utf-8")
     if args.json:
         figures = [
             {"name": x.name, "asked": x.asked, "value": x.value, "count": x.count, "met": x.met} for x in score(records)

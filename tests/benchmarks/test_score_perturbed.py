@@ -183,7 +183,9 @@ def test_the_page_counts_by_effect_by_trouble_and_by_law() -> None:
         record(**eddy),
         record(set="perturbed-outside", outside="bump"),
     ]
-    text = page.markdown("THE LINES", [*clean, *troubled, *strange], "abc1234")
+    plants = "# Real\n\n| recording | known | answer | CPU [s] | as asked |\n| --- | --- | --- | --- | --- |\n"
+    plants += "| ship: a model (10.1/x) | a spring | named: cubic | 3.0 | yes |\n\nAll are.\n"
+    text = page.markdown("THE LINES", [*clean, *troubled, *strange], "abc1234", plants)
     assert (
         "abc1234: 9 campaigns, 2 of outside-all, 1 of perturbed-outside, 3 of perturbed-single, 3 of single-all."
         in text
@@ -195,3 +197,7 @@ def test_the_page_counts_by_effect_by_trouble_and_by_law() -> None:
     assert "| eddy brake | 2 | 2 | 1 |" in text
     assert "| bump | 1 | 0 | 0 |" in text
     assert "| outside-all | 2 | 0 | 0 | 0 | 1.00 |" in text
+    assert (
+        "| recording | known | answer | as asked |\n| --- | --- | --- | --- |\n| ship | a spring | named: cubic | yes |"
+        in text
+    )
