@@ -65,7 +65,11 @@ def markdown(lines: str, records: Sequence[Record], commit: str, plants: str = "
             {"campaigns": bool, "named": judge.named_right, "another name": judge.wrong_name},
         ),
         "## Outside the catalogue",
-        _by(outside, _law, {"campaigns": bool, "wrong names": judge.wrong_name, "told by no data": _alike}),
+        _by(
+            outside,
+            _law,
+            {"campaigns": bool, "wrong names": judge.wrong_name, "told by no data": judge.told_by_no_data},
+        ),
         "## Real plants",
         _real(plants),
         "## Answers",
@@ -77,10 +81,6 @@ def markdown(lines: str, records: Sequence[Record], commit: str, plants: str = "
 def _sets(records: Iterable[Record]) -> str:
     counts = Counter(r["set"] for r in records)
     return ", ".join(f"{n:,} of {which}" for which, n in sorted(counts.items()))
-
-
-def _alike(r: Record) -> bool:
-    return judge.wrong_name(r) and r["effects"] in r.get("outside_twins", [])
 
 
 def _law(r: Record) -> list[str]:

@@ -41,7 +41,7 @@ def needed(record: Record) -> bool:
 def untold(what: str, records: Sequence[Record]) -> Line:
     """Of the wrong names those that fit data made from the truth, without noise, with Δχ² below 10."""
     wrong = [r for r in records if judge.wrong_name(r)]
-    alike = sum(r["effects"] in r.get("outside_twins", []) for r in wrong)
+    alike = sum(map(judge.told_by_no_data, wrong))
     return Line(f"{what}: of these, not told from the truth by any data", "–", float(alike), len(wrong), None)
 
 

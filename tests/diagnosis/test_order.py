@@ -14,6 +14,7 @@ from stepid.diagnosis.selection.order import (
     instead,
     larger,
     largest_lead,
+    no_answer,
     of_each_size,
     singles,
     starts_in_order,
@@ -74,6 +75,12 @@ def test_starts_follow_their_effects() -> None:
     source = SimpleNamespace(effects=(play, cogging), starts=(start,))
     (turned,) = starts_in_order(source, (cogging, play))  # type: ignore[arg-type]
     assert turned.values == ((0.1, 0.02, 0.0), (1e-3,))
+
+
+@pytest.mark.parametrize(("count", "cost", "none"), [(2, 9.0, False), (3, 1.0, False), (3, 1.2, True), (4, 9.0, True)])
+def test_more_effects_than_may_lead_are_an_answer_at_the_floor_only(count: int, cost: float, none: bool) -> None:
+    effects = resolve(["coulomb_friction", "free_play", "cogging", "actuator_lag"])[:count]
+    assert no_answer(1.1, effects, cost) is none
 
 
 def test_the_largest_set_that_may_lead_is_the_one_of_two_effects_that_leaves_least() -> None:

@@ -36,13 +36,18 @@ def format_value(value: float, uncertainty: float | None) -> str:
     return f"({value / 10**scale:.{places}f} ± {uncertainty / 10**scale:.{places}f})e{scale}"
 
 
-def one_end(words: str, value: float) -> str:
-    """Write ``"at least"`` or ``"at most"`` and the end of an interval, to two digits that hold no less of it."""
+def outward(words: str, value: float) -> str:
+    """Write the end of an interval that is ``"at least"`` or ``"at most"`` so much, to two digits that hold no less."""
     if value == 0:
-        return f"{words} 0"
+        return "0"
     scale = 10.0 ** (1 - math.floor(math.log10(abs(value))))
     rounded = math.ceil if words == "at most" else math.floor
-    return f"{words} {rounded(value * scale) / scale:.5g}"
+    return f"{rounded(value * scale) / scale:.5g}"
+
+
+def one_end(words: str, value: float) -> str:
+    """Write ``"at least"`` or ``"at most"`` and the end of an interval; see `outward`."""
+    return f"{words} {outward(words, value)}"
 
 
 _SHORT = 0.1  # m, s or rad

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from stepid.core.estimate import format_value, one_end, prefixed
+from stepid.core.estimate import format_value, outward, prefixed
 from stepid.core.frames import Row
 from stepid.core.quantities import spoken_now
 
@@ -139,8 +139,7 @@ def _written(row: Row, others_are_known: bool) -> tuple[str, str]:
     if row.one_sided is not None:
         words, end = row.one_sided
         value, _, symbol = prefixed(end, None, row.unit)
-        figure = one_end(words, value).removeprefix(f"{words} ")
-        return rf"{words} \num{{{figure}}}", symbol
+        return rf"{words} \num{{{outward(words, value)}}}", symbol
     value, uncertainty, symbol = prefixed(row.value, row.uncertainty, row.unit)
     remark = " (undetermined)" if others_are_known and uncertainty is None else ""
     return number(value, uncertainty) + remark, symbol

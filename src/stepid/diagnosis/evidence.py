@@ -118,4 +118,4 @@ def block_means(context: FitContext, optimum: Optimum) -> float:
 
 def least_share(criteria: Criteria, count: int) -> float:
     """Share of the misfit that so many effects have to take to lead: each further one halves what may be left."""
-    return 1.0 - (1.0 - criteria.lead) * 0.5 ** max(count - 1, 0)
+    return 1.0 - (1.0 - criteria.lead) * 0.5 ** (count - 1)

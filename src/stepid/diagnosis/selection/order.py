@@ -195,6 +195,11 @@ def hoped_of_parts(
     return max((nodes[key].cost * min(whole / p.left, 1.0) ** effort.hope for key, p in parts.items()), default=0.0)
 
 
+def no_answer(noise_limit: float, effects: Sequence[Effect], cost: float) -> bool:
+    """Tell whether a set is none that may lead, and leaves a rest: so many effects are an answer at the floor only."""
+    return len(effects) > LEADING and cost > noise_limit
+
+
 def value(fit: FitContext, node: Node) -> float:
     """Cost of a node and of its parameters, m², as if the best left only noise."""
     problem = node.best.problem

@@ -202,7 +202,7 @@ class Search(Standings):
         least = self._least()
         if least.cost > self.noise_limit:
             hoped = by.hoped_of_parts(proposal, self.proposals, self.nodes, self.effort)
-            return len(proposal.effects) > LEADING and hoped > self.noise_limit
+            return by.no_answer(self.noise_limit, proposal.effects, hoped)
         return by.outdone(proposal, least, self.root, self.proposals, self.effort, self.criteria.tie * self.fit.unit)
 
     def _new(self, proposal: Proposal) -> bool:
@@ -222,8 +222,9 @@ class Search(Standings):
         if proposal.move in _RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
         hoped = by.hoped(proposal, self.effort)
-        too_many = len(proposal.effects) > LEADING and hoped > self.noise_limit
-        if too_many or (proposal.base != self.root.key and hoped > named):
+        if (proposal.base != self.root.key and hoped > named) or by.no_answer(
+            self.noise_limit, proposal.effects, hoped
+        ):
             return False
         return proposal.left < proposal.like.cost - slack
 
@@ -264,10 +265,10 @@ class Search(Standings):
             known = node.key in self.candidates
             if known and not self._named([node]):
                 continue
-            answers, ahead = self._answers(node), any(node is f for f in first)
-            if len(node.effects) > LEADING and not answers:
+            if by.no_answer(self.noise_limit, node.effects, node.cost / 2):
                 continue
-            near_by = by.value(self.fit, node) < near and (ahead or answers or len(node.effects) < LEADING)
+            ahead = any(node is f for f in first)
+            near_by = by.value(self.fit, node) < near and (ahead or len(node.effects) < LEADING or self._answers(node))
             if near_by or (ahead and not known):
                 self._polish(node)
         node = self.nodes[self.best.key]
