@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 
 from stepid.core.estimate import Estimate
+from stepid.diagnosis import verdict
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.selection.candidate import Candidate
+from stepid.diagnosis.verdict import Answer
 from stepid.effects import resolve
 from stepid.fitting.input_fault import InputFault
 
@@ -174,3 +176,9 @@ class Told:
 
     def open(self, found: Candidate) -> tuple[str, ...]:
         return self.open_beside
+
+
+def ask(rule: str, **told: object) -> Answer | None:
+    """What a rule of the verdict answers on evidence whose every answer is given."""
+    found: Answer | None = getattr(verdict, rule)(Told(**told))  # type: ignore[arg-type]
+    return found

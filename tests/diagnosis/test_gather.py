@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from made_up_evidence import FLOOR, RUNS, candidate, evidence
+from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, evidence
 from stepid.diagnosis import free_law, gather, vetoes
 from stepid.diagnosis.free_law import FreeLaw
 from stepid.diagnosis.selection.candidate import includes
@@ -23,6 +23,13 @@ PLAY = candidate(["free_play"])
 def _all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
     monkeypatch.setattr(gather, "imitators", lambda *_: {})
+    monkeypatch.setattr(gather, "held_out_residuals", as_much_as_is_left)
+    monkeypatch.setattr(gather, "repeatability", lambda _: None)
+
+
+def as_much_as_is_left(optimum: Any, **_: object) -> dict[int, np.ndarray]:
+    """Of a run left out a candidate leaves as much as of all."""
+    return {i: optimum.residual[SAMPLES * i : SAMPLES * (i + 1)] for i in range(RUNS)}
 
 
 def test_rivals_are_no_larger_than_the_best_and_told_once() -> None:

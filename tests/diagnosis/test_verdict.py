@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from made_up_evidence import FRICTION, LINEAR, Told, candidate, context, evidence
+from made_up_evidence import FRICTION, LINEAR, Told, ask, candidate, context, evidence
 from stepid.diagnosis import verdict, vetoes
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.gather import EvidenceRecord
@@ -17,10 +17,6 @@ from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.verdict import RULES, Answer, judge
 
 PLAY = candidate(["free_play"])
-
-
-def ask(rule: str, **told: object) -> Answer | None:
-    return getattr(verdict, rule)(Told(**told))
 
 
 @pytest.fixture(autouse=True)
@@ -149,16 +145,6 @@ def test_open_freedom_does_not_dispute_a_name_nor_earn_one() -> None:
     assert (found.verdict, found.shown, found.alternatives) == ("ambiguous", FRICTION, (PLAY,))
 
 
-@pytest.mark.parametrize(("times", "words"), [(3.0, "3 times the noise floor: more is missing."), (1.0, "floor.")])
-def test_a_lead_takes_most_on_runs_left_out(times: float, words: str) -> None:
-    lead = candidate(["quadratic_damping"], times=times)
-    found = ask("leads", lead=lead, floored=lead.names if times == 1 else ())
-    assert found is not None
-    assert (found.verdict, found.shown.names) == ("named", ("quadratic_damping",))
-    assert "95 % of the misfit's power" in found.reasons[0]
-    assert found.reasons[1].endswith(words)
-
-
 def test_three_laws_of_one_state_name_none() -> None:
     three = candidate(["cubic_stiffness", "end_stop", "quadratic_stiffness"])
     found = ask("shape_is_patched", best=three, floored=three.names, other_shape="position")
@@ -179,51 +165,6 @@ def test_what_is_left_has_to_be_noise_and_not_only_small() -> None:
     assert leading.reasons[-1] == found.reasons[-1]
     assert ask("rest_follows_the_motion") is None
     assert ask("rest_follows_the_motion", still_followed="velocity", floored=()) is None
-
-
-def test_a_law_of_another_shape_refutes_a_lead() -> None:
-    found = ask("leads", lead=candidate(["cubic_stiffness"], times=3.0), other_shape="position")
-    assert found is not None
-    assert (found.verdict, found.alternatives) == ("unexplained", ())
-    assert found.reasons[-1] == (
-        "A force of position whose law is none of the catalogue's does as well or better: no effect is named."
-    )
-
-
-def test_what_the_data_do_not_tell_from_a_lead_is_told() -> None:
-    found = ask("leads", beside_lead=(PLAY,))
-    assert found is not None
-    assert (found.verdict, found.shown, found.alternatives) == ("ambiguous", FRICTION, (PLAY,))
-    assert "free play" in found.reasons[-1]
-
-
-@pytest.mark.parametrize(
-    "told",
-    [
-        pytest.param({"lead": LINEAR}, id="nothing leads"),
-        pytest.param({"held": 0.9}, id="others weigh as much"),
-        pytest.param({"share_taken": (0.8, 0.9)}, id="too little"),
-        pytest.param({"share_taken": (0.95, 0.2)}, id="not in every run"),
-    ],
-)
-def test_no_lead(told: dict[str, object]) -> None:
-    assert ask("leads", **told) is None
-
-
-def test_a_lead_with_an_open_parameter_is_none() -> None:
-    assert ask("leads") is not None
-    assert ask("leads", open_beside=("coulomb_friction.level",)) is None
-
-
-def test_unexplained_always_answers() -> None:
-    found = ask("unexplained", best=candidate(["cogging"], times=4.0), imitated={"cogging": "the spring"})
-    assert found is not None
-    assert found.verdict == "unexplained"
-    assert "4 times the noise floor" in found.reasons[0]
-    assert found.reasons[1] == "Cogging cannot be told from the spring here."
-    empty = ask("unexplained", best=LINEAR, lead=LINEAR)
-    assert empty is not None
-    assert empty.reasons == ("No candidate explains the misfit.",)
 
 
 def test_the_first_rule_that_answers_decides() -> None:
@@ -280,19 +221,3 @@ def test_where_no_effect_earns_its_price_the_linear_plant_is_enough() -> None:
 def test_rules_that_leave_a_case_open_are_a_mistake() -> None:
     with pytest.raises(AssertionError, match="the last rule answers always"):
         judge(evidence(FRICTION), rules=(lambda _: None,))
-
-
-@pytest.mark.parametrize(
-    ("names", "share", "named"),
-    [
-        (["quadratic_damping"], 0.85, True),
-        (["quadratic_damping"], 0.849, False),
-        (["quadratic_damping", "cogging"], 0.925, True),
-        (["quadratic_damping", "cogging"], 0.924, False),
-    ],
-)
-def test_a_second_effect_of_a_lead_has_to_halve_the_rest(names: list[str], share: float, named: bool) -> None:
-    lead = candidate(names, times=3.0)
-    assert (ask("leads", lead=lead, share_taken=(share, 0.9)) is not None) is named
-    assert (ask("leads", lead=lead, share_taken=(0.99, 0.4)) is not None) is True
-    assert ask("leads", lead=lead, share_taken=(0.99, 0.399)) is None

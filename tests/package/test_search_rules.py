@@ -22,7 +22,7 @@ NUMBERS_LIVE_IN = DIAGNOSIS / "selection" / "effort.py"
 SEARCH = sorted(p for p in (DIAGNOSIS / "selection").rglob("*.py") if p != NUMBERS_LIVE_IN)
 DECIDING = [*SEARCH, *(DIAGNOSIS / f"{name}.py" for name in ("verdict", "gather", "lead", "vetoes"))]
 TESTS = Path(__file__).resolve().parents[1] / "diagnosis"
-OF_MOVES, OF_RULES = sorted(TESTS.glob("test_moves*.py")), [TESTS / "test_verdict.py"]
+OF_MOVES, OF_RULES = (sorted(TESTS.glob(f"test_{of}*.py")) for of in ("moves", "verdict"))
 PLAIN = {0, 1, 2, 0.5}
 WORDS = {e.name for e in CATALOGUE} | {q.unit for e in CATALOGUE for q in (*e.parameters, *e.run_parameters)} - {""}
 LINES, BRANCHES = 60, 12

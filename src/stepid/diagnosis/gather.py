@@ -269,8 +269,9 @@ class EvidenceRecord:
         The whole run judges a candidate that has no freedom in it but its start: most motion follows a step at once.
         """
         first = self.criteria.first if is_free(found) or found.deviations else 1.0
-        before = held_out_residuals(self._plain(found.deviations), tolerance=self.context.tolerance, first=first)
-        after = held_out_residuals(found.optimum, tolerance=self.context.tolerance, first=first)
+        how = {"tolerance": self.context.tolerance, "first": first, "part": self.criteria.first}
+        before = held_out_residuals(self._plain(found.deviations), **how)
+        after = held_out_residuals(found.optimum, **how)
         both = sorted(before.keys() & after.keys())
         return {i: before[i] for i in both}, {i: after[i] for i in both}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from stepid.diagnosis.evidence import Weighed
+from stepid.diagnosis.evidence import Weighed, least_share
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, includes
 from stepid.diagnosis.vetoes import effects_of
 
@@ -36,8 +36,8 @@ class Leads:
     def best(self) -> Candidate:
         """The best of those that may lead where a rest remains, with no more in it than takes a notable part."""
         best = self._without_trifle(self._simpler_law(self._told.simplest(self.able)))
-        best = self._predicting(best) if len(best.effects) < 2 else self._determined(best)
-        return self._shared_law(best)
+        best = self._predicting(best)
+        return self._shared_law(self._determined(best) if len(best.effects) > 1 else best)
 
     def _shared_law(self, best: Candidate) -> Candidate:
         """The simpler law inside that weighty candidates share, where the best's own weight is not enough."""
@@ -49,19 +49,26 @@ class Leads:
         ]
         return inside[0] if inside else best
 
-    def _predicting(self, one: Candidate) -> Candidate:
-        """The same effect with conditions alike in all runs, where free ones do not predict and it leads without."""
-        share, steady = self._told.share(one) if one.effects and one.deviations else (1.0, 1.0)
-        if share >= self._told.criteria.lead and steady >= self._told.criteria.steady:
-            return one
+    def _predicting(self, found: Candidate) -> Candidate:
+        """The same effects with conditions alike in all runs, where free ones do not predict and they lead without."""
+        if not (found.effects and found.deviations) or self._leads(found):
+            return found
         alike = [
-            w.candidate
-            for w in self.able
-            if w.candidate.names == one.names
-            and w.candidate.deviations < one.deviations
-            and self.taken(self._told.linear, w.candidate) >= self._told.criteria.lead
-        ]
-        return alike[0] if alike else one
+            w.candidate for w in self.able if w.candidate.names == found.names
+            and w.candidate.deviations < found.deviations and self._takes(self._told.linear, w.candidate)
+        ]  # fmt: skip
+        return next(filter(self._leads, alike), found)
+
+    def _leads(self, found: Candidate) -> bool:
+        """Tell whether effects take enough on runs left out, and as much in each of them."""
+        share, steady = self._told.share(found)
+        criteria = self._told.criteria
+        return share >= least_share(criteria, len(found.effects)) and steady >= criteria.steady
+
+    def _takes(self, before: Candidate, after: Candidate) -> bool:
+        """Tell whether one candidate takes as much as a lead has to of what another with fewer effects leaves."""
+        more = len(after.effects) - len(before.effects)
+        return self.taken(before, after) >= least_share(self._told.criteria, more)
 
     def _determined(self, pair: Candidate) -> Candidate:
         """One effect of two where the other is open: an effect that the data do not determine explains a rest only."""
@@ -86,18 +93,18 @@ class Leads:
         return min(near, key=lambda c: (sum(len(e.parameters) for e in c.effects), self._loss(c)))
 
     def _without_trifle(self, pair: Candidate) -> Candidate:
-        """One effect of two, where it leads and the other takes no such part of what it leaves."""
+        """One effect of two, where it leads, and the other takes no such part of what it leaves or does not predict."""
         if len(pair.effects) < 2:
             return pair
-        alone = [
-            w.candidate
-            for w in self.able
-            if len(w.candidate.effects) == 1
-            and includes(pair.effects, w.candidate.effects)
-            and self.taken(self._told.linear, w.candidate) >= self._told.criteria.lead
-            and self.taken(w.candidate, pair) < self._told.criteria.lead
-        ]
-        return alone[0] if alone else pair
+        inside = [
+            w.candidate for w in self.able if len(w.candidate.effects) == 1
+            and includes(pair.effects, w.candidate.effects) and self._takes(self._told.linear, w.candidate)
+        ]  # fmt: skip
+        trifles = [c for c in inside if not self._takes(c, pair)]
+        found = next(filter(self._leads, trifles), None)
+        if found is not None or self._leads(pair):
+            return found or pair
+        return next(filter(self._leads, (c for c in inside if c not in trifles)), pair)
 
     def taken(self, before: Candidate, after: Candidate) -> float:
         """Share of the power above the floor that one candidate leaves, which another takes."""

@@ -191,7 +191,19 @@ def unexplained(e: EvidenceRecord) -> Answer | None:
     )
     imitated = e.imitators(e.likeliest)
     said += tuple(f"{_title_of(name)} cannot be told from {what} here." for name, what in imitated.items())
-    return Answer("unexplained", best, (), said)
+    return Answer("unexplained", best, (), (*said, *_too_little(e)))
+
+
+def _too_little(e: EvidenceRecord) -> tuple[str, ...]:
+    """What takes most of the misfit on runs left out, and less than a name needs."""
+    if not e.lead.effects or e.open(e.lead):
+        return ()
+    share, _ = e.share(e.lead)
+    least = least_share(e.criteria, len(e.lead.effects))
+    if not 0.5 < share < least:
+        return ()
+    said = f"{_title(e.lead)} takes {whole_percent(share)} of the misfit's power on runs that the fit did not see"
+    return (f"{said[0].upper()}{said[1:]}: less than the {whole_percent(least)} that a name needs.",)
 
 
 RULES: tuple[Rule, ...] = (

@@ -13,6 +13,12 @@ from stepid.effects.base import Effect, Moment, Motion, Parameter, Regressor, Sc
 from stepid.effects.swing import Swing
 
 
+def acts_on_input(effect: Effect) -> bool:
+    """Tell whether an effect changes the input on its way to the motor: without an input it changes nothing."""
+    own = type(effect)
+    return own.drive is not Effect.drive or own.delay is not Effect.delay
+
+
 class ActuatorLag(Effect):
     """The drive force follows the voltage through a first-order lag."""
 

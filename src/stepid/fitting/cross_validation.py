@@ -7,9 +7,10 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
+import numpy.typing as npt
 
 from stepid.core.base import Array
-from stepid.fitting.levenberg_marquardt import Optimum, minimize
+from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.problem import build, fixes_mass
 from stepid.simulation.records import Records
 
@@ -34,7 +35,9 @@ def qualifying(records: Records) -> list[int]:
     return out
 
 
-def held_out_residuals(optimum: Optimum, *, tolerance: float, first: float = 1.0) -> dict[int, Array]:
+def held_out_residuals(
+    optimum: Optimum, *, tolerance: float, first: float = 1.0, part: float | None = None
+) -> dict[int, Array]:
     """Residuals [m] of up to three runs, each under a fit to the others; only the run's own parameters are refitted.
 
     Parameters
@@ -46,14 +49,19 @@ def held_out_residuals(optimum: Optimum, *, tolerance: float, first: float = 1.0
     first : float
         Share of the run left out on which its own parameters are estimated; if less than 1, the residual is that of
         the rest.
+    part : float, optional
+        Where no run qualifies: share of the run left out on which all is estimated that the others do not determine
+        of the linear plant (a damper that no other run has, the mass of one of two); the residual is that of the rest.
 
     Returns
     -------
     dict
-        Run index to residual, shape (n,); empty where no run qualifies.
+        Run index to residual, shape (n,); empty where no run qualifies and `part` is not given.
     """
     records = optimum.problem.records
     able = qualifying(records)
+    if not able and part is not None and len(records.runs) > 1:
+        able, first = list(range(len(records.runs))), min(first, part)
     chosen = sorted({able[round(k)] for k in np.linspace(0, len(able) - 1, _RUNS)}) if able else []
     out: dict[int, Array] = {}
     for i in chosen:
@@ -65,11 +73,23 @@ def held_out_residuals(optimum: Optimum, *, tolerance: float, first: float = 1.0
         if first < 1:
             own = own.reweighted(np.where(np.arange(own.size) < seen_from, own.weight, _UNSEEN))
         alone = build(own, optimum.problem.simulator.effects)
-        alone = replace(alone, free=np.zeros_like(alone.free), **_own(optimum, [i]))
+        alone = replace(alone, free=optimum.problem.free & _told_by(records, i, alone), **_own(optimum, [i]))
         local = np.where(alone.active, optimum.local[:, [i]], 0.0)
         seen = minimize(alone, shared, local, tolerance=tolerance, iterations=15)
         if seen is not None:
             out[i] = seen.residual[seen_from:]
+    return out
+
+
+def _told_by(records: Records, run: int, alone: Problem) -> npt.NDArray[np.bool_]:
+    """Parameters of the linear plant that only one run determines, shape (P,)."""
+    others = np.arange(len(records.runs)) != run
+    rest, of = records.subset([int(j) for j in np.flatnonzero(others)]), alone.layout
+    out = np.zeros(of.n_global, dtype=bool)
+    for place, labels in ((of.base_mass, records.base), (of.stiffness, records.spring), (of.damping, records.damper)):
+        out[place.start + labels[run]] = not np.any(labels[others] == labels[run])
+    out[of.base_mass.start + records.base[run]] |= fixes_mass(rest) is not None and fixes_mass(records) is None
+    out[of.force_gain] = bool(np.any(records.volts)) and not np.any(rest.volts)
     return out
 
 

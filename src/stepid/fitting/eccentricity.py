@@ -60,17 +60,20 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
     values, gained = _fitted(waves, residual)
     if turns < _TURNS[0] + _FINE / 2:  # the longest that is tried: no pitch is the best
         return None
+    pitch = line.travel / turns
+    amplitude, phase = _wave(values)
+    if 2 * np.pi * amplitude >= pitch:  # such a reading would turn back while the cart goes on
+        return None
     left = float(residual @ residual) - gained
     evidence = use.sum() * np.log((left + gained) / max(left, 1e-30))
     if evidence < _EVIDENCE or gained < _MOST * excess:
         return None
-    (amplitude, phase), noise = _wave(values), np.sqrt(left / use.sum())
+    noise = np.sqrt(left / use.sum())
     for piece in records.pieces():
         own, _ = _fitted(waves[:, piece], residual[piece])
         error = noise * np.sqrt(2.0 / max(float(np.sum(waves[:, piece] ** 2)) / 2, 1e-30))
         if np.hypot(*(own - values)) > _ALIKE * amplitude + _SCATTER * error:
             return None
-    pitch = line.travel / turns
     words = (
         f"All runs: the readings are off by {1e6 * amplitude:.2g} µm in turn every {1e3 * pitch:.3g} mm of travel, "
         "whatever the mass and speed: an encoder or a pulley that sits off its axis."

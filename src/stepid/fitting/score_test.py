@@ -11,6 +11,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Scales
+from stepid.effects.drive import acts_on_input
 from stepid.fitting.absent import Absent
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext, Scored, Start
@@ -82,7 +83,7 @@ def responses_along(base: Optimum, records: Records, forces: list[Array]) -> Arr
 def astray(context: FitContext, base: Optimum) -> bool:
     """Tell whether the linear plant swings so unlike a fit that its response to a force is not the plant's."""
     effects = base.problem.simulator.effects
-    if any(type(e).drive is not Effect.drive or type(e).delay is not Effect.delay for e in effects):
+    if any(map(acts_on_input, effects)):
         return False
     records = context.records
     motion = float(np.linalg.norm(records.weighted(records.position)))

@@ -12,7 +12,7 @@ from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key, includ
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves.instead import Instead
 from stepid.diagnosis.selection.moves.specialize import Specialize
-from stepid.diagnosis.selection.proposal import Move, Node, Proposal
+from stepid.diagnosis.selection.proposal import Move, Node, Proposal, is_mode
 from stepid.diagnosis.vetoes import imitators
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import FitContext, Start
@@ -79,6 +79,18 @@ def larger(
     own = sorted((p for p in able if base is not None and p.base == base.key), key=lambda p: p.rank)[:share]
     together = first_together(able, nodes, share, moves)[:share]
     return list({p.key: p for p in (*together, *own)}.values())  # the same set once, from its base
+
+
+def inside(nodes: Iterable[Node], pairs: Collection[Node]) -> list[Node]:
+    """Of some nodes the single effects that one of the pairs holds, or a law that contains them; conditions alike."""
+    alone = [n for n in nodes if len(n.effects) == 1 and not n.deviations]
+    return [n for n in alone if any(includes(pair.effects, n.effects) for pair in pairs)]
+
+
+def modes(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], bases: Collection[Key]) -> list[Proposal]:
+    """A mode beside the effects of each base, of those not fitted yet."""
+    new = [p for p in proposals if p.base in bases and p.base[0] and p.base[0] < p.key[0] and p.key not in nodes]
+    return list({p.key: p for p in new if any(is_mode(e) for e in p.effects if e.name not in p.base[0])}.values())
 
 
 def calmer(nodes: Iterable[Node], best: Candidate) -> list[Node]:

@@ -5,29 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import at_floor, block_means
+from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.selection import order as by
-from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
+from stepid.diagnosis.selection.candidate import Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
+from stepid.diagnosis.selection.fits import RIVALS, Fits
 from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, IN_PLACE, TOGETHER, UNFORESEEN
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
-from stepid.diagnosis.selection.moves.instead import Instead
-from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.promote import promote
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext, is_mode
-from stepid.diagnosis.selection.standings import Standings
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import CandidateFit, FitContext
 
-_RIVALS = {move.name for move in CONFIRMING}
-_RIVALS_AND_RUNS = {*_RIVALS, Deviate.name}
-_STANDING_IN = {Drop.name, Instead.name}
+_RIVALS_AND_RUNS = {*RIVALS, Deviate.name}
 _TOGETHER = {move.name for move in TOGETHER}
 Tell = Callable[["Search", Proposal], None]
 
 
-class Search(Standings):
+class Search(Fits):
     """One search on one campaign.
 
     Parameters
@@ -49,16 +45,12 @@ class Search(Standings):
         effort: Effort,
         tell: Tell = lambda search, proposal: None,
     ) -> None:
-        super().__init__(fit, criteria, effort)
-        self.tell = tell
+        super().__init__(fit, criteria, effort, lambda proposal: tell(self, proposal))
         self.context = SearchContext(fit, catalogue, effort)
         root = CandidateFit(fit, ())
         root.best, root.polished = fit.coarse_linear, fit.linear
         self.root = Node(root)
         self.nodes[self.root.key] = self.root
-        self.proposals: list[Proposal] = []
-        self.fits = 0
-        self._tried: set[tuple[Key, Key]] = set()  # base and set
         self._polish(self.root)
 
     # ---- the loop -------------------------------------------------------------------------------------------------
@@ -66,6 +58,8 @@ class Search(Standings):
     def run(self) -> list[Candidate]:
         """Search until nothing promises more or the effort is used up; candidates, least cost first."""
         self._explore(self.effort.fits)
+        if self._try_modes():
+            self._explore(self.fits + self.effort.width)
         if self._try_larger():
             self._explore(self.fits + self.effort.width)
         self._confirm()
@@ -89,6 +83,23 @@ class Search(Standings):
             if not (self._expand_best(EXPLORING) or together or batch):
                 break
 
+    def _try_modes(self) -> bool:
+        """Fit a mode beside the best of each size, where none was: a step tells nothing of it.
+
+        True where one takes enough, as in `_try_larger`.
+        """
+        least = self._least().cost
+        if least <= self.noise_limit:
+            return False
+        order = sorted(self.nodes.values(), key=lambda n: n.cost)
+        leads = [alike[0] for alike in by.of_each_size(self._nameable(order))]
+        for node in leads:
+            self._expand(node, EXPLORING)
+        for proposal in by.modes(self.proposals, self.nodes, [node.key for node in leads]):
+            self._fit(proposal)
+        promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
+        return self._takes_enough(least)
+
     def _try_larger(self) -> bool:
         """Where no set that may lead is enough, try larger ones: far from linear, a step promises too little of them.
 
@@ -104,6 +115,10 @@ class Search(Standings):
         for proposal in by.larger(self.proposals, self.nodes, base, self.effort.share, TOGETHER):
             self._fit(proposal, keep=1)
         promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
+        return self._takes_enough(least)
+
+    def _takes_enough(self, least: float) -> bool:
+        """Tell whether a set takes as much of what the best so far left [m²] as a lead has to, or leaves only noise."""
         return self._least().cost < max((1 - self.criteria.lead) * least, self.noise_limit)
 
     def _confirm(self) -> None:
@@ -189,7 +204,7 @@ class Search(Standings):
             if (p.base, p.key) not in self._tried and (p.key not in best or p.rank < best[p.key].rank):
                 best[p.key] = p
         order = sorted(best.values(), key=lambda p: p.rank)
-        return [p for p in by.worthy(order, self.nodes, self.effort, _RIVALS) if self._new(p)]
+        return [p for p in by.worthy(order, self.nodes, self.effort, RIVALS) if self._new(p)]
 
     def _gaining(self, proposals: Sequence[Proposal]) -> list[Proposal]:
         """Those that may better the best so far."""
@@ -209,7 +224,7 @@ class Search(Standings):
         """Tell whether a set has not been fitted yet, or only to an end that its rival shows to be a poor one."""
         if proposal.key not in self.nodes:
             return True
-        if proposal.move not in _RIVALS or (proposal.base, proposal.key) in self._tried:
+        if proposal.move not in RIVALS or (proposal.base, proposal.key) in self._tried:
             return False
         least = min(node.cost for node in self.nodes.values())
         return by.promises_more(proposal, self.nodes[proposal.key].cost, least, self.effort, self.fit, self.criteria)
@@ -219,7 +234,7 @@ class Search(Standings):
         slack = self.criteria.tie * self.fit.unit
         if proposal.move == Drop.name:
             return True  # it may have been stuck, or never tried
-        if proposal.move in _RIVALS:
+        if proposal.move in RIVALS:
             return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
         hoped = by.hoped(proposal, self.effort)
         if (proposal.base != self.root.key and hoped > named) or by.no_answer(
@@ -233,62 +248,3 @@ class Search(Standings):
         if any(is_mode(e) for e in proposal.effects if e.name not in proposal.base[0]):
             return True  # a step tells nothing of it
         return by.hoped(proposal, self.effort) <= self._needed(proposal.effects, proposal.deviations)
-
-    # ---- fits -----------------------------------------------------------------------------------------------------
-
-    def _fit(self, proposal: Proposal, keep: int | None = None) -> None:
-        """Fit a proposal a little, from so many of its starts."""
-        self.fits += 1
-        self._tried.add((proposal.base, proposal.key))
-        self.tell(self, proposal)
-        fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
-        for source in by.sources(proposal, self.proposals, _RIVALS):
-            most = keep or (1 if source.move in _TOGETHER else self.effort.keep + 1)  # those come near
-            fitted.begin(
-                by.starts_in_order(source, proposal.effects), like=proposal.like, keep=most, laps=self.effort.begin
-            )
-        known = self.nodes.get(proposal.key)
-        far = keep is not None and proposal.move in _TOGETHER  # from a few laps there is nothing to tell
-        if known is not None or far or proposal.move in _STANDING_IN:  # what stands in for more is fitted as well
-            fitted.run(laps=self.effort.polishing if proposal.move == Instead.name else self.effort.promote)
-        if fitted.best is not None and (known is None or fitted.cost < known.cost):
-            self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
-
-    def _polish_best(self) -> Candidate:
-        """Fit the best nodes to all samples."""
-        order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
-        best = by.value(self.fit, order[0])
-        near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
-        first = order[:1] + self._nameable(order)[:1]
-        for node in order:
-            # one that is not near, or cannot be named, is fitted once: it may go on for long, and cannot win
-            known = node.key in self.candidates
-            if known and not self._named([node]):
-                continue
-            if by.no_answer(self.noise_limit, node.effects, node.cost / 2):
-                continue
-            ahead = any(node is f for f in first)
-            near_by = by.value(self.fit, node) < near and (ahead or len(node.effects) < LEADING or self._answers(node))
-            if near_by or (ahead and not known):
-                self._polish(node)
-        node = self.nodes[self.best.key]
-        if any(e.dry for e in node.effects) and not self._complete(self.best) and node.fitted.other_sticking():
-            self._polish(node)
-        return self.best
-
-    def _polish_leads(self) -> None:
-        """Where a rest remains, fit what may lead to all samples: the first of each size, with runs alike, too."""
-        if self._complete(self.best):
-            return
-        order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
-        for alike in by.of_each_size(n for n in self._nameable(order) if len(n.effects) <= LEADING):
-            for node in alike[: self.effort.polish]:
-                for one in (node, self.nodes.get((node.key[0], frozenset()), node)):
-                    if one.fitted.polished is None:
-                        self._polish(one)
-
-    def _polish(self, node: Node) -> None:
-        optimum = polished(self.fit, node.fitted, self.effort, self.candidates.values())
-        if optimum is not None:
-            white = block_means(self.fit, optimum)
-            self.candidates[node.key] = Candidate(node.effects, node.deviations, optimum, white)

@@ -10,6 +10,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.diagnosis.selection.proposal import Node, SearchContext, standing
 from stepid.effects.base import Effect, Motion, Regressor
+from stepid.effects.drive import acts_on_input
 from stepid.fitting.weak_form import force_along, motion_along
 
 
@@ -73,6 +74,5 @@ class ForceAlong:
 
 def is_force(effect: Effect) -> bool:
     """Tell whether an effect is a force that position, velocity and time tell, the same in every run."""
-    own = type(effect)
-    outside = own.drive is not Effect.drive or own.delay is not Effect.delay or own.reading is not Effect.reading
+    outside = acts_on_input(effect) or type(effect).reading is not Effect.reading
     return not (outside or effect.n_extra or effect.n_memory or effect.run_parameters)

@@ -1,0 +1,104 @@
+"""The fits of a search: a proposal is fitted a little, the best of all to all samples."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.evidence import block_means
+from stepid.diagnosis.selection import order as by
+from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
+from stepid.diagnosis.selection.effort import Effort
+from stepid.diagnosis.selection.moves import CONFIRMING, TOGETHER
+from stepid.diagnosis.selection.moves.drop import Drop
+from stepid.diagnosis.selection.moves.instead import Instead
+from stepid.diagnosis.selection.polish import polished
+from stepid.diagnosis.selection.proposal import Node, Proposal
+from stepid.diagnosis.selection.standings import Standings
+from stepid.fitting.multistart import CandidateFit, FitContext
+
+RIVALS = {move.name for move in CONFIRMING}
+_STANDING_IN = {Drop.name, Instead.name}
+_TOGETHER = {move.name for move in TOGETHER}
+
+
+class Fits(Standings):
+    """Fits of proposals on one campaign, and what they have led to.
+
+    Parameters
+    ----------
+    fit : FitContext
+    criteria : Criteria
+    effort : Effort
+    tell : callable
+        Called before each fit of a proposal, with it.
+    """
+
+    def __init__(self, fit: FitContext, criteria: Criteria, effort: Effort, tell: Callable[[Proposal], None]) -> None:
+        super().__init__(fit, criteria, effort)
+        self._tell = tell
+        self.proposals: list[Proposal] = []
+        self.fits = 0
+        self._tried: set[tuple[Key, Key]] = set()  # base and set
+
+    def _fit(self, proposal: Proposal, keep: int | None = None) -> None:
+        """Fit a proposal a little, from so many of its starts."""
+        self.fits += 1
+        self._tried.add((proposal.base, proposal.key))
+        self._tell(proposal)
+        fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
+        for source in by.sources(proposal, self.proposals, RIVALS):
+            most = keep or (1 if source.move in _TOGETHER else self.effort.keep + 1)  # those come near
+            fitted.begin(
+                by.starts_in_order(source, proposal.effects), like=proposal.like, keep=most, laps=self.effort.begin
+            )
+        known = self.nodes.get(proposal.key)
+        far = keep is not None and proposal.move in _TOGETHER  # from a few laps there is nothing to tell
+        if known is not None or far or proposal.move in _STANDING_IN:  # what stands in for more is fitted as well
+            fitted.run(laps=self.effort.polishing if proposal.move == Instead.name else self.effort.promote)
+        if fitted.best is not None and (known is None or fitted.cost < known.cost):
+            self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
+
+    def _polish_best(self) -> Candidate:
+        """Fit the best nodes to all samples."""
+        order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
+        best = by.value(self.fit, order[0])
+        near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
+        first = order[:1] + self._nameable(order)[:1]
+        for node in order:
+            # one that is not near, or cannot be named, is fitted once: it may go on for long, and cannot win
+            known = node.key in self.candidates
+            if known and not self._named([node]):
+                continue
+            if by.no_answer(self.noise_limit, node.effects, node.cost / 2):
+                continue
+            ahead = any(node is f for f in first)
+            near_by = by.value(self.fit, node) < near and (ahead or len(node.effects) < LEADING or self._answers(node))
+            if near_by or (ahead and not known):
+                self._polish(node)
+        node = self.nodes[self.best.key]
+        if any(e.dry for e in node.effects) and not self._complete(self.best) and node.fitted.other_sticking():
+            self._polish(node)
+        return self.best
+
+    def _polish_leads(self) -> None:
+        """Where a rest remains, fit what may lead to all samples: the first of each size, with runs alike, too.
+
+        Of what the best pair holds as well: the verdict asks whether one effect leads alone.
+        """
+        if self._complete(self.best):
+            return
+        order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
+        sizes = by.of_each_size(n for n in self._nameable(order) if len(n.effects) <= LEADING)
+        leads = [node for alike in sizes for node in alike[: self.effort.polish]]
+        inside = by.inside(order, [node for node in leads if len(node.effects) == LEADING][:1])
+        for node in (*leads, *inside[: self.effort.polish]):
+            for one in (node, self.nodes.get((node.key[0], frozenset()), node)):
+                if one.fitted.polished is None:
+                    self._polish(one)
+
+    def _polish(self, node: Node) -> None:
+        optimum = polished(self.fit, node.fitted, self.effort, self.candidates.values())
+        if optimum is not None:
+            white = block_means(self.fit, optimum)
+            self.candidates[node.key] = Candidate(node.effects, node.deviations, optimum, white)

@@ -1,0 +1,106 @@
+"""What leads where a rest remains, and what is said where nothing does, on made-up evidence."""
+
+from __future__ import annotations
+
+import pytest
+
+from made_up_evidence import FRICTION, LINEAR, ask, candidate
+from stepid.diagnosis import vetoes
+
+PLAY = candidate(["free_play"])
+
+
+@pytest.fixture(autouse=True)
+def _all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
+
+
+@pytest.mark.parametrize(("times", "words"), [(3.0, "3 times the noise floor: more is missing."), (1.0, "floor.")])
+def test_a_lead_takes_most_on_runs_left_out(times: float, words: str) -> None:
+    lead = candidate(["quadratic_damping"], times=times)
+    found = ask("leads", lead=lead, floored=lead.names if times == 1 else ())
+    assert found is not None
+    assert (found.verdict, found.shown.names) == ("named", ("quadratic_damping",))
+    assert "95 % of the misfit's power" in found.reasons[0]
+    assert found.reasons[1].endswith(words)
+
+
+def test_a_law_of_another_shape_refutes_a_lead() -> None:
+    found = ask("leads", lead=candidate(["cubic_stiffness"], times=3.0), other_shape="position")
+    assert found is not None
+    assert (found.verdict, found.alternatives) == ("unexplained", ())
+    assert found.reasons[-1] == (
+        "A force of position whose law is none of the catalogue's does as well or better: no effect is named."
+    )
+
+
+def test_what_the_data_do_not_tell_from_a_lead_is_told() -> None:
+    found = ask("leads", beside_lead=(PLAY,))
+    assert found is not None
+    assert (found.verdict, found.shown, found.alternatives) == ("ambiguous", FRICTION, (PLAY,))
+    assert "free play" in found.reasons[-1]
+
+
+@pytest.mark.parametrize(
+    "told",
+    [
+        pytest.param({"lead": LINEAR}, id="nothing leads"),
+        pytest.param({"held": 0.9}, id="others weigh as much"),
+        pytest.param({"share_taken": (0.74, 0.9)}, id="too little"),
+        pytest.param({"share_taken": (0.95, 0.2)}, id="not in every run"),
+    ],
+)
+def test_no_lead(told: dict[str, object]) -> None:
+    assert ask("leads", **told) is None
+
+
+def test_a_lead_with_an_open_parameter_is_none() -> None:
+    assert ask("leads") is not None
+    assert ask("leads", open_beside=("coulomb_friction.level",)) is None
+
+
+def test_unexplained_always_answers() -> None:
+    found = ask("unexplained", best=candidate(["cogging"], times=4.0), imitated={"cogging": "the spring"})
+    assert found is not None
+    assert found.verdict == "unexplained"
+    assert "4 times the noise floor" in found.reasons[0]
+    assert found.reasons[1] == "Cogging cannot be told from the spring here."
+    empty = ask("unexplained", best=LINEAR, lead=LINEAR)
+    assert empty is not None
+    assert empty.reasons == ("No candidate explains the misfit.",)
+
+
+@pytest.mark.parametrize(
+    ("names", "share", "named"),
+    [
+        (["quadratic_damping"], 0.75, True),
+        (["quadratic_damping"], 0.749, False),
+        (["quadratic_damping", "cogging"], 0.9375, True),
+        (["quadratic_damping", "cogging"], 0.937, False),
+    ],
+)
+def test_each_effect_of_a_lead_has_to_halve_the_rest(names: list[str], share: float, named: bool) -> None:
+    lead = candidate(names, times=3.0)
+    assert (ask("leads", lead=lead, share_taken=(share, 0.9)) is not None) is named
+    assert (ask("leads", lead=lead, share_taken=(0.99, 0.4)) is not None) is True
+    assert ask("leads", lead=lead, share_taken=(0.99, 0.399)) is None
+
+
+@pytest.mark.parametrize(
+    ("names", "share", "open_", "told"),
+    [
+        (["coulomb_friction"], 0.7, (), "Coulomb friction takes 70 %"),
+        (["coulomb_friction", "cogging"], 0.9, (), "Coulomb friction and cogging takes 90 %"),
+        (["coulomb_friction"], 0.5, (), None),  # what takes no more than half is no news
+        (["coulomb_friction"], 0.8, (), None),  # it was not too little
+        (["coulomb_friction"], 0.7, ("coulomb_friction.level",), None),
+    ],
+)
+def test_what_takes_most_but_too_little_for_a_name_is_told(
+    names: list[str], share: float, open_: tuple[str, ...], told: str | None
+) -> None:
+    found = ask("unexplained", best=PLAY, lead=candidate(names), share_taken=(share, 0.9), open_beside=open_)
+    assert found is not None
+    words = [r for r in found.reasons if "that a name needs" in r]
+    assert len(words) == (told is not None)
+    assert all(w.startswith(told or "") for w in words)
