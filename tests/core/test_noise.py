@@ -60,6 +60,7 @@ def test_too_short_or_still_a_record_says_nothing() -> None:
     position, volts = driven(9, 0.05, noise=1e-3, seed=6)
     assert predicted_noise(position[:100], volts[:100]) is None
     assert predicted_noise(np.zeros(900), volts) is None
+    assert predicted_noise(position[:3], volts[:3]) is None
 
 
 @pytest.mark.parametrize("size", [1e-6, 1.0])

@@ -115,3 +115,12 @@ def test_a_name_that_is_taken_leaves_a_record_whole() -> None:
     other = record(swing(0.01, samples=40, ratio=0.05)).model_copy(update={"name": "a (2)"})
     fitted = stepid.fit(stepid.Campaign(name="c", experiments=(run, other)))
     assert set(fitted.run_rms) == {"a", "a (2)"}
+
+
+def test_releases_after_the_first_begin_with_the_hand_whatever_is_said_of_the_record() -> None:
+    y, free = several((0.01, 0.008, 0.012))
+    first = free[0][0]
+    parts = stepid.split_releases(record(y[first:], starts="motion"))
+    assert [part.starts for part in parts] == ["motion", "auto", "auto"]
+    assert release_index(parts[0]) == 0
+    assert all(release_index(part) > 0 for part in parts[1:])

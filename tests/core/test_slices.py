@@ -37,6 +37,8 @@ def test_a_stretch_of_a_release_is_a_release() -> None:
     released = DRIVEN.model_copy(update={"input": np.zeros(100)})
     assert released.slice(30).starts == "auto"
     assert released.slice(30).input_before == 0.0
+    moving = released.model_copy(update={"starts": "motion"})
+    assert moving.slice(30).starts == "motion"  # what is known of the whole holds for its parts
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import pytest
 from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, evidence
 from stepid.diagnosis import free_law, gather, vetoes
 from stepid.diagnosis.free_law import FreeLaw
-from stepid.diagnosis.selection.candidate import includes
+from stepid.diagnosis.selection.candidate import Candidate, includes
 from stepid.effects import resolve
 
 LINEAR = candidate(times=10.0)
@@ -243,3 +243,34 @@ def test_what_a_complete_model_leaves_follows_no_state(
     laws = FreeLaw("position", 0.9, 1.0, 1.0), FreeLaw("velocity", 0.1, 1e-12, beyond)
     monkeypatch.setattr(free_law, "free_laws", lambda *_: laws)
     assert evidence(FRICTION).followed(FRICTION) == told
+
+
+def predicting(monkeypatch: pytest.MonkeyPatch, *those: Candidate) -> None:
+    """Of runs left out some candidates leave as much as of all, and the others as much as the linear plant."""
+    optima = [c.optimum for c in (LINEAR, *those)]
+
+    def left(optimum: Any, **_: object) -> dict[int, np.ndarray]:
+        known = any(optimum is one for one in optima)
+        return as_much_as_is_left(optimum if known else LINEAR.optimum)
+
+    monkeypatch.setattr(gather, "held_out_residuals", left)
+
+
+def test_one_effect_leads_in_the_place_of_two_if_it_predicts_or_they_do_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    alone, pair = candidate(["free_play"], times=3.0), candidate(["free_play", "cogging"], times=2.5)
+    for able, leading in (((alone, pair), alone), ((pair,), pair), ((alone,), alone)):
+        predicting(monkeypatch, *able)
+        assert evidence(alone, pair, LINEAR).lead is leading
+    much = candidate(["free_play", "cogging"], times=1.2)
+    for able, leading in (((alone, much), much), ((much,), much), ((alone,), alone), ((), much)):
+        predicting(monkeypatch, *able)
+        assert evidence(alone, much, LINEAR).lead is leading
+
+
+@pytest.mark.parametrize("names", [["free_play"], ["free_play", "cogging"]])
+def test_conditions_that_differ_lead_only_if_they_predict(names: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    alike, free = candidate(names, times=2.0), candidate(names, times=1.5, deviations=["damping"])
+    for able, leading in (((alike, free), free), ((alike,), alike), ((), free)):
+        predicting(monkeypatch, *able)
+        monkeypatch.setattr(gather.EvidenceRecord, "_plain", lambda *_: LINEAR.optimum)
+        assert evidence(alike, free, LINEAR).lead is leading

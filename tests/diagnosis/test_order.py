@@ -11,9 +11,11 @@ import pytest
 from made_up_evidence import candidate
 from stepid.diagnosis.selection.order import (
     calmer,
+    inside,
     instead,
     larger,
     largest_lead,
+    modes,
     no_answer,
     of_each_size,
     singles,
@@ -158,3 +160,32 @@ def test_effects_in_the_place_of_a_condition_are_the_first_few_on_each_base_not_
     assert instead(every, set(), bases, 2) == [on_play[1], on_play[2], on_cogging[0]]
     tried = {(on_play[1].base, on_play[1].key)}
     assert instead(every, tried, bases, 2) == [on_play[2], on_cogging[0]]  # it was of the first
+
+
+def test_single_effects_inside_a_pair() -> None:
+    simple, general, free = made_up("coulomb_friction"), made_up("stribeck_friction"), made_up("cogging")
+    scattered = made_up("coulomb_friction", deviations=("gain",))
+    nodes = [simple, general, free, scattered, made_up()]
+    assert inside(nodes, [made_up("stribeck_friction", "cogging")]) == [simple, general, free]
+    assert inside(nodes, []) == []
+
+
+def test_a_mode_is_asked_beside_what_leads_and_beside_nothing_else() -> None:
+    bases = {name: candidate([name]).key for name in ("coulomb_friction", "cogging")}
+    linear = candidate().key
+
+    def proposed(base: Any, *names: str) -> Any:
+        found = candidate(names)
+        return SimpleNamespace(base=base, key=found.key, effects=found.effects)
+
+    beside = proposed(bases["coulomb_friction"], "coulomb_friction", "flexible_coupling")
+    every = [
+        beside,
+        proposed(bases["coulomb_friction"], "coulomb_friction", "free_play"),  # no mode
+        proposed(bases["coulomb_friction"], "flexible_coupling"),  # in the place of what leads
+        proposed(linear, "flexible_coupling"),
+        proposed(bases["cogging"], "cogging", "flexible_coupling"),
+        beside,
+    ]
+    assert modes(every, {}, [bases["coulomb_friction"], linear]) == [beside]
+    assert modes(every, {beside.key: FRICTION}, [bases["coulomb_friction"]]) == []

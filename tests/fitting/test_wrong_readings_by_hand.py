@@ -187,6 +187,13 @@ def test_an_encoder_off_its_axis_takes_most_of_what_is_left() -> None:
     assert find_eccentricity(off_axis((2e-5,) * 3, half), half) is not None
 
 
+@pytest.mark.parametrize(("turning", "found"), [(0.5, True), (1.3, False)])
+def test_the_reading_of_an_encoder_off_its_axis_goes_on_with_the_cart(turning: float, found: bool) -> None:
+    """At 2π·amplitude/pitch = 1 it stands still once a turn; coarse readings leave such lines."""
+    size = turning * 1.5e-3 / (2 * math.pi)
+    assert (find_eccentricity(off_axis((size,) * 3, 5e-6), 5e-6) is not None) is found
+
+
 def test_an_encoder_off_its_axis_is_so_in_all_runs() -> None:
     assert find_eccentricity(off_axis((2e-5, 2e-5, 2e-5, 1.7e-5), 1e-6), 1e-6) is not None
     assert find_eccentricity(off_axis((2e-5, 2e-5, 2e-5, 1.0e-5), 1e-6), 1e-6) is None

@@ -129,7 +129,7 @@ def predicted_noise(position: Array, volts: Array, *, resolution: float | None =
     """
     y = position - position.mean()
     size = float(np.std(y))
-    if size <= 0:
+    if size <= 0 or y.size < _WINDOW:
         return None
     windows = _windows(y)
     moves = np.ptp(windows, axis=1) > STILL * (resolution or 0.0)

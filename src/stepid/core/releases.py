@@ -167,7 +167,8 @@ def split_releases(experiment: Experiment) -> tuple[Experiment, ...]:
     parts = [(a, b) for a, b in zip(begins, ends, strict=True) if b - a >= _FEWEST]
     if len(parts) < 2:
         return (experiment,)
-    return tuple(experiment.slice(a, b, name=f"{experiment.name} ({i})") for i, (a, b) in enumerate(parts, 1))
+    first, *later = (experiment.slice(a, b, name=f"{experiment.name} ({i})") for i, (a, b) in enumerate(parts, 1))
+    return first, *(part.model_copy(update={"starts": "auto"}) for part in later)  # these begin with the hand
 
 
 class _Lobe(NamedTuple):

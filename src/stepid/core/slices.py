@@ -54,5 +54,5 @@ def segment(
     fields |= {field: fields[field][begin:end] for field in ("time", "position", "input")}
     if begin:
         fields["input_before"] = float(run.input[begin - 1])
-        fields["starts"] = "auto" if run.is_release else "motion"
+        fields["starts"] = "auto" if run.is_release and run.starts != "motion" else "motion"
     return fields if name is None else fields | {"name": name}
