@@ -34,6 +34,6 @@ def test_where_nothing_is_driven_no_effect_of_the_drive_is_looked_for(
         return SimpleNamespace(run=list)
 
     monkeypatch.setattr(explore, "Search", search)
-    context: Any = SimpleNamespace(records=SimpleNamespace(volts=np.array(volts), before=np.array(before)))
+    context: Any = SimpleNamespace(records=SimpleNamespace(volts=np.array(volts), before=np.array(before), first=[0]))
     explore._search(context, CATALOGUE, Criteria(), Effort(), lambda _: None)
     assert asked == [{e.name for e in CATALOGUE} - (set() if driven else OF_THE_DRIVE)]

@@ -90,7 +90,8 @@ def test_each_effect_of_a_lead_has_to_halve_the_rest(names: list[str], share: fl
     ("names", "share", "open_", "told"),
     [
         (["coulomb_friction"], 0.7, (), "Coulomb friction takes 70 %"),
-        (["coulomb_friction", "cogging"], 0.9, (), "Coulomb friction and cogging takes 90 %"),
+        (["coulomb_friction", "cogging"], 0.9, (), "Coulomb friction and cogging take 90 %"),
+        (["coulomb_friction"], 0.7499, (), "Coulomb friction takes 74 %"),
         (["coulomb_friction"], 0.5, (), None),  # what takes no more than half is no news
         (["coulomb_friction"], 0.8, (), None),  # it was not too little
         (["coulomb_friction"], 0.7, ("coulomb_friction.level",), None),

@@ -37,7 +37,14 @@ def with_friction(context: FitContext) -> Optimum:
     return found
 
 
-@pytest.mark.parametrize("campaign", [two_masses, own_dampers])
+def own_bases() -> Campaign:
+    """Two runs of it, each said to have a base of its own: the first one's mass is assumed, the other's is not."""
+    made = scattered(7, masses=(0.5, 1.0), volts=(0.5, -0.5), level=0.15)
+    runs = (run.model_copy(update={"base": name}) for run, name in zip(made.experiments, "ab", strict=True))
+    return made.model_copy(update={"experiments": tuple(runs)})
+
+
+@pytest.mark.parametrize("campaign", [two_masses, own_dampers, own_bases])
 def test_what_one_run_alone_tells_is_estimated_on_its_first_part(campaign: object) -> None:
     context = prepare(campaign())  # type: ignore[operator]
     assert qualifying(context.records) == []
@@ -66,4 +73,27 @@ def test_what_others_tell_is_not_estimated_on_the_run_left_out() -> None:
 
 def test_one_run_cannot_be_left_out() -> None:
     context = prepare(scattered(6, masses=(0.5,), volts=(0.5,)))
+    assert held_out_residuals(context.linear, tolerance=context.tolerance, part=PART) == {}
+
+
+def test_a_run_that_alone_tells_an_effect_judges_nothing() -> None:
+    """A saturation that only the first run's input reaches: without it the others say nothing of the level."""
+    made = scattered(8, masses=(0.0, 1.0), volts=(0.5, -0.2))
+    context = prepare(made)
+    problem = build(context.records, resolve(["actuator_saturation"]))
+    start = np.append(context.linear.shared, 0.45)
+    found = minimize(problem, start, start_local(problem, context.linear), iterations=0)
+    assert found is not None
+    assert list(held_out_residuals(found, tolerance=context.tolerance, part=PART)) == [1]
+
+
+def test_a_first_part_in_which_nothing_happens_tells_no_damper() -> None:
+    late = own_dampers()
+    runs = []
+    for run in late.experiments:
+        rest = np.zeros(2 * run.time.size)
+        time = run.sample_time * np.arange(3 * run.time.size)
+        given = {"position": np.append(rest, run.position), "input": np.append(rest, run.input), "time": time}
+        runs.append(run.model_copy(update=given))
+    context = prepare(late.model_copy(update={"experiments": tuple(runs)}))
     assert held_out_residuals(context.linear, tolerance=context.tolerance, part=PART) == {}

@@ -39,8 +39,9 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
     records, floor, linear = context.records, context.floor, context.linear
     told = answer.shown if answer.verdict != "unexplained" else evidence.linear
     final, effects = told.optimum, told.effects
-    before = held_out_residuals(linear, tolerance=context.tolerance)
-    after = held_out_residuals(final, tolerance=context.tolerance) if final is not linear else before
+    how = {"tolerance": context.tolerance, "part": evidence.criteria.first}
+    before = held_out_residuals(linear, **how)
+    after = held_out_residuals(final, **how) if final is not linear else before
     both = sorted(before.keys() & after.keys())
     before, after = {i: before[i] for i in both}, {i: after[i] for i in both}
     parameters = estimates(final, effects, floor)[0] | evidence.limited(told)

@@ -54,7 +54,7 @@ class Leads:
         if not (found.effects and found.deviations) or self._leads(found):
             return found
         alike = [
-            w.candidate for w in self.able if w.candidate.names == found.names
+            w.candidate for w in self.able if w.candidate.key[0] == found.key[0]
             and w.candidate.deviations < found.deviations and self._takes(self._told.linear, w.candidate)
         ]  # fmt: skip
         return next(filter(self._leads, alike), found)
@@ -98,13 +98,15 @@ class Leads:
             return pair
         inside = [
             w.candidate for w in self.able if len(w.candidate.effects) == 1
-            and includes(pair.effects, w.candidate.effects) and self._takes(self._told.linear, w.candidate)
+            and includes(pair.effects, w.candidate.effects) and w.candidate.deviations <= pair.deviations
+            and self._takes(self._told.linear, w.candidate)
         ]  # fmt: skip
         trifles = [c for c in inside if not self._takes(c, pair)]
         found = next(filter(self._leads, trifles), None)
         if found is not None or self._leads(pair):
             return found or pair
-        return next(filter(self._leads, (c for c in inside if c not in trifles)), pair)
+        others = (c for c in inside if c not in trifles)
+        return next(filter(self._leads, others), trifles[0] if trifles else pair)
 
     def taken(self, before: Candidate, after: Candidate) -> float:
         """Share of the power above the floor that one candidate leaves, which another takes."""

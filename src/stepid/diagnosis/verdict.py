@@ -9,7 +9,7 @@ from stepid.diagnosis.evidence import least_share
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.result import Verdict
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
-from stepid.diagnosis.wording import effect_names, length, parameter_words, whole_percent
+from stepid.diagnosis.wording import effect_names, length, parameter_words, per_cent, taken_in_words, whole_percent
 
 
 @dataclass(frozen=True)
@@ -168,9 +168,7 @@ def leads(e: EvidenceRecord) -> Answer | None:
     share, steady = e.share(lead)
     if share < least_share(e.criteria, len(lead.effects)) or steady < e.criteria.steady:
         return None
-    said: tuple[str, ...] = (
-        f"{_title(lead)} takes {whole_percent(share)} of the misfit's power on runs that the fit did not see.",
-    )
+    said: tuple[str, ...] = (f"{taken_in_words(lead.names, share)}.",)
     state = e.refuted(lead)
     if state:
         no = f"A force of {state} whose law is none of the catalogue's does as well or better: no effect is named."
@@ -202,8 +200,7 @@ def _too_little(e: EvidenceRecord) -> tuple[str, ...]:
     least = least_share(e.criteria, len(e.lead.effects))
     if not 0.5 < share < least:
         return ()
-    said = f"{_title(e.lead)} takes {whole_percent(share)} of the misfit's power on runs that the fit did not see"
-    return (f"{said[0].upper()}{said[1:]}: less than the {whole_percent(least)} that a name needs.",)
+    return (f"{taken_in_words(e.lead.names, share)}: less than the {per_cent(least)} that a name needs.",)
 
 
 RULES: tuple[Rule, ...] = (

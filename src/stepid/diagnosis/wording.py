@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from stepid.core.latex import parameter_name
@@ -32,6 +33,14 @@ def digits(value: float) -> str:
 def whole_percent(share: float) -> str:
     """Write a share in whole per cent: ``"97 %"``."""
     return f"{100 * share:.0f} %"
+
+
+def taken_in_words(names: Sequence[str], share: float) -> str:
+    """Say what effects take of the misfit on runs left out, never more than they do: the per cent are rounded down."""
+    said = effect_names(names)
+    takes = "takes" if len(names) == 1 else "take"
+    percent = math.floor(100 * share + 1e-9)
+    return f"{said[:1].upper()}{said[1:]} {takes} {percent} % of the misfit's power on runs that the fit did not see"
 
 
 def listed(parts: Sequence[str], word: str) -> str:

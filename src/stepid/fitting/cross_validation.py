@@ -10,12 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array
+from stepid.fitting.deviations import driven
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.problem import build, fixes_mass
 from stepid.simulation.records import Records
 
 _RUNS = 3  # left out in turn
 _UNSEEN = 1e-9  # square-root weight of samples that judge
+_TOLD = 1e-3  # share of what a parameter moves, in power, by which a part of the records tells it
 _KNOWN: WeakKeyDictionary[Optimum, dict[tuple[int, float], Array | None]] = WeakKeyDictionary()  # see `_without`
 
 
@@ -29,8 +31,7 @@ def qualifying(records: Records) -> list[int]:
             continue
         rest = records.subset([int(j) for j in np.flatnonzero(others)])
         same = (fixes_mass(rest) is None) == (fixes_mass(records) is None)
-        driven = bool(np.any(rest.volts)) or not np.any(records.volts)
-        if same and driven:
+        if same and (driven(rest).any() or not driven(records).any()):
             out.append(i)
     return out
 
@@ -52,6 +53,7 @@ def held_out_residuals(
     part : float, optional
         Where no run qualifies: share of the run left out on which all is estimated that the others do not determine
         of the linear plant (a damper that no other run has, the mass of one of two); the residual is that of the rest.
+        Runs are passed over whose first part does not tell it, or that alone tell a parameter of an effect.
 
     Returns
     -------
@@ -61,7 +63,8 @@ def held_out_residuals(
     records = optimum.problem.records
     able = qualifying(records)
     if not able and part is not None and len(records.runs) > 1:
-        able, first = list(range(len(records.runs))), min(first, part)
+        first = min(first, part)
+        able = [i for i in range(len(records.runs)) if _can_judge(optimum, i, first)]
     chosen = sorted({able[round(k)] for k in np.linspace(0, len(able) - 1, _RUNS)}) if able else []
     out: dict[int, Array] = {}
     for i in chosen:
@@ -73,7 +76,7 @@ def held_out_residuals(
         if first < 1:
             own = own.reweighted(np.where(np.arange(own.size) < seen_from, own.weight, _UNSEEN))
         alone = build(own, optimum.problem.simulator.effects)
-        alone = replace(alone, free=optimum.problem.free & _told_by(records, i, alone), **_own(optimum, [i]))
+        alone = replace(alone, free=_told_by(optimum.problem, i), **_own(optimum, [i]))
         local = np.where(alone.active, optimum.local[:, [i]], 0.0)
         seen = minimize(alone, shared, local, tolerance=tolerance, iterations=15)
         if seen is not None:
@@ -81,16 +84,30 @@ def held_out_residuals(
     return out
 
 
-def _told_by(records: Records, run: int, alone: Problem) -> npt.NDArray[np.bool_]:
-    """Parameters of the linear plant that only one run determines, shape (P,)."""
+def _told_by(problem: Problem, run: int) -> npt.NDArray[np.bool_]:
+    """Free parameters of the linear plant that only one run determines, shape (P,): a mass also where it is assumed."""
+    records, of = problem.records, problem.layout
     others = np.arange(len(records.runs)) != run
-    rest, of = records.subset([int(j) for j in np.flatnonzero(others)]), alone.layout
+    rest = records.subset([int(j) for j in np.flatnonzero(others)])
     out = np.zeros(of.n_global, dtype=bool)
     for place, labels in ((of.base_mass, records.base), (of.stiffness, records.spring), (of.damping, records.damper)):
         out[place.start + labels[run]] = not np.any(labels[others] == labels[run])
     out[of.base_mass.start + records.base[run]] |= fixes_mass(rest) is not None and fixes_mass(records) is None
-    out[of.force_gain] = bool(np.any(records.volts)) and not np.any(rest.volts)
+    out[of.force_gain] = problem.free[of.force_gain] and not driven(rest).any()
     return out
+
+
+def _can_judge(optimum: Optimum, run: int, first: float) -> bool:
+    """Tell whether a run's first part tells what it alone determines, and the others all parameters of the effects."""
+    problem = optimum.problem
+    free = np.flatnonzero(problem.free)
+    power = problem.jacobian(optimum.solved)[:, : free.size] ** 2
+    own = power[problem.records.pieces()[run]]
+    whole, alone = power.sum(axis=0), own.sum(axis=0)
+    seen = own[: round(first * len(own))].sum(axis=0)
+    untold = (free >= problem.layout.linear.stop) & (whole - alone < _TOLD * whole)
+    unseen = _told_by(problem, run)[free] & (seen < _TOLD * alone)
+    return not (untold | unseen).any()
 
 
 def _own(optimum: Optimum, runs: list[int]) -> dict[str, Any]:

@@ -14,7 +14,8 @@ from stepid.simulation.records import Records
 
 _TURNS = (1.0, 100.0)  # of the encoder within the travel, that can be told
 _FINE = 0.25  # turns, by which pitches are told apart
-_INVERTED = 8  # steps by which a reading is corrected, each 2π·amplitude/pitch times as far off as the one before
+_STEPS = 12  # Newton's, by which a reading is corrected
+_LEAST_SLOPE = 0.2  # of the reading over the position, in these: where it hardly grows a step would go too far
 _PASSES = 2  # from where the readings are to where the cart is
 _EVIDENCE = 50.0  # n ln(RSS / RSS) of the line
 _MOST = 0.7  # share of what is left above the noise that the line must take
@@ -88,10 +89,12 @@ def _wave(values: Array) -> tuple[float, float]:
 
 
 def _true(reading: Array, amplitude: float, phase: float, pitch: float) -> Array:
-    """The positions of which a line is on the readings."""
-    position = reading
-    for _ in range(_INVERTED):
-        position = reading - amplitude * np.sin(2 * np.pi * position / pitch + phase)
+    """The positions of which a line is on the readings, by Newton's steps: the reading grows with the position."""
+    position, turn = reading, 2 * np.pi / pitch
+    for _ in range(_STEPS):
+        angle = turn * position + phase
+        off = position + amplitude * np.sin(angle) - reading
+        position = position - off / np.maximum(1 + turn * amplitude * np.cos(angle), _LEAST_SLOPE)
     return position
 
 

@@ -45,7 +45,7 @@ def build(records: Records, effects: tuple[Effect, ...], *, tolerance: float = F
     upper = np.concatenate([np.full(a + b + c + 1, np.inf), [q.upper for q in parameters]])
     free = np.ones(of.n_global, dtype=bool)
     if fixes_mass(records) is not None:
-        free[0] = False
+        free[records.base[0]] = False
     if not (np.any(records.volts) or np.any(records.before)):
         free[of.force_gain] = False
     active = np.zeros((of.n_run, len(records.runs)), dtype=bool)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.selection import order as by
-from stepid.diagnosis.selection.candidate import Candidate, Key
+from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.fits import RIVALS, Fits
 from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, IN_PLACE, TOGETHER, UNFORESEEN
@@ -84,18 +84,20 @@ class Search(Fits):
                 break
 
     def _try_modes(self) -> bool:
-        """Fit a mode beside the best of each size, where none was: a step tells nothing of it.
+        """Fit a mode beside the best single effect and the best pair, where none was: a step tells nothing of it.
 
         True where one takes enough, as in `_try_larger`.
         """
         least = self._least().cost
         if least <= self.noise_limit:
             return False
-        order = sorted(self.nodes.values(), key=lambda n: n.cost)
-        leads = [alike[0] for alike in by.of_each_size(self._nameable(order))]
-        for node in leads:
+        leads: dict[int, Node] = {}
+        for node in self._nameable(sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))):
+            if len(node.effects) <= LEADING:
+                leads.setdefault(len(node.effects), node)
+        for node in leads.values():
             self._expand(node, EXPLORING)
-        for proposal in by.modes(self.proposals, self.nodes, [node.key for node in leads]):
+        for proposal in by.modes(self.proposals, self.nodes, [node.key for node in leads.values()]):
             self._fit(proposal)
         promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
         return self._takes_enough(least)
