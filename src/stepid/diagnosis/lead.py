@@ -93,13 +93,15 @@ class Leads:
         return min(near, key=lambda c: (sum(len(e.parameters) for e in c.effects), self._loss(c)))
 
     def _without_trifle(self, pair: Candidate) -> Candidate:
-        """One effect of two, where it leads, and the other takes no such part of what it leaves or does not predict."""
+        """One effect of two, where it leads, and the other takes no such part of what it leaves or does not predict.
+
+        The one may have conditions that differ from run to run: what these can stand in for is no effect.
+        """
         if len(pair.effects) < 2:
             return pair
         inside = [
             w.candidate for w in self.able if len(w.candidate.effects) == 1
-            and includes(pair.effects, w.candidate.effects) and w.candidate.deviations <= pair.deviations
-            and self._takes(self._told.linear, w.candidate)
+            and includes(pair.effects, w.candidate.effects) and self._takes(self._told.linear, w.candidate)
         ]  # fmt: skip
         trifles = [c for c in inside if not self._takes(c, pair)]
         found = next(filter(self._leads, trifles), None)
