@@ -41,7 +41,7 @@ def prepared(which: str) -> FitContext:
 
 
 def node(fit: FitContext, effects: Values | None = None) -> Node:
-    """A node at these values, a few steps on; without effects the linear plant."""
+    """A node a few steps on from these values; without effects the linear plant."""
     if not effects:
         root = CandidateFit(fit, ())
         root.best, root.polished = fit.coarse_linear, fit.linear

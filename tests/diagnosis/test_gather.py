@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, evidence
-from stepid.diagnosis import free_law, gather, vetoes
+from stepid.diagnosis import free_law, gather, left_out, vetoes
 from stepid.diagnosis.free_law import FreeLaw
 from stepid.diagnosis.selection.candidate import Candidate, includes
 from stepid.effects import resolve
@@ -23,8 +23,8 @@ PLAY = candidate(["free_play"])
 def _all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
     monkeypatch.setattr(gather, "imitators", lambda *_: {})
-    monkeypatch.setattr(gather, "held_out_residuals", as_much_as_is_left)
-    monkeypatch.setattr(gather, "repeatability", lambda _: None)
+    monkeypatch.setattr(left_out, "held_out_residuals", as_much_as_is_left)
+    monkeypatch.setattr(left_out, "repeatability", lambda _: None)
 
 
 def as_much_as_is_left(optimum: Any, **_: object) -> dict[int, np.ndarray]:
@@ -110,9 +110,9 @@ def test_a_share_is_of_what_repeats(monkeypatch: pytest.MonkeyPatch) -> None:
     before = {i: np.full(100, 10 * FLOOR) for i in range(RUNS)}
     after = {i: np.full(100, (4 if i else 2) * FLOOR) for i in range(RUNS)}
     monkeypatch.setattr(
-        gather, "held_out_residuals", lambda optimum, **_: after if optimum is FRICTION.optimum else before
+        left_out, "held_out_residuals", lambda optimum, **_: after if optimum is FRICTION.optimum else before
     )
-    monkeypatch.setattr(gather, "repeatability", lambda _: None)
+    monkeypatch.setattr(left_out, "repeatability", lambda _: None)
     share, steady = e.share(FRICTION)
     assert share == pytest.approx(1 - (3 * 15 + 3) / (4 * 99))
     assert steady == pytest.approx((1 - 15 / 99) / (1 - 3 / 99))
@@ -253,7 +253,7 @@ def predicting(monkeypatch: pytest.MonkeyPatch, *those: Candidate) -> None:
         known = any(optimum is one for one in optima)
         return as_much_as_is_left(optimum if known else LINEAR.optimum)
 
-    monkeypatch.setattr(gather, "held_out_residuals", left)
+    monkeypatch.setattr(left_out, "held_out_residuals", left)
 
 
 def test_one_effect_leads_in_the_place_of_two_if_it_predicts_or_they_do_not(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -272,5 +272,5 @@ def test_conditions_that_differ_lead_only_if_they_predict(names: list[str], monk
     alike, free = candidate(names, times=2.0), candidate(names, times=1.5, deviations=["damping"])
     for able, leading in (((alike, free), free), ((alike,), alike), ((), free)):
         predicting(monkeypatch, *able)
-        monkeypatch.setattr(gather.EvidenceRecord, "_plain", lambda *_: LINEAR.optimum)
+        monkeypatch.setattr(left_out.LeftOut, "_plain", lambda *_: LINEAR.optimum)
         assert evidence(alike, free, LINEAR).lead is leading

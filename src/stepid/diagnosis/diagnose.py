@@ -91,7 +91,7 @@ def diagnose(
     if len(campaign.experiments) < 2:
         raise UndeterminedError(
             f"campaign {campaign.name!r} has one run: a model that fits it cannot be checked on another",
-            "Add a run with another added mass, or repeat this one.",
+            "Add a run with another added mass, or repeat this one. A long record can be cut: run.slice(…).",
         )
     with telling(progress) as tell:
         how = _How(among_themselves(catalogue), criteria or Criteria(), effort or Effort(), tell, as_workers(workers))

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
 from stepid.diagnosis.calibration import PROBABILITY
@@ -19,15 +17,13 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
 from stepid.diagnosis.free_law import FreeLaw, allowed, followed, free_laws
 from stepid.diagnosis.lead import Leads
-from stepid.diagnosis.selection.candidate import Candidate, Deviations, includes, is_free
+from stepid.diagnosis.left_out import LeftOut
+from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
 from stepid.diagnosis.states import states_of_all
 from stepid.diagnosis.vetoes import effects_of, imitators, undetermined, unseen
-from stepid.fitting.cross_validation import held_out_residuals
-from stepid.fitting.deviations import with_deviations, without_deviations
+from stepid.fitting.deviations import without_deviations
 from stepid.fitting.input_fault import InputFault
-from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
-from stepid.fitting.noise_floor import repeatability
 from stepid.fitting.profile import limited
 from stepid.fitting.record_fault import RecordFault
 
@@ -263,38 +259,15 @@ class EvidenceRecord:
         open_ = effects_of(self.open(other))
         return not open_ or any(includes(other.effects, c.effects) and not open_ & set(c.names) for c in found)
 
+    @cached_property
+    def left_out(self) -> LeftOut:
+        """What candidates predict of runs that their fit did not see."""
+        return LeftOut(self)
+
     def held_out(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
-        """Residuals of runs left out, linear plant with the same conditions free and candidate; see docs/evidence.md.
-
-        The whole run judges a candidate that has no freedom in it but its start: most motion follows a step at once.
-        """
-        first = self.criteria.first if is_free(found) or found.deviations else 1.0
-        how = {"tolerance": self.context.tolerance, "first": first, "part": self.criteria.first}
-        before = held_out_residuals(self._plain(found.deviations), **how)
-        after = held_out_residuals(found.optimum, **how)
-        both = sorted(before.keys() & after.keys())
-        return {i: before[i] for i in both}, {i: after[i] for i in both}
-
-    def _plain(self, deviations: Deviations) -> Optimum:
-        """The linear plant with some conditions that differ from run to run: what they explain, no effect does."""
-        known = [c for c in self.candidates if not c.effects and c.deviations == deviations]
-        if known:
-            return known[0].optimum
-        problem = with_deviations(self.linear.optimum.problem, deviations)
-        linear = self.linear.optimum
-        return minimize(problem, linear.shared, linear.local, tolerance=self.context.tolerance) or linear
+        """Residuals of runs left out, linear plant with the same conditions free and candidate."""
+        return self.left_out.residuals(found)
 
     def share(self, found: Candidate) -> tuple[float, float]:
         """Share of the misfit's repeatable power that a candidate takes on runs left out, and its steadiness."""
-        before, after = self.held_out(found)
-        if not before:
-            return 0.0, 0.0
-        noise = max(self.context.floor, repeatability(self.context.records) or 0.0) ** 2
-
-        def taken(runs: list[int]) -> float:
-            power = [sum(float(np.sum(seen[i] ** 2)) - noise * seen[i].size for i in runs) for seen in (before, after)]
-            return 1.0 - max(power[1], 0.0) / power[0] if power[0] > 0 else 0.0
-
-        single = [taken([i]) for i in before]
-        steady = min(single) / max(single) if max(single) > 0 else 0.0
-        return taken(list(before)), max(steady, 0.0)
+        return self.left_out.share(found)

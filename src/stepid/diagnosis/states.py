@@ -16,6 +16,8 @@ _SEEN = 200  # samples of the motion that tell what a force depends on
 def states_of(context: FitContext, effect: Effect, values: tuple[float, ...]) -> frozenset[str]:
     """The states that an effect's force is a law of, 'position' and 'velocity'; none where time or memory is in it.
 
+    An effect of no strength has none: its force depends on nothing.
+
     Parameters
     ----------
     context : FitContext
