@@ -116,6 +116,6 @@ def test_a_rest_is_no_correlation_and_two_samples_are_the_least() -> None:
     assert cost[0] - cost[1] == pytest.approx(math.log(2) + 2 * math.log(50.0))
 
 
-@pytest.mark.parametrize(("count", "share"), [(1, 0.8), (2, 0.96), (3, 0.992)])
-def test_each_further_effect_of_a_lead_takes_as_much_of_what_is_left(count: int, share: float) -> None:
+@pytest.mark.parametrize(("count", "share"), [(1, 0.8), (2, 0.9), (3, 0.95)])
+def test_each_further_effect_halves_what_a_lead_may_leave(count: int, share: float) -> None:
     assert least_share(Criteria(lead=0.8), count) == pytest.approx(share)

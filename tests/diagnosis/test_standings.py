@@ -92,9 +92,9 @@ def raced(names: list[str], cost: float, deviations: tuple[str, ...] = ()) -> Si
         ([], ("gain",), 90.0, 1.0),
         (["cogging"], ("gain",), 90.0, 1 + 0.2 * 50),  # of what the plant with the same condition leaves
         (["cogging"], ("damping",), 90.0, 1 + 0.2 * 100),  # not fitted: of what the plant leaves
-        (["cogging", "free_play"], (), 90.0, 1 + 0.04 * 100),  # each takes 0.8 of what is left
+        (["cogging", "free_play"], (), 90.0, 1 + 0.1 * 100),  # a second effect halves what may be left
         (["cogging", "free_play"], (), 11.0, 1 + 0.2 * 10),  # one of them leads: the other has to lead beside it
-        (["coulomb_friction", "free_play"], (), 11.0, 1 + 0.04 * 100),  # none of these does
+        (["coulomb_friction", "free_play"], (), 11.0, 1 + 0.1 * 100),  # none of these does
         (THREE, (), 11.0, 1.0),  # so many are an answer at the noise only
     ],
 )

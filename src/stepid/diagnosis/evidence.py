@@ -117,5 +117,5 @@ def block_means(context: FitContext, optimum: Optimum) -> float:
 
 
 def least_share(criteria: Criteria, count: int) -> float:
-    """Share of the misfit that so many effects have to take to lead: each as much of what is left as one of all."""
-    return 1.0 - (1.0 - criteria.lead) ** count
+    """Share of the misfit that so many effects have to take to lead: each further one halves what may be left."""
+    return 1.0 - (1.0 - criteria.lead) * 0.5 ** (count - 1)
