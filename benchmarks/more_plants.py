@@ -33,6 +33,14 @@ floor. *Names* says whether all effects that are named are known to be in the pl
 """
 
 
+_MEASURED = """## Masses and stiffnesses
+
+Of some plants the masses were weighed (a third of the spring's in it) and the stiffness was measured at rest. Two
+swings with 39.5 g between them tell both:
+
+"""
+
+
 class Row(NamedTuple):
     """One recording and its answer."""
 
@@ -81,7 +89,15 @@ def page(rows: list[Row], commit: str) -> str:
     right, open_, wrong, none = (sum(row.names == kind for row in rows) for kind in kinds)
     total = f"Of {len(rows)} recordings {right} are named right and {wrong} wrong. Of {open_} names no one knows. "
     total += f"{none} answers name nothing."
-    return f"{_PAGE}This run is of {commit}. {total}\n\n{table}\n"
+    return f"{_PAGE}This run is of {commit}. {total}\n\n{table}\n\n{_MEASURED}{_measured(rows)}\n"
+
+
+def _measured(rows: list[Row]) -> str:
+    """What a balance and a ruler told of the plants, and what the joint fit of the linear plant says."""
+    found = [(row, name, value) for row in rows for name, value in row.what.measured.items()]
+    told = [(row.what.name, name, f"{value:g}", str(row.found.linear_parameters[name])) for row, name, value in found]
+    lines = [("recording", "parameter", "measured", "found"), ("---",) * 4, *told]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
 
 
 def main() -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
 
@@ -24,7 +24,10 @@ LOSSES = DRY | DAMPING
 
 @dataclass(frozen=True)
 class MoreSet:
-    """A campaign, where it is from, what is known of its plant, the effects in it, and those of which no one knows."""
+    """A campaign, where it is from, what is known of its plant, the effects in it, and those of which no one knows.
+
+    `measured` are parameters that a balance and a ruler told.
+    """
 
     name: str
     source: str
@@ -32,6 +35,7 @@ class MoreSet:
     allowed: frozenset[str]
     build: Callable[[], Campaign]
     unknown: frozenset[str] = frozenset()
+    measured: Mapping[str, float] = field(default_factory=dict)
 
 
 def folder() -> Path:
@@ -69,13 +73,14 @@ def campaign(name: str, *runs: Experiment) -> Campaign:
     return Campaign(name=name, experiments=runs)
 
 
-def _hanging(spring: str, sail: str, light: str, heavy: str) -> MoreSet:
+def _hanging(spring: str, sail: str, light: str, heavy: str, mass: float) -> MoreSet:
+    """Two weights on one spring; a third of the spring's mass, kg, is in the lighter one's."""
     files = [f"springmass-milano/free_{spring}_{sail}_{one}" for one in (light, heavy)]
-    known = "hung freely: no dry friction; 39.5 g added, stiffness " + ("3.23 N/m" if spring == "soft" else "24.3 N/m")
+    stiffness = 3.226 if spring == "soft" else 24.25
     return MoreSet(
-        f"hanging-{spring}-{sail}", "Mattia04/Smorzamento", known, frozenset(DAMPING),
+        f"hanging-{spring}-{sail}", "Mattia04/Smorzamento", "hung freely: no dry friction", frozenset(DAMPING),
         lambda: campaign("hanging", run(files[0], scale=1e-3), run(files[1], scale=1e-3, added_mass=0.0395)),
-        frozenset(SPRING),
+        frozenset(SPRING), {"base_mass": mass, "stiffness[spring]": stiffness},
     )  # fmt: skip
 
 
@@ -159,10 +164,10 @@ _ALL = (
         frozenset(DAMPING),
         lambda: campaign("disc", run("springdisc-filo/free_hard_0.2016kg_1", scale=1e-3)),
     ),
-    _hanging("soft", "cd", "m1", "m3"),
-    _hanging("soft", "net", "m1", "m3"),
-    _hanging("stiff", "cd", "m5", "m7"),
-    _hanging("stiff", "net", "m5", "m7"),
+    _hanging("soft", "cd", "m1", "m3", 0.0603),
+    _hanging("soft", "net", "m1", "m3", 0.0558),
+    _hanging("stiff", "cd", "m5", "m7", 0.1443),
+    _hanging("stiff", "net", "m5", "m7", 0.1398),
     MoreSet(
         "hanging-shaken",
         "Mattia04/Smorzamento",
