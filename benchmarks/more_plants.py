@@ -17,6 +17,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import stepid
 from more_sets import SETS, MoreSet
+from real_sets import named
 from stepid import Diagnosis
 from stepid.simulation.warm_up import warm_up
 
@@ -51,19 +52,19 @@ class Row(NamedTuple):
     @property
     def names(self) -> str:
         """Whether the names are right, or nothing is known of them; – where none is told."""
-        named = set(self.found.effects)
+        told = set(self.found.effects)
         if self.found.verdict not in ("named", "ambiguous"):
             return "–"
-        if named <= self.what.allowed:
+        if told <= self.what.allowed:
             return "right"
-        return "not known" if named <= self.what.allowed | self.what.unknown else "wrong"
+        return "not known" if told <= self.what.allowed | self.what.unknown else "wrong"
 
     @property
     def answer(self) -> str:
         """The verdict, and what it names."""
-        sets = (self.found.effects, *self.found.alternatives) if self.found.effects else ()
-        named = " or ".join(" + ".join(one).replace("_", " ") for one in sets)
-        return f"{self.found.verdict}: {named}" if named else self.found.verdict
+        if not self.found.effects:
+            return self.found.verdict
+        return f"{self.found.verdict}: {named(self.found.effects, self.found.alternatives)}".replace("_", " ")
 
     @property
     def cells(self) -> tuple[str, ...]:

@@ -7,15 +7,13 @@ A record with one run is cut into three slices, so that two of them predict the 
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 
-from real_sets import DAMPING, DRY
+from real_sets import DAMPING, DRY, folder, record
 from stepid import Campaign, Experiment
 
 SPRING = {"cubic_stiffness", "sine_stiffness", "quadratic_stiffness"}
@@ -38,19 +36,12 @@ class MoreSet:
     measured: Mapping[str, float] = field(default_factory=dict)
 
 
-def folder() -> Path:
-    """Folder of the recordings; FileNotFoundError where it is not known."""
-    named = os.environ.get("STEPID_MORE_DATA")
-    if not named:
-        raise FileNotFoundError("STEPID_MORE_DATA does not name the folder of recordings")
-    return Path(named)
-
-
 def run(
-    file: str, *, after: float | None = None, until: float = np.inf, scale: float = 1.0, **labels: object
+    file: str, *, after: float | None = None, until: float = np.inf, scale: float = 1.0, added: float = 0.0
 ) -> Experiment:
     """A free swing from its farthest point on, or from a time [s] on."""
-    time, position = np.loadtxt(folder() / f"{file}.csv", delimiter=",", skiprows=1, usecols=(0, 1), unpack=True)
+    path = folder("STEPID_MORE_DATA") / f"{file}.csv"
+    time, position = np.loadtxt(path, delimiter=",", skiprows=1, usecols=(0, 1), unpack=True)
     position = scale * position
     if after is None:
         rest = np.median(position[-max(len(position) // 5, 10) :])
@@ -58,11 +49,7 @@ def run(
     else:
         begin = int(np.searchsorted(time, after))
     kept = slice(begin, int(np.searchsorted(time, until)))
-    given = {"added_mass": 0.0, "spring": "spring", "damper": "own"} | labels
-    return Experiment(
-        name=Path(file).name, time=time[kept], position=position[kept], input=np.zeros(time[kept].size),
-        starts="motion", **given,  # type: ignore[arg-type]
-    )  # fmt: skip
+    return record(path.stem, time[kept], position[kept], added=added, starts="motion")
 
 
 def campaign(name: str, *runs: Experiment) -> Campaign:
@@ -79,7 +66,7 @@ def _hanging(spring: str, sail: str, light: str, heavy: str, mass: float) -> Mor
     stiffness = 3.226 if spring == "soft" else 24.25
     return MoreSet(
         f"hanging-{spring}-{sail}", "Mattia04/Smorzamento", "hung freely: no dry friction", frozenset(DAMPING),
-        lambda: campaign("hanging", run(files[0], scale=1e-3), run(files[1], scale=1e-3, added_mass=0.0395)),
+        lambda: campaign("hanging", run(files[0], scale=1e-3), run(files[1], scale=1e-3, added=0.0395)),
         frozenset(SPRING), {"base_mass": mass, "stiffness[spring]": stiffness},
     )  # fmt: skip
 

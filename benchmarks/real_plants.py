@@ -18,7 +18,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from pydantic import BaseModel
 
 import stepid
-from real_sets import SETS, RealSet
+from real_sets import SETS, RealSet, named
 from stepid import Diagnosis
 from stepid.simulation.warm_up import warm_up
 
@@ -100,9 +100,7 @@ def diagnosed(what: RealSet, progress: bool = False) -> Row:
 
 def told(row: Row) -> str:
     """One row as text for a terminal."""
-    names = " + ".join(row.effects) or "none"
-    for other in row.alternatives:
-        names += " or " + " + ".join(other)
+    names = named(row.effects, row.alternatives)
     asked = f" (≤ {row.most:g})" if row.most is not None else ""
     gap = f"{row.before:.4g} → {row.after:.4g} {row.unit}{asked}"
     differ = ", ".join((*row.scatter, *row.faults))
@@ -116,9 +114,7 @@ def page(rows: list[Row]) -> str:
     """All rows as a page of the documentation."""
     lines = ["| " + " | ".join(_HEAD) + " |", "| " + " | ".join("---" for _ in _HEAD) + " |"]
     for row in rows:
-        names = " + ".join(row.effects).replace("_", " ") or "none"
-        for other in row.alternatives:
-            names += " or " + " + ".join(other).replace("_", " ")
+        names = named(row.effects, row.alternatives).replace("_", " ")
         cells = (
             f"{row.name}: {row.source}",
             row.known,

@@ -61,11 +61,11 @@ class RealSet:
     right: Callable[[Diagnosis], bool]
 
 
-def folder() -> Path:
-    """Folder of the recordings; FileNotFoundError where it is not known."""
-    named = os.environ.get("STEPID_REAL_DATA")
+def folder(variable: str = "STEPID_REAL_DATA") -> Path:
+    """Folder of recordings that an environment variable names; FileNotFoundError where it is not known."""
+    named = os.environ.get(variable)
     if not named:
-        raise FileNotFoundError("STEPID_REAL_DATA does not name the folder of real recordings")
+        raise FileNotFoundError(f"{variable} does not name the folder of real recordings")
     return Path(named)
 
 
@@ -81,7 +81,7 @@ def roll(seconds: float) -> Campaign:
         )
         first = int(np.argmax(np.abs(angle)))
         last = int(np.searchsorted(time, time[first] + seconds))
-        runs.append(_run(str(number), time[first:last], angle[first:last], starts="motion"))
+        runs.append(record(str(number), time[first:last], angle[first:last], starts="motion"))
     return Campaign(name="roll", experiments=tuple(runs))
 
 
@@ -92,7 +92,7 @@ def silverbox(kind: str, between: Literal["smooth", "lines"]) -> Campaign:
         file = folder() / "silverbox" / f"{kind}-{number}.csv"
         volts, position = np.loadtxt(file, delimiter=",", skiprows=1, unpack=True)
         time = np.arange(volts.size) * _SILVERBOX_STEP
-        run = _run(file.stem, time, position, volts=volts - _SILVERBOX_OFFSET, starts="motion")
+        run = record(file.stem, time, position, volts=volts - _SILVERBOX_OFFSET, starts="motion")
         runs.append(run.model_copy(update={"input_between": between}))
     return Campaign(name=f"silverbox {kind}", experiments=tuple(runs))
 
@@ -103,7 +103,7 @@ def pendulum() -> Campaign:
     for number, begin in ((1, 400), (2, 300), (3, 300)):
         file = folder() / "pendulum-freeswing" / f"pendulum_free_swing_data_{number:02}.txt"
         angle = np.radians(np.loadtxt(file, skiprows=2))[begin:]
-        runs.append(_run(f"swing {number}", 1e-3 * np.arange(angle.size), angle, starts="motion"))
+        runs.append(record(f"swing {number}", 1e-3 * np.arange(angle.size), angle, starts="motion"))
     return Campaign(name="pendulum", experiments=tuple(runs))
 
 
@@ -113,7 +113,7 @@ def milan_releases(spring: str) -> Campaign:
     for place in sorted((folder() / "ecp210-milan" / "free-release").glob(f"K{spring}_hand_*")):
         position = 0.01 * np.concatenate([np.loadtxt(file) for file in sorted(place.glob("data*.txt"))])
         added = 0.986 if "2mass" in place.name else 0.0
-        run = _run(place.name, 0.005 * np.arange(position.size), position, added=added, counts=COUNTS)
+        run = record(place.name, 0.005 * np.arange(position.size), position, added=added, counts=COUNTS)
         runs.append(run)
     return Campaign(name=f"Milan releases, {spring}", experiments=tuple(runs))
 
@@ -126,7 +126,7 @@ def milan_steps() -> Campaign:
         first = _AMPLIFIER_OFF if place.name == "steps_kmed_nomass" else 0
         added = 0.986 if "2mass" in place.name else 0.0
         time = 0.005 * np.arange(len(table))
-        run = _run(
+        run = record(
             place.name, time, -table[:, 2] / COUNTS, volts=table[:, 0], added=added, counts=-COUNTS,
             spring="high" if "kbig" in place.name else "medium",
         )  # fmt: skip
@@ -147,14 +147,14 @@ def ucsd(which: Literal["steps", "releases"]) -> Campaign:
 def trento() -> Campaign:
     """The first of three carts in series, four steps of 5 s with pauses of 5 s."""
     time, first, _, _, volts = np.loadtxt(folder() / "ecp210-trento" / "data_steps.txt", unpack=True)
-    whole = _run("steps", time, first / 226600.0, volts=volts, counts=226600.0)
+    whole = record("steps", time, first / 226600.0, volts=volts, counts=226600.0)
     edges = [*range(0, time.size - 1000, 2000), time.size]
     parts = itertools.pairwise(edges)
     runs = tuple(whole.slice(a, b, name=f"step {i}") for i, (a, b) in enumerate(parts, 1))
     return Campaign(name="Trento", experiments=runs)
 
 
-def _run(
+def record(
     name: str,
     time: np.ndarray,
     position: np.ndarray,
@@ -179,6 +179,11 @@ def _run(
 
 
 # ---- what a good answer says --------------------------------------------------------------------------------------
+
+
+def named(effects: tuple[str, ...], alternatives: tuple[tuple[str, ...], ...]) -> str:
+    """The sets of an answer in one line; "none" where nothing is named."""
+    return " or ".join(" + ".join(one) for one in (effects, *alternatives)) or "none"
 
 
 def value(d: Diagnosis, name: str) -> float:

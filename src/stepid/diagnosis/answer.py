@@ -18,7 +18,6 @@ from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.verdict import Answer
 from stepid.diagnosis.wording import effect_names
 from stepid.fitting.covariance import effect_parameters, estimates
-from stepid.fitting.cross_validation import held_out_residuals
 from stepid.fitting.fit import unpack
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
@@ -39,11 +38,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
     records, floor, linear = context.records, context.floor, context.linear
     told = answer.shown if answer.verdict != "unexplained" else evidence.linear
     final, effects = told.optimum, told.effects
-    how = {"tolerance": context.tolerance, "part": evidence.criteria.first}
-    before = held_out_residuals(linear, **how)
-    after = held_out_residuals(final, **how) if final is not linear else before
-    both = sorted(before.keys() & after.keys())
-    before, after = {i: before[i] for i in both}, {i: after[i] for i in both}
+    before, after = evidence.left_out.of_two(linear, final)
     parameters = estimates(final, effects, floor)[0] | evidence.limited(told)
     scatter = scatter_of(context, told if told.deviations else answer.shown, evidence.candidates)
     pooled = _pooled(before), _pooled(after)

@@ -116,6 +116,12 @@ def block_means(context: FitContext, optimum: Optimum) -> float:
     return structure(context.records, optimum.problem.residual(optimum.solved), context.floor, context.period)
 
 
+def predicts(criteria: Criteria, count: int, taken: tuple[float, float]) -> bool:
+    """Tell whether so many effects lead by the share that they take on runs left out, and by its steadiness."""
+    share, steady = taken
+    return share >= least_share(criteria, count) and steady >= criteria.steady
+
+
 def least_share(criteria: Criteria, count: int) -> float:
     """Share of the misfit that so many effects have to take to lead: each further one halves what may be left."""
     return 1.0 - (1.0 - criteria.lead) * 0.5 ** (count - 1)

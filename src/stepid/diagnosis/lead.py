@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from stepid.diagnosis.evidence import Weighed, least_share
+from stepid.diagnosis.evidence import Weighed, least_share, predicts
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, includes
 from stepid.diagnosis.vetoes import effects_of
 
@@ -61,9 +61,7 @@ class Leads:
 
     def _leads(self, found: Candidate) -> bool:
         """Tell whether effects take enough on runs left out, and as much in each of them."""
-        share, steady = self._told.share(found)
-        criteria = self._told.criteria
-        return share >= least_share(criteria, len(found.effects)) and steady >= criteria.steady
+        return predicts(self._told.criteria, len(found.effects), self._told.share(found))
 
     def _takes(self, before: Candidate, after: Candidate) -> bool:
         """Tell whether one candidate takes as much as a lead has to of what another with fewer effects leaves."""

@@ -33,12 +33,14 @@ class LeftOut:
 
         The whole run judges a candidate that has no freedom in it but its start: most motion follows a step at once.
         """
-        part = self._told.criteria.first
-        first = part if is_free(found) or found.deviations else 1.0
-        before, after = (
-            held_out_residuals(optimum, tolerance=self._told.context.tolerance, first=first, part=part)
-            for optimum in (self._plain(found.deviations), found.optimum)
-        )
+        first = self._told.criteria.first if is_free(found) or found.deviations else 1.0
+        return self.of_two(self._plain(found.deviations), found.optimum, first)
+
+    def of_two(self, one: Optimum, other: Optimum, first: float = 1.0) -> tuple[dict[int, Array], dict[int, Array]]:
+        """Residuals of the runs that two fits can both be held against; see `held_out_residuals`."""
+        how = {"tolerance": self._told.context.tolerance, "first": first, "part": self._told.criteria.first}
+        before = held_out_residuals(one, **how)
+        after = held_out_residuals(other, **how) if other is not one else before
         both = sorted(before.keys() & after.keys())
         return {i: before[i] for i in both}, {i: after[i] for i in both}
 

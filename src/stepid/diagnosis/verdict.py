@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from stepid.diagnosis.evidence import least_share
+from stepid.diagnosis.evidence import least_share, predicts
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.result import Verdict
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
@@ -165,10 +165,10 @@ def leads(e: EvidenceRecord) -> Answer | None:
         return None
     if e.open(lead):
         return None
-    share, steady = e.share(lead)
-    if share < least_share(e.criteria, len(lead.effects)) or steady < e.criteria.steady:
+    taken = e.share(lead)
+    if not predicts(e.criteria, len(lead.effects), taken):
         return None
-    said: tuple[str, ...] = (f"{taken_in_words(lead.names, share)}.",)
+    said: tuple[str, ...] = (f"{taken_in_words(lead.names, taken[0])}.",)
     state = e.refuted(lead)
     if state:
         no = f"A force of {state} whose law is none of the catalogue's does as well or better: no effect is named."

@@ -61,10 +61,11 @@ def held_out_residuals(
         Run index to residual, shape (n,); empty where no run qualifies and `part` is not given.
     """
     records = optimum.problem.records
-    able = qualifying(records)
+    able, told = qualifying(records), {}
     if not able and part is not None and len(records.runs) > 1:
         first = min(first, part)
-        able = [i for i in range(len(records.runs)) if _can_judge(optimum, i, first)]
+        able = _judges(optimum, first)
+        told = {i: _told_by(optimum.problem, i) for i in able}
     chosen = sorted({able[round(k)] for k in np.linspace(0, len(able) - 1, _RUNS)}) if able else []
     out: dict[int, Array] = {}
     for i in chosen:
@@ -76,7 +77,7 @@ def held_out_residuals(
         if first < 1:
             own = own.reweighted(np.where(np.arange(own.size) < seen_from, own.weight, _UNSEEN))
         alone = build(own, optimum.problem.simulator.effects)
-        alone = replace(alone, free=_told_by(optimum.problem, i), **_own(optimum, [i]))
+        alone = replace(alone, free=told.get(i, np.zeros_like(alone.free)), **_own(optimum, [i]))
         local = np.where(alone.active, optimum.local[:, [i]], 0.0)
         seen = minimize(alone, shared, local, tolerance=tolerance, iterations=15)
         if seen is not None:
@@ -97,17 +98,20 @@ def _told_by(problem: Problem, run: int) -> npt.NDArray[np.bool_]:
     return out
 
 
-def _can_judge(optimum: Optimum, run: int, first: float) -> bool:
-    """Tell whether a run's first part tells what it alone determines, and the others all parameters of the effects."""
+def _judges(optimum: Optimum, first: float) -> list[int]:
+    """Runs whose first part tells what they alone determine, while the others tell all parameters of the effects."""
     problem = optimum.problem
     free = np.flatnonzero(problem.free)
     power = problem.jacobian(optimum.solved)[:, : free.size] ** 2
-    own = power[problem.records.pieces()[run]]
-    whole, alone = power.sum(axis=0), own.sum(axis=0)
-    seen = own[: round(first * len(own))].sum(axis=0)
-    untold = (free >= problem.layout.linear.stop) & (whole - alone < _TOLD * whole)
-    unseen = _told_by(problem, run)[free] & (seen < _TOLD * alone)
-    return not (untold | unseen).any()
+    whole, out = power.sum(axis=0), []
+    for run, piece in enumerate(problem.records.pieces()):
+        own = power[piece]
+        alone, seen = own.sum(axis=0), own[: round(first * len(own))].sum(axis=0)
+        untold = (free >= problem.layout.linear.stop) & (whole - alone < _TOLD * whole)
+        unseen = _told_by(problem, run)[free] & (seen < _TOLD * alone)
+        if not (untold | unseen).any():
+            out.append(run)
+    return out
 
 
 def _own(optimum: Optimum, runs: list[int]) -> dict[str, Any]:

@@ -89,10 +89,9 @@ class Fits(Standings):
         if self._complete(self.best):
             return
         order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
-        sizes = by.of_each_size(n for n in self._nameable(order) if len(n.effects) <= LEADING)
-        leads = [node for alike in sizes for node in alike[: self.effort.polish]]
-        pairs = [node for node in order if len(node.effects) == LEADING and any(node is lead for lead in leads)]
-        inside = by.inside(order, pairs[:1])
+        able = [n for n in self._nameable(order) if len(n.effects) <= LEADING]
+        leads = [node for alike in by.of_each_size(able) for node in alike[: self.effort.polish]]
+        inside = by.inside(order, [n for n in able if len(n.effects) == LEADING][:1])
         for node in (*leads, *inside[: self.effort.polish]):
             for one in (node, self.nodes.get((node.key[0], frozenset()), node)):
                 if one.fitted.polished is None:
