@@ -191,9 +191,11 @@ class PreslidingHysteresis(Effect):
         begins = np.flatnonzero(np.diff(m.time, prepend=np.inf) <= 0).tolist()
         for first, end in pairwise([*begins, m.x.size]):
             memory: tuple[float, ...] = (0.0,)
-            for i, shift in enumerate(np.diff(m.x[first:end]).tolist(), first + 1):
-                memory = self.remember((1.0, distance), memory, shift, math.copysign(1.0, shift))
-                built[i] = memory[0]
+            path = []
+            for shift in np.diff(m.x[first:end]).tolist():
+                memory = self.remember((1.0, distance), memory, shift, 1.0 if shift > 0 else -1.0)
+                path.append(memory[0])
+            built[first + 1 : end] = path
         return built
 
     @staticmethod

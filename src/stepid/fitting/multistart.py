@@ -154,13 +154,17 @@ class CandidateFit:
     ) -> None:
         self.context, self.effects, self.deviations = context, effects, deviations
         coarse = build(context.decimated, effects, tolerance=COARSE, workers=context.workers)
-        fine = build(context.records, effects, workers=context.workers)
-        self.coarse, self.fine = (with_deviations(problem, deviations) for problem in (coarse, fine))
+        self.coarse = with_deviations(coarse, deviations)
         self.best: Optimum | None = None
         self.polished: Optimum | None = None  # on all samples
         self.rested: tuple[Optimum, Optimum] | None = None  # a polished fit, and the better of it and the one at rest
         self._sticking: Optimum | None = None  # where other patterns of sticking led last
         self._tolerance = 0.0  # with which the best fit so far ended, m²
+
+    @cached_property
+    def fine(self) -> Problem:
+        """The fit to all samples."""
+        return with_deviations(build(self.context.records, self.effects, workers=self.context.workers), self.deviations)
 
     @property
     def names(self) -> tuple[str, ...]:

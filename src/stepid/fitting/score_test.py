@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -210,15 +211,14 @@ def score(base: Optimum, table: list[Column], *, instead: Absent | None = None) 
     residual = tangent.left
     total = float(residual @ residual)
     found = []
-    for column in table:
-        r = scaled_to_one(tangent.beyond(column.responses))
+    seen = tangent.beyond(np.concatenate([np.zeros((residual.size, 0)), *(c.responses for c in table)], axis=1))
+    ends = np.cumsum([0, *(c.responses.shape[1] for c in table)])
+    for column, (first, end) in zip(table, pairwise(ends), strict=True):
+        r = scaled_to_one(seen[:, first:end])
         if r is None:
             continue
-        part, scale = r
-        triangle = np.asarray(np.linalg.qr(np.column_stack([part, residual]), mode="r"))
-        scaled = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=1e-9)[0]
-        left = triangle[:, -1] - triangle[:, :-1] @ scaled
-        found.append((float(triangle[:, -1] @ triangle[:, -1] - left @ left), column, scaled / scale))
+        gain, coefficients = _fitted(r[0], residual)
+        found.append((gain, column, coefficients / r[1]))
     out: list[Scored] = []
     starts = Counter[Effect]()
     for gain, column, coefficients in sorted(found, key=lambda item: -item[0]):
@@ -229,6 +229,17 @@ def score(base: Optimum, table: list[Column], *, instead: Absent | None = None) 
         shared = tangent.adapted(column.responses @ coefficients)
         out.append(Scored(column.effect, values, gain, shared, total - gain))
     return out
+
+
+def _fitted(part: Array, residual: Array) -> tuple[float, Array]:
+    """What columns of a norm of one take of a residual, m², and their coefficients."""
+    if part.shape[1] == 1:
+        along = part.T @ residual
+        return float(along[0]) ** 2, along
+    triangle = np.asarray(np.linalg.qr(np.column_stack([part, residual]), mode="r"))
+    found = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=1e-9)[0]
+    left = triangle[:, -1] - triangle[:, :-1] @ found
+    return float(triangle[:, -1] @ triangle[:, -1] - left @ left), found
 
 
 def promises(context: FitContext, inner: Optimum, effects: tuple[Effect, ...], starts: list[Start]) -> list[float]:

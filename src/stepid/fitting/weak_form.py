@@ -95,15 +95,18 @@ class WeakForm:
 
     @staticmethod
     def _windows(values: Array, n: int, stride: int) -> Array:
-        whole = np.ascontiguousarray(values)
-        step = whole.strides[0]
-        return np.ndarray(((whole.size - n) // stride + 1, n), whole.dtype, whole, 0, (stride * step, step))
+        return np.lib.stride_tricks.sliding_window_view(values, n, axis=-1)[..., ::stride, :]
 
     def test(self, values: Array) -> Array:
         """∫φ g for samples of g, shape (S,) to (rows,)."""
+        return self.tests((values,))[:, 0]
+
+    def tests(self, forces: Sequence[Array]) -> Array:
+        """∫φ g for samples of each of some g, one at least, shape (S,) each to (rows, k)."""
         parts = []
         for r, (n, stride, h, moves) in enumerate(self._bumps):
-            parts.append((self._windows(self._records.evenly(r, values)[1], n, stride) @ _bump(n, h)[0] * h)[moves])
+            even = np.array([self._records.evenly(r, force)[1] for force in forces])
+            parts.append(np.einsum("kwn,n->wk", self._windows(even, n, stride), _bump(n, h)[0] * h)[moves])
         return np.concatenate(parts)
 
     def force_behind(self, change: Array, shared: Array) -> Array:
@@ -132,7 +135,7 @@ class WeakForm:
         """
         matrix, rhs = self._matrix, self._rhs
         if forces:
-            matrix = np.column_stack([matrix, *(-self.test(g) for g in forces)])
+            matrix = np.column_stack([matrix, -self.tests(forces)])
         solution, beyond = _least_squares(matrix, rhs)
         left = float(np.sqrt(np.mean(beyond**2)))
         plant = self.plant(solution[: self._matrix.shape[1]])
@@ -181,11 +184,12 @@ class WeakForm:
 
     def valleys(self, scan: Sequence[tuple[Array, ...]]) -> list[int]:
         """Places in a scan of forces that leave less than their neighbors do, what leaves least first."""
+        if not scan:
+            return []
         plain = self.plain[1]
-        left = np.empty(len(scan))
-        for i, forces in enumerate(scan):
-            added = self.beyond(np.column_stack([self.test(force) for force in forces]))
-            left[i] = np.linalg.norm(plain - added @ np.linalg.lstsq(added, plain, rcond=1e-9)[0])
+        tested = self.beyond(self.tests([force for forces in scan for force in forces]))
+        parts = np.split(tested, np.cumsum([len(forces) for forces in scan])[:-1], axis=1)
+        left = np.array([np.linalg.norm(plain - a @ np.linalg.lstsq(a, plain, rcond=1e-9)[0]) for a in parts])
         before, after = np.append(np.inf, left[:-1]), np.append(left[1:], np.inf)
         return sorted(map(int, np.flatnonzero((left <= before) & (left < after))), key=lambda i: float(left[i]))
 
@@ -193,7 +197,7 @@ class WeakForm:
         """Share of what the plain plant leaves that is left with forces of other strength in every run."""
         left = self.plain[1]
         own = self._run == np.arange(len(self._records.runs))[:, None]
-        added = np.column_stack([np.where(mine, tested, 0.0) for tested in map(self.test, forces) for mine in own])
+        added = np.column_stack([np.where(mine, tested, 0.0) for tested in self.tests(forces).T for mine in own])
         added = self.beyond(added)
         after = left - added @ np.linalg.lstsq(added, left, rcond=1e-9)[0]
         return float((after @ after) / (left @ left))

@@ -96,12 +96,12 @@ class ParameterLayout:
         """Row of one deviation among the parameters of a run."""
         return int(self.deviations.start) + _NAMES.index(name)
 
-    @property
+    @cached_property
     def n_global(self) -> int:
         """Number of global parameters."""
         return int(self.linear.stop) + sum(len(e.parameters) for e in self.effects)
 
-    @property
+    @cached_property
     def n_run(self) -> int:
         """Number of parameters of a run."""
         return int(self.deviations.stop)
