@@ -13,6 +13,7 @@ from stepid.diagnosis.selection.fits import RIVALS, Fits
 from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, IN_PLACE, TOGETHER, UNFORESEEN
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
+from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.promote import promote
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext, is_mode
 from stepid.effects.base import Effect
@@ -134,7 +135,7 @@ class Search(Fits):
             calmer = by.calmer(self.nodes.values(), self.best) if at_floor(self.fit, self.criteria, self.best) else []
             made += [self._expand(node, IN_PLACE) for node in calmer]
             keys = {node.key for node in (*bases, *steady)}
-            asked = self._rivals(keys, nearest=any(made))
+            asked = self._rivals(keys, unforeseen=self._unforeseen() if any(made) else ())
             if any(made):
                 asked += by.instead(self.proposals, self._tried, {node.key for node in calmer}, self.effort.share)
             else:  # what the rounds before had no room for
@@ -189,15 +190,24 @@ class Search(Fits):
         larger = [p for p in found if p.size > smallest and not p.deviations][: self.effort.share]
         return sorted([*first, *together, *larger], key=lambda p: p.size)  # what needs less is asked first
 
-    def _rivals(self, bases: Collection[Key], *, nearest: bool) -> list[Proposal]:
-        """Rivals to fit next, of those proposed on some bases; with `nearest` a few that no step foresees, too."""
+    def _unforeseen(self) -> frozenset[str]:
+        """Moves whose proposals are asked whatever a step promises: beside one effect that leaves noise few are left.
+
+        In its place every other was scored on the linear plant already.
+        """
+        best = self.best
+        alone = len(best.effects) == 1 and not best.deviations and self._complete(best)
+        return UNFORESEEN - {Exchange.name} if alone else UNFORESEEN
+
+    def _rivals(self, bases: Collection[Key], *, unforeseen: Collection[str] = ()) -> list[Proposal]:
+        """Rivals to fit next, of those proposed on some bases; of some moves a few that no step foresees, too."""
         new = self._worthy(lambda p: p.base in bases and p.move in _RIVALS_AND_RUNS)
         found = self._gaining(new)
-        unforeseen = [p for p in new if p.move in UNFORESEEN and p not in found][: self.effort.share * nearest]
+        beside = [p for p in new if p.move in unforeseen and p not in found][: self.effort.share]
         if not self._answered():  # no rivals, where nothing is named
-            found, unforeseen = [p for p in found if self._may_answer(p)], []
+            found, beside = [p for p in found if self._may_answer(p)], []
         found.sort(key=lambda p: p.move not in (Drop.name, Deviate.name))  # what needs less is asked first
-        return [*found, *unforeseen][: self.effort.width]
+        return [*found, *beside][: self.effort.width]
 
     def _worthy(self, able: Callable[[Proposal], bool]) -> list[Proposal]:
         """Of some proposals the best of each set that is new, those of each node that promise most of it."""
@@ -236,14 +246,13 @@ class Search(Fits):
         slack = self.criteria.tie * self.fit.unit
         if proposal.move == Drop.name:
             return True  # it may have been stuck, or never tried
-        if proposal.move in RIVALS:
-            return proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
         hoped = by.hoped(proposal, self.effort)
-        if (proposal.base != self.root.key and hoped > named) or by.no_answer(
-            self.noise_limit, proposal.effects, hoped
-        ):
+        if proposal.move in RIVALS:
+            hopeless = by.no_answer(self.fit.noise_limit, proposal.effects, hoped / 2)  # the best may lie above it
+            return not hopeless and proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
+        if by.no_answer(self.noise_limit, proposal.effects, hoped):
             return False
-        return proposal.left < proposal.like.cost - slack
+        return (proposal.base == self.root.key or hoped <= named) and proposal.left < proposal.like.cost - slack
 
     def _may_answer(self, proposal: Proposal) -> bool:
         """Tell whether a set may leave so little that it is an answer, by what a step promises of it, or a new mode."""
