@@ -160,6 +160,29 @@ def test_a_further_effect_and_a_condition_must_earn_their_price() -> None:
         assert evidence(one, scattered).best.deviations == differ
 
 
+@pytest.mark.parametrize(("times", "told"), [(1.9, True), (2.1, False)])
+def test_a_general_law_is_a_rival_where_the_linear_plant_leaves_less_than_twice_the_floor(
+    times: float, told: bool
+) -> None:
+    """Its price alone speaks against it there: what sets it apart is below the noise."""
+    general = losing(FRICTION, 7.0, ["asymmetric_friction"])
+    assert evidence(FRICTION, general, candidate(times=times)).rivals == ((general,) if told else ())
+    far = losing(FRICTION, 11.0, ["asymmetric_friction"])
+    assert evidence(FRICTION, far, candidate(times=times)).rivals == ()
+
+
+def test_a_general_law_is_no_rival_of_a_faint_one_that_is_open_or_beside_runs_that_differ(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It is no surer than the law inside; and what is left of the linear plant with runs alike is scatter, too."""
+    plain, best = candidate(times=1.9), candidate(["coulomb_friction"], deviations=["gain"])
+    assert evidence(best, losing(best, 7.0, ["asymmetric_friction"], deviations=["gain"]), plain).rivals == ()
+    monkeypatch.setattr(gather, "undetermined", lambda *_: ("coulomb_friction.level",))
+    monkeypatch.setattr(gather, "limited", lambda *_: {})
+    monkeypatch.setattr(gather, "present", lambda *_: frozenset())
+    assert evidence(FRICTION, losing(FRICTION, 7.0, ["asymmetric_friction"]), plain).rivals == ()
+
+
 @pytest.mark.parametrize(("qbic", "near"), [(9.9, True), (10.1, False)])
 def test_rivals_are_within_a_tie(qbic: float, near: bool) -> None:
     other = losing(FRICTION, qbic, ["free_play"])

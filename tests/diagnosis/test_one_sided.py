@@ -18,6 +18,7 @@ from stepid.fitting.fit import fit_effects, prepare
 
 GAP = stepid.Estimate(value=8e-4, unit="m", limits=(4.3e-4, None))
 ABSENT_ABOVE = ("actuator_saturation.level", "actuator_rate_limit.rate")
+STOPS, POWERS = "b9461d2e9bb4d3c3e5c1e75cf8543ccd655503bb", "aa3bf92e2cd506e43e6812e0d261d55a83510e6a"
 DRAW = "52e0608e075b9f8b3619b4054892972722112f87"
 
 
@@ -114,6 +115,43 @@ def test_a_strength_has_a_limit_on_the_side_of_absence(
         found = profile.limited(Kept(problem=problem, shared=np.array([8e-4])), effects, 1e-5, (name,))
         assert {n: e.limits for n, e in found.items()} == ({name: limits} if vague and limits else {})
     assert asked == [4e-4 if name in ABSENT_ABOVE else -4e-4]  # what the curvature tells is not asked for
+
+
+@pytest.mark.parametrize(
+    ("end", "weights", "within", "there"),
+    [
+        (3e-4, 0.0, 1.0, True),
+        (3e-4, 0.0, 0.6, False),
+        (3e-4, 4e-4, 1.0, False),  # what the weights add reaches none
+        (0.0, 0.0, 1.0, False),
+        (None, 0.0, 1.0, False),
+    ],
+)
+def test_a_strength_is_there_where_its_limit_comes_before_none(
+    monkeypatch: pytest.MonkeyPatch, end: float | None, weights: float, within: float, there: bool
+) -> None:
+    """Whatever the curvature says of it: the way from 0.8 mm to none is 0.8 mm."""
+    problem = SimpleNamespace(
+        layout=SimpleNamespace(values=(slice(0, 1),)), free=np.array([True]), lower=[-1.0], upper=[np.inf]
+    )
+    name = "free_play.gap"
+    told = stepid.Estimate(value=8e-4, uncertainty=5e-4, parts={"noise": 5e-4, "weights": weights})
+    near = SimpleNamespace(level=1e-5, excess=np.ones(1))
+    monkeypatch.setattr(profile, "estimates", lambda *_: ({name: told}, None))
+    monkeypatch.setattr(profile, "uncertain", lambda *_: near)
+    monkeypatch.setattr(profile, "_limit", lambda *_: end)
+    optimum: Any = Kept(problem=problem, shared=np.array([8e-4]))
+    found = profile.present(optimum, resolve(["free_play"]), 1e-5, (name,), within)
+    assert found == ({name} if there else set())
+    assert profile.present(optimum, resolve(["free_play"]), 1e-5, (), within) == set()
+
+
+@pytest.mark.parametrize(("draw", "number", "effect"), [(STOPS, 79, "end_stop"), (POWERS, 159, "power_damping")])
+def test_a_strength_is_determined_by_its_likelihood(draw: str, number: int, effect: str) -> None:
+    """The curvature leaves the stop's stiffness and the coefficient beside its exponent open by half of them."""
+    campaign, truth = one("single-all", number, draw)
+    d = stepid.diagnose(campaign)
+    assert (truth["effects"], d.verdict, d.effects) == ((effect,), "named", (effect,))
 
 
 def test_the_verdict_says_on_which_side() -> None:

@@ -37,9 +37,11 @@ class Criteria(Model):
         Times the floor that the linear plant must leave for a name that rivals dispute.
     rival : float
         χ² that the freedom of a more general effect must gain to count as a rival of the simpler one: two standard
-        deviations, squared, and one for the choice.
+        deviations, squared, and one for the choice. A difference below `tie` is enough where the linear plant leaves
+        less than twice the floor.
     open : float
-        Standard uncertainty over value above which a parameter is not determined: at ½, zero is within two of them.
+        Standard uncertainty over value above which a parameter is not determined: at ½, zero is within two of them. A
+        strength is determined, too, where its 95 % limit toward none is within two such shares of it.
     lead : float
         Share of the misfit's repeatable power that an effect must take on runs left out to be named where a rest
         remains: the rest is then two fifths of the misfit, or less, in amplitude. A second effect must halve what may

@@ -24,7 +24,7 @@ from stepid.diagnosis.vetoes import effects_of, imitators, undetermined, unseen
 from stepid.fitting.deviations import without_deviations
 from stepid.fitting.input_fault import InputFault
 from stepid.fitting.multistart import FitContext
-from stepid.fitting.profile import limited
+from stepid.fitting.profile import limited, present
 from stepid.fitting.record_fault import RecordFault
 
 if TYPE_CHECKING:
@@ -121,8 +121,17 @@ class EvidenceRecord:
             # more general: a rival only where its freedom buys some fit, or where nothing fixes it
             bought = (best.optimum.cost - other.optimum.cost) / self.context.floor**2
             near = loss < 2 * criteria.tie
-            return near and (bought > criteria.rival or self._is_open(other, best))
+            return (
+                (near
+                and (bought > criteria.rival or self._is_open(other, best)))
+                or (self._faint and loss < criteria.tie)
+            )
         return loss < criteria.tie
+
+    @property
+    def _faint(self) -> bool:
+        """Tell whether the best's effects are of the noise's size: what sets their laws apart is then below it."""
+        return not (self.undetermined or self.best.deviations) and self.times(self.linear) < 2
 
     @cached_property
     def simpler(self) -> tuple[Candidate, ...]:
@@ -140,7 +149,7 @@ class EvidenceRecord:
     def _is_open(self, found: Candidate, simpler: Candidate) -> bool:
         """Tell whether the data leave open all that `found` has beyond `simpler`, which then stands for it."""
         more = [e for e in found.effects if e.name not in simpler.names]
-        open_ = self.open(found)
+        open_ = self._vague(found)
         return all(f"{e.name}.{q.name}" in open_ for e in more for q in e.parameters)
 
     def probability(self, answer: Answer) -> float | None:
@@ -158,8 +167,9 @@ class EvidenceRecord:
 
     def open(self, found: Candidate) -> tuple[str, ...]:
         """Parameters of a candidate's effects that the data leave open on the side on which the effect is absent."""
-        names = undetermined(self.context, self.criteria, found)
-        sure = self._limited(found, names)
+        names, within = self._vague(found), min(2 * self.criteria.open, 1.0)  # two standard uncertainties
+        asked = names and self.at_floor(found) and not found.deviations
+        sure = present(found.optimum, found.effects, self.context.floor, names, within) if asked else frozenset()
         return tuple(name for name in names if name not in sure)
 
     def limited(self, found: Candidate) -> dict[str, Estimate]:
@@ -169,6 +179,12 @@ class EvidenceRecord:
     def _limited(self, found: Candidate, names: tuple[str, ...]) -> dict[str, Estimate]:
         sized = names and self.at_floor(found)
         return limited(found.optimum, found.effects, self.context.floor, names) if sized else {}
+
+    def _vague(self, found: Candidate) -> tuple[str, ...]:
+        """Parameters that the fit's curvature leaves open on both sides."""
+        names = undetermined(self.context, self.criteria, found)
+        sized = self._limited(found, names)
+        return tuple(name for name in names if name not in sized)
 
     def imitators(self, found: Candidate) -> dict[str, str]:
         """Effects that a linear parameter, or what the records do not tell from it, can stand in for."""

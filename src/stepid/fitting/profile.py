@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from stepid.core.estimate import Estimate
 from stepid.core.once import once
 from stepid.effects.base import Effect
-from stepid.fitting.covariance import parameter_names, uncertain
+from stepid.fitting.covariance import estimates, parameter_names, uncertain
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 
 _NORMAL = 1.96  # standard deviations, of a 95 % interval
@@ -83,27 +84,79 @@ def limited(optimum: Optimum, effects: tuple[Effect, ...], floor: float, names: 
         Without an uncertainty; one end of the 95 % limits is None.
     """
     out: dict[str, Estimate] = {}
-    problem = optimum.problem
+    for strength in _strengths(optimum, effects, names):
+        near, column = uncertain(optimum, floor), int(optimum.problem.free[: strength.place].sum())
+        if not (near.open[column] or near.noise[column, column] > strength.value**2):
+            continue
+        end = _end(optimum, strength, floor)
+        if end is not None:
+            ends = (end, None) if strength.to_none < 0 else (None, end)
+            out[strength.name] = Estimate(value=strength.value, unit=strength.unit, limits=ends)
+    return out
+
+
+@once
+def present(
+    optimum: Optimum, effects: tuple[Effect, ...], floor: float, names: tuple[str, ...], within: float = 1.0
+) -> frozenset[str]:
+    """Of some parameters those that are not none within their 95 % limits: strengths that the data determine.
+
+    A fit's curvature may give half of a value as its uncertainty where the likelihood ends long before zero: the
+    coefficient of a power law goes with its exponent. What comes from weights and scale counts as in `profiled`.
+
+    Parameters
+    ----------
+    optimum, effects, floor, names
+        As for `limited`.
+    within : float
+        Share of the way to none, within which the limit must be.
+    """
+    found, out = estimates(optimum, effects, floor)[0], set()
+    for strength in _strengths(optimum, effects, names):
+        end, parts = _end(optimum, strength, floor), found[strength.name].parts
+        other = _NORMAL * math.hypot(*(part for cause, part in parts.items() if cause != "noise"))
+        if end is not None and math.hypot(end - strength.value, other) < within * abs(strength.to_none):
+            out.add(strength.name)
+    return frozenset(out)
+
+
+class _Strength(NamedTuple):
+    """The one parameter by which an effect grows faint: its place among the global ones, and its way to none."""
+
+    name: str
+    unit: str
+    place: int
+    value: float
+    to_none: float
+
+
+def _strengths(optimum: Optimum, effects: tuple[Effect, ...], names: Collection[str]) -> list[_Strength]:
+    """Strengths of effects, of those that are asked for and free."""
+    out, problem = [], optimum.problem
     for effect, place in zip(effects, problem.layout.values, strict=True):
         values = tuple(map(float, optimum.shared[place]))
-        away = np.subtract(effect.faint(values, 0.0), values)
-        moved = np.flatnonzero(away)
-        name = f"{effect.name}.{effect.parameters[moved[0]].name}" if moved.size == 1 else ""
-        if name not in names:
+        way = np.subtract(effect.faint(values, 0.0), values)
+        moved = np.flatnonzero(way)
+        if moved.size != 1 or not problem.free[place.start + int(moved[0])]:
             continue
-        index, value = place.start + int(moved[0]), values[moved[0]]
-        near, column = uncertain(optimum, floor), int(problem.free[:index].sum())
-        if not problem.free[index] or not (near.open[column] or near.noise[column, column] > value**2):
-            continue
-        wanted = _NORMAL**2 * near.level**2 * max(float(near.excess[column]), 1.0)
-        toward = math.copysign(0.5 * value, away[moved[0]])
-        end = _limit(optimum, index, toward, wanted)
-        if end is None or not problem.lower[index] < end < problem.upper[index]:
-            continue
-        if abs(end - value) < abs(away[moved[0]]):
-            ends = (end, None) if toward < 0 else (None, end)
-            out[name] = Estimate(value=value, unit=effect.parameters[moved[0]].unit, limits=ends)
+        i = int(moved[0])
+        quantity = effect.parameters[i]
+        name = f"{effect.name}.{quantity.name}"
+        if name in names:
+            out.append(_Strength(name, quantity.unit, place.start + i, values[i], float(way[i])))
     return out
+
+
+@once
+def _end(optimum: Optimum, strength: _Strength, floor: float) -> float | None:
+    """The 95 % limit of a strength toward none; None where none is within it."""
+    problem, place, value = optimum.problem, strength.place, strength.value
+    near, column = uncertain(optimum, floor), int(problem.free[:place].sum())
+    wanted = _NORMAL**2 * near.level**2 * max(float(near.excess[column]), 1.0)
+    end = _limit(optimum, place, math.copysign(0.5 * value, strength.to_none), wanted)
+    if end is None or not problem.lower[place] < end < problem.upper[place]:
+        return None
+    return end if abs(end - value) < abs(strength.to_none) else None
 
 
 def _odd(e: Estimate, optimum: Optimum, index: int) -> bool:
