@@ -12,7 +12,7 @@ from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.fitting.fit import prepare
 from stepid.fitting.joint_score import JointScore, ScoredSet
 from stepid.fitting.multistart import CandidateFit, FitContext, Start
-from stepid.fitting.score_test import columns, score
+from stepid.fitting.score_test import _fitted, columns, score
 from stepid.fitting.tangent import Tangent
 
 SEED = 1
@@ -109,3 +109,14 @@ def test_the_start_of_the_true_set_leads_to_the_noise(hidden: Mapping[str, Mappi
         assert candidate.best is not None
         size = candidate.best.shared[place][0]
         assert size == pytest.approx(next(iter(hidden[effect.name].values())), rel=0.1)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_what_columns_take_is_the_projection_on_them(count: int) -> None:
+    rng = np.random.default_rng(5)
+    part, residual = rng.standard_normal((30, count)), rng.standard_normal(30)
+    part /= np.linalg.norm(part, axis=0)
+    gain, coefficients = _fitted(part, residual)
+    expected, (left,) = np.linalg.lstsq(part, residual)[:2]
+    assert coefficients == pytest.approx(expected)
+    assert gain == pytest.approx(residual @ residual - left)

@@ -33,11 +33,18 @@ def test_derivatives_of_the_bump_are_its_slopes() -> None:
     np.testing.assert_allclose(np.gradient(first, h)[1:-1], second[1:-1], atol=1e-5 * np.abs(second).max())
 
 
-@pytest.mark.parametrize(("size", "n", "stride"), [(20, 5, 2), (21, 5, 2), (9, 9, 1), (30, 7, 3)])
-def test_windows_are_those_of_a_sliding_view(size: int, n: int, stride: int) -> None:
-    values = np.arange(float(size)) ** 2
-    expected = np.lib.stride_tricks.sliding_window_view(values, n)[::stride]
-    np.testing.assert_array_equal(WeakForm._windows(values, n, stride), expected)
+def test_forces_are_tested_by_sums_under_each_bump() -> None:
+    records, width = campaign(), 0.1
+    forces = np.random.default_rng(4).standard_normal((2, records.size))
+    expected = []
+    for piece, h in zip(records.pieces(), records.sample_time, strict=True):
+        n = round(width / h)
+        phi = (1 - np.linspace(-1, 1, n) ** 2) ** 4
+        first = range(0, 400 - n + 1, n // 8)
+        expected += [[h * float(phi @ force[piece][i : i + n]) for force in forces] for i in first]
+    weak = WeakForm(records, width, fixed_mass=None)
+    np.testing.assert_allclose(weak.test(forces), expected, atol=1e-12)
+    assert weak.valleys([]) == []
 
 
 @pytest.mark.parametrize("length", [11, 300])

@@ -121,10 +121,8 @@ class EvidenceRecord:
             # more general: a rival only where its freedom buys some fit, or where nothing fixes it
             bought = (best.optimum.cost - other.optimum.cost) / self.context.floor**2
             near = loss < 2 * criteria.tie
-            return (
-                (near
-                and (bought > criteria.rival or self._is_open(other, best)))
-                or (self._faint and loss < criteria.tie)
+            return (near and (bought > criteria.rival or self._is_open(other, best))) or (
+                self._faint and loss < criteria.tie
             )
         return loss < criteria.tie
 

@@ -77,7 +77,7 @@ class EquationOfMotion:
         for effect in effects:
             regressors = self._regressors(effect)
             for regressor in regressors:
-                out.append(Column(effect, -self._weak.tests(regressor.forces), regressor.values))
+                out.append(Column(effect, -self._weak.test(regressor.forces), regressor.values))
             for values in () if regressors else map(tuple, effect.starts(context.scales)):
                 changes = difference(context.linear, effect, values)
                 if changes is not None:

@@ -97,11 +97,7 @@ class WeakForm:
     def _windows(values: Array, n: int, stride: int) -> Array:
         return np.lib.stride_tricks.sliding_window_view(values, n, axis=-1)[..., ::stride, :]
 
-    def test(self, values: Array) -> Array:
-        """∫φ g for samples of g, shape (S,) to (rows,)."""
-        return self.tests((values,))[:, 0]
-
-    def tests(self, forces: Sequence[Array]) -> Array:
+    def test(self, forces: Sequence[Array]) -> Array:
         """∫φ g for samples of each of some g, one at least, shape (S,) each to (rows, k)."""
         parts = []
         for r, (n, stride, h, moves) in enumerate(self._bumps):
@@ -135,7 +131,7 @@ class WeakForm:
         """
         matrix, rhs = self._matrix, self._rhs
         if forces:
-            matrix = np.column_stack([matrix, -self.tests(forces)])
+            matrix = np.column_stack([matrix, -self.test(forces)])
         solution, beyond = _least_squares(matrix, rhs)
         left = float(np.sqrt(np.mean(beyond**2)))
         plant = self.plant(solution[: self._matrix.shape[1]])
@@ -187,7 +183,7 @@ class WeakForm:
         if not scan:
             return []
         plain = self.plain[1]
-        tested = self.beyond(self.tests([force for forces in scan for force in forces]))
+        tested = self.beyond(self.test([force for forces in scan for force in forces]))
         parts = np.split(tested, np.cumsum([len(forces) for forces in scan])[:-1], axis=1)
         left = np.array([np.linalg.norm(plain - a @ np.linalg.lstsq(a, plain, rcond=1e-9)[0]) for a in parts])
         before, after = np.append(np.inf, left[:-1]), np.append(left[1:], np.inf)
@@ -197,7 +193,7 @@ class WeakForm:
         """Share of what the plain plant leaves that is left with forces of other strength in every run."""
         left = self.plain[1]
         own = self._run == np.arange(len(self._records.runs))[:, None]
-        added = np.column_stack([np.where(mine, tested, 0.0) for tested in self.tests(forces).T for mine in own])
+        added = np.column_stack([np.where(mine, tested, 0.0) for tested in self.test(forces).T for mine in own])
         added = self.beyond(added)
         after = left - added @ np.linalg.lstsq(added, left, rcond=1e-9)[0]
         return float((after @ after) / (left @ left))
