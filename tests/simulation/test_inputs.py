@@ -9,10 +9,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
+import stepid
 from hidden.accuracy_cases import ALONE, COUNTS, run
 from hidden.plant import Run
 from hidden_runs import plant_of, polynomials, records_of, simulated, simulator_of
 from stepid.effects import resolve
+from stepid.simulation.records import lay_out
 from stepid.simulation.simulator import Simulator
 
 PERIOD, SIZE = 0.0088542, 160
@@ -165,3 +167,13 @@ def test_coefficients_are_those_of_the_grid() -> None:
         if width > 1:
             ends = sum(rows[:-1, k] * PERIOD**k for k in range(width))
             np.testing.assert_allclose(ends, WAVE[1:], rtol=0, atol=1e-12)
+
+
+def test_a_run_is_driven_by_its_input_or_by_that_before_its_record() -> None:
+    pushed, still, released = plain(-WAVE), plain(np.zeros(SIZE)), replace(plain(np.zeros(SIZE)), input_before=0.7)
+    runs = tuple(
+        records_of(told).runs[0].model_copy(update={"name": f"{i}"}) for i, told in enumerate((pushed, still, released))
+    )
+    records = lay_out(stepid.Campaign(name="c", experiments=runs))
+    assert records.largest_input == pytest.approx([np.abs(WAVE).max(), 0.0, 0.7])
+    assert records.driven.tolist() == [True, False, True]

@@ -6,6 +6,8 @@ import re
 from functools import lru_cache
 from html import escape
 
+from stepid.core.words import capitalized
+
 _TURNED = {"kg": "kg·m²", "N": "N·m", "m": "rad", "mm": "mrad", "cm": "crad", "µm": "µrad"}
 _WORDS = {  # of a cart, of a disk; the first that fits
     "mass-spring-damper plant": "torsional plant",
@@ -106,7 +108,7 @@ def _one(found: re.Match[str], motion: str, input_unit: str) -> str:
     if found["word"] is not None:
         said = _WORDS[found["word"].lower()]
         if found["word"][0].isupper():
-            said = said[0].upper() + said[1:]
+            said = capitalized(said)
         article = found["article"] or ""
         return f"{article.rstrip()}n {said}" if article and said[0].lower() in "aeio" else article + said
     if found["symbol"]:

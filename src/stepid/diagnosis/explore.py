@@ -19,7 +19,7 @@ from stepid.diagnosis.selection.proposal import Proposal
 from stepid.diagnosis.selection.search import Search
 from stepid.effects.base import Effect
 from stepid.effects.drive import acts_on_input
-from stepid.fitting.deviations import driven, with_deviations
+from stepid.fitting.deviations import with_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build
@@ -160,6 +160,6 @@ def _search(
         done = search.fits - 1  # this one is not
         tell(Progress(words, best=search.best.names, done=done, left=search.left, promise=search.promise))
 
-    if not driven(context.records).any():
+    if not context.records.driven.any():
         catalogue = tuple(e for e in catalogue if not acts_on_input(e))
     return Search(context, catalogue, criteria=criteria, effort=effort, tell=told).run()

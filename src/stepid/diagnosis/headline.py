@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from stepid.core.words import capitalized
 from stepid.diagnosis.wording import candidate_name, effect_names, listed
 
 if TYPE_CHECKING:
@@ -44,14 +45,14 @@ def advice_beside(d: Diagnosis) -> str:
     """What to measure to close an open choice, to stand beside it; empty where nothing is known to."""
     if d.verdict != "ambiguous" or d.next_experiment is None:
         return ""
-    return d.next_experiment[:1].upper() + d.next_experiment[1:].rstrip(".") + "."
+    return capitalized(d.next_experiment.rstrip(".")) + "."
 
 
 def _open_choice(d: Diagnosis) -> str:
     found, one = _sized(d), len(d.effects) == 1
     if not d.alternatives:
         return (
-            f"{found[:1].upper()}{found[1:]}{_verb(d, found, 'explains', 'explain')} the misfit; errors of the added "
+            f"{capitalized(found)}{_verb(d, found, 'explains', 'explain')} the misfit; errors of the added "
             "masses within their uncertainty would, too."
         )
     likely = "Most likely" if _is_likeliest(d) else "Possibly"

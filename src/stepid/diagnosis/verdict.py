@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from stepid.core.words import capitalized
 from stepid.diagnosis.evidence import least_share, predicts
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.result import Verdict
@@ -247,5 +248,4 @@ def _title(found: Candidate) -> str:
 
 
 def _title_of(name: str) -> str:
-    said = effect_names((name,))
-    return said[0].upper() + said[1:]
+    return capitalized(effect_names((name,)))

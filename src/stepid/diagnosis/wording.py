@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from stepid.core.latex import parameter_name
+from stepid.core.words import capitalized
 from stepid.diagnosis.residual_force import CLEAR, Shape
 
 _CLEAR_TREND = 0.7  # correlation
@@ -40,7 +41,7 @@ def taken_in_words(names: Sequence[str], share: float) -> str:
     said = effect_names(names)
     takes = "takes" if len(names) == 1 else "take"
     percent = math.floor(100 * share + 1e-9)
-    return f"{said[:1].upper()}{said[1:]} {takes} {percent} % of the misfit's power on runs that the fit did not see"
+    return f"{capitalized(said)} {takes} {percent} % of the misfit's power on runs that the fit did not see"
 
 
 def listed(parts: Sequence[str], word: str) -> str:

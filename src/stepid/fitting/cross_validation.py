@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array
-from stepid.fitting.deviations import driven
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.problem import build, fixes_mass
 from stepid.simulation.records import Records
@@ -31,7 +30,7 @@ def qualifying(records: Records) -> list[int]:
             continue
         rest = records.subset([int(j) for j in np.flatnonzero(others)])
         same = (fixes_mass(rest) is None) == (fixes_mass(records) is None)
-        if same and (driven(rest).any() or not driven(records).any()):
+        if same and (rest.driven.any() or not records.driven.any()):
             out.append(i)
     return out
 
@@ -94,7 +93,7 @@ def _told_by(problem: Problem, run: int) -> npt.NDArray[np.bool_]:
     for place, labels in ((of.base_mass, records.base), (of.stiffness, records.spring), (of.damping, records.damper)):
         out[place.start + labels[run]] = not np.any(labels[others] == labels[run])
     out[of.base_mass.start + records.base[run]] |= fixes_mass(rest) is not None and fixes_mass(records) is None
-    out[of.force_gain] = problem.free[of.force_gain] and not driven(rest).any()
+    out[of.force_gain] = problem.free[of.force_gain] and not rest.driven.any()
     return out
 
 

@@ -12,7 +12,6 @@ import numpy.typing as npt
 from stepid.core.base import Array
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
-from stepid.simulation.records import Records
 
 SCATTER = ("start_time", "gain", "damping", "friction")
 """What runs of a healthy plant differ by; their rest positions differ, too, and need no parameter."""
@@ -46,21 +45,14 @@ class Promise(NamedTuple):
     errors: Array
 
 
-def driven(records: Records) -> Mask:
-    """Runs that an input moves, shape (R,)."""
-    volts = np.maximum.reduceat(np.abs(records.volts), records.first)
-    out: Mask = (volts > 0) | (records.before != 0)
-    return out
-
-
 def applies(problem: Problem, kind: str) -> Mask:
     """Runs in which a deviation makes sense, shape (R,)."""
     records, effects = problem.records, problem.simulator.effects
     every = np.ones(len(records.runs), dtype=bool)
     if kind == "start_time":
-        return driven(records) & ~records.moving
+        return records.driven & ~records.moving
     if kind == "gain":
-        return driven(records)
+        return records.driven
     if kind == "friction":
         return every & any(_held_by(e) for e in effects)
     return every

@@ -46,7 +46,7 @@ def build(records: Records, effects: tuple[Effect, ...], *, tolerance: float = F
     free = np.ones(of.n_global, dtype=bool)
     if fixes_mass(records) is not None:
         free[records.base[0]] = False
-    if not (np.any(records.volts) or np.any(records.before)):
+    if not records.driven.any():
         free[of.force_gain] = False
     active = np.zeros((of.n_run, len(records.runs)), dtype=bool)
     active[0] = records.moving | any(e.rests_anywhere or e.never_rests for e in effects)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.fitting.deviations import FAULTS, driven, promised, promised_by, with_fault
+from stepid.fitting.deviations import FAULTS, promised, promised_by, with_fault
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import fixes_mass
 from stepid.fitting.record_fault import RecordFault
@@ -243,10 +243,10 @@ def _explains(found: _Found, optimum: Optimum, others: list[_Found], floor: floa
 
 def _extreme(records: Records, run: int) -> bool:
     """Tell whether a driven run's input is the largest or smallest of all, no other near it."""
-    if not driven(records)[run]:
+    if not records.driven[run]:
         return False
     sizes = np.maximum.reduceat(np.abs(records.volts - records.before[records.run]), records.first)
-    own, others = sizes[run], np.delete(sizes, run)[np.delete(driven(records), run)]
+    own, others = sizes[run], np.delete(sizes, run)[np.delete(records.driven, run)]
     if np.any(np.abs(others - own) < _ALIKE * own):
         return False
     return bool(np.all(others > own) or np.all(others < own))

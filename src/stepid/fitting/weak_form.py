@@ -149,7 +149,7 @@ class WeakForm:
         shared, held = solution[: len(solution) - runs], solution[len(solution) - runs :]
         if self._fixed_mass is not None:
             shared = np.concatenate([np.full(a, self._fixed_mass), shared])
-        if not (np.any(self._records.volts) or np.any(self._records.before)):
+        if not self._records.driven.any():
             shared[-1] = 0.0  # no input, no gain
         mass = shared[:a][self._records.base] + self._records.added_mass
         if not (np.isfinite(shared).all() and (shared[a : a + b] > 0).all() and (mass > 0).all()):

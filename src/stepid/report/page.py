@@ -15,6 +15,7 @@ from markupsafe import Markup, escape
 from plotly.offline import get_plotlyjs
 
 from stepid.core.quantities import quantities_of
+from stepid.core.words import capitalized
 from stepid.diagnosis.headline import advice_beside, answer, found_sizes
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.text import standing
@@ -128,7 +129,7 @@ def _parted(value: str) -> tuple[str, str]:
 def _of(effect: str, parameter: str) -> str:
     """A parameter of an effect, by its effect alone where that says it."""
     title = effect if effect.endswith(f" {parameter}") else f"{effect}, {parameter}"
-    return title[0].upper() + title[1:]
+    return capitalized(title)
 
 
 def _tiles(d: Diagnosis) -> list[tuple[str, str, str]]:

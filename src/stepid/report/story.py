@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from stepid.core.latex import parameter_name
 from stepid.core.quantities import quantities_of
+from stepid.core.words import capitalized
 from stepid.diagnosis.headline import answer, found_sizes
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.text import (
@@ -144,7 +145,7 @@ def _where(d: Diagnosis) -> Chapter:
 
 
 def _sentence(words: str) -> str:
-    return words[:1].upper() + words[1:].rstrip(".") + "."
+    return capitalized(words.rstrip(".")) + "."
 
 
 def _missing(d: Diagnosis) -> Chapter:

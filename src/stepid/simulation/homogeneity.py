@@ -62,9 +62,7 @@ class Homogeneity:
         self._own_time = -np.array(["/s" in unit for unit in own], dtype=float) - 2.0 * self._own_mass
         self._shaken = any(e.never_rests for e in layout.effects)  # by a law of the clock, which starts when it likes
         self._moves = np.array([type(e).reading is Effect.reading for e in layout.effects for _ in e.parameters], bool)
-        self._pushed = np.abs(r.before)  # V, the most that drives each run
-        if r.size:
-            self._pushed = np.maximum(self._pushed, np.maximum.reduceat(np.abs(r.volts), r.first))
+        self._pushed = r.largest_input
         self._touched = np.zeros((layout.n_global, len(r.runs)), dtype=bool)
         for p in range(layout.n_global):
             self._touched[p, layout.touched(p)] = True

@@ -68,6 +68,18 @@ class Records:
         """Index of each run's first sample."""
         return self.bounds[:-1]
 
+    @cached_property
+    def largest_input(self) -> Array:
+        """Largest input of each run, that before its record among them, V, shape (R,)."""
+        before: Array = np.abs(self.before)
+        return np.maximum(before, np.maximum.reduceat(np.abs(self.volts), self.first)) if self.size else before
+
+    @property
+    def driven(self) -> npt.NDArray[np.bool_]:
+        """Runs that an input moves, shape (R,)."""
+        out: npt.NDArray[np.bool_] = self.largest_input > 0
+        return out
+
     @property
     def trusted(self) -> npt.NDArray[np.bool_]:
         """Samples that count, shape (S,): wrong readings have hardly any weight."""

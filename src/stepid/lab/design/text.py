@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from stepid.core.mass_offset import WEIGHT
 from stepid.core.tables import Rows, html_table, text_table
+from stepid.core.words import capitalized
 from stepid.diagnosis.wording import effect_names, parameter_words
 from stepid.lab.design.candidate import Design
 from stepid.lab.design.separation import NEEDED, VISIBLE
@@ -88,7 +89,7 @@ def _parameter(plan: Plan, design: Design, name: str, limit: float) -> str:
     share = plan.relative(design, name)
     said = parameter_words(name)
     reach = "is not determined" if math.isinf(share) else f"within {per_cent(share)}"
-    told = f"{said[0].upper()}{said[1:]} {reach}, wanted {per_cent(limit)}"
+    told = f"{capitalized(said)} {reach}, wanted {per_cent(limit)}"
     parts = design.from_noise[name], design.from_weights[name]
     if math.isfinite(share) and parts[0] is not None and parts[1] is not None:
         size = abs(plan.values[name])
@@ -104,7 +105,7 @@ def _separation(plan: Plan, design: Design) -> list[str]:
     if chi is not None:
         verb = "are told apart" if chi >= NEEDED else "are not surely told apart"
         out.append(f"{pair} {verb}: the wrong one leaves {chi_square(chi)} more in χ²; {chi_square(NEEDED)} suffice.")
-    return [words[0].upper() + words[1:] for words in out]
+    return [capitalized(words) for words in out]
 
 
 def _remedies(plan: Plan, design: Design) -> list[str]:
