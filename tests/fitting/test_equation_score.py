@@ -84,7 +84,6 @@ def test_what_moves_the_linear_plant_alike_is_the_force_that_a_drive_takes_away(
     gain = linear.shared[linear.problem.layout.force_gain]
     records = strong.records
     held = np.sign(records.volts)
-    true = weak.test([-0.1 * gain * 0.5 * (held + np.concatenate([[0.0], held[:-1]]))])[
-        :, 0
-    ]  # held until the next sample
+    over_samples = 0.5 * (held + np.concatenate([[0.0], held[:-1]]))  # held until the next one
+    true = weak.test([-0.1 * gain * over_samples])[:, 0]
     assert np.linalg.norm(found - true) < 0.05 * np.linalg.norm(true)

@@ -17,7 +17,6 @@ from stepid.simulation.layout import DEVIATIONS
 
 _UNITS = {q.name: q.unit for q in DEVIATIONS} | {"rest": "m"}
 _NOTABLE = 3.0  # times the standard error of a rest position, that its scatter must be to be told
-_SLIGHT = 1e-3  # share of what is left, that a further step need not promise: whole per cents are told
 _WORDS = {
     "start_time": "The runs start within ±{0:.3g} ms of one another (standard deviation)",
     "gain": "The gain differs from run to run by {1:.2g} % (standard deviation)",
@@ -80,8 +79,9 @@ def _without(context: FitContext, found: Candidate, kind: str, candidates: Seque
     active, row = problem.active.copy(), problem.layout.deviation(kind)
     active[row] = False
     local = np.where(active, found.optimum.local, 0.0)
-    tolerance = max(context.tolerance, _SLIGHT * found.optimum.cost)
-    fitted = minimize(replace(problem, active=active), found.optimum.shared, local, tolerance=tolerance, iterations=12)
+    fitted = minimize(
+        replace(problem, active=active), found.optimum.shared, local, tolerance=context.tolerance, iterations=12
+    )
     return found.optimum.cost if fitted is None else fitted.cost
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.effects.base import Effect
 from stepid.fitting.score_test import Column
-from stepid.fitting.tangent import scaled_to_one
+from stepid.fitting.tangent import scaled_parts
 
 _OPEN = 1e-6  # eigenvalue, over the largest, of a direction that the responses leave open
 _BEAM = 40  # sets of which each is scored with every further effect
@@ -84,8 +84,7 @@ class JointScore:
     def __init__(self, beside: Beside, table: Sequence[Column], *, apart: Callable[[Effect, Effect], bool]) -> None:
         self._beside, self._columns, self._scales = beside, list[Column](), list[Array]()
         parts: list[Array] = []
-        for column in table:
-            scaled = scaled_to_one(beside.beyond(column.responses))
+        for column, scaled in zip(table, scaled_parts(beside.beyond, [c.responses for c in table]), strict=True):
             if scaled is not None:
                 parts.append(scaled[0])
                 self._scales.append(scaled[1])

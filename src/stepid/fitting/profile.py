@@ -85,7 +85,7 @@ def limited(optimum: Optimum, effects: tuple[Effect, ...], floor: float, names: 
     """
     out: dict[str, Estimate] = {}
     for strength in _strengths(optimum, effects, names):
-        near, column = uncertain(optimum, floor), int(optimum.problem.free[: strength.place].sum())
+        near, column = uncertain(optimum, floor), strength.column
         if not (near.open[column] or near.noise[column, column] > strength.value**2):
             continue
         end = _end(optimum, strength, floor)
@@ -97,7 +97,7 @@ def limited(optimum: Optimum, effects: tuple[Effect, ...], floor: float, names: 
 
 @once
 def present(
-    optimum: Optimum, effects: tuple[Effect, ...], floor: float, names: tuple[str, ...], within: float = 1.0
+    optimum: Optimum, effects: tuple[Effect, ...], floor: float, names: tuple[str, ...], within: float
 ) -> frozenset[str]:
     """Of some parameters those that are not none within their 95 % limits: strengths that the data determine.
 
@@ -121,11 +121,15 @@ def present(
 
 
 class _Strength(NamedTuple):
-    """The one parameter by which an effect grows faint: its place among the global ones, and its way to none."""
+    """The one parameter by which an effect grows faint: its place among the global ones, and its way to none.
+
+    `column` is its place among those that are free.
+    """
 
     name: str
     unit: str
     place: int
+    column: int
     value: float
     to_none: float
 
@@ -140,10 +144,10 @@ def _strengths(optimum: Optimum, effects: tuple[Effect, ...], names: Collection[
         if moved.size != 1 or not problem.free[place.start + int(moved[0])]:
             continue
         i = int(moved[0])
-        quantity = effect.parameters[i]
+        quantity, at = effect.parameters[i], place.start + i
         name = f"{effect.name}.{quantity.name}"
         if name in names:
-            out.append(_Strength(name, quantity.unit, place.start + i, values[i], float(way[i])))
+            out.append(_Strength(name, quantity.unit, at, int(problem.free[:at].sum()), values[i], float(way[i])))
     return out
 
 
@@ -151,8 +155,8 @@ def _strengths(optimum: Optimum, effects: tuple[Effect, ...], names: Collection[
 def _end(optimum: Optimum, strength: _Strength, floor: float) -> float | None:
     """The 95 % limit of a strength toward none; None where none is within it."""
     problem, place, value = optimum.problem, strength.place, strength.value
-    near, column = uncertain(optimum, floor), int(problem.free[:place].sum())
-    wanted = _NORMAL**2 * near.level**2 * max(float(near.excess[column]), 1.0)
+    near = uncertain(optimum, floor)
+    wanted = _NORMAL**2 * near.level**2 * max(float(near.excess[strength.column]), 1.0)
     end = _limit(optimum, place, math.copysign(0.5 * value, strength.to_none), wanted)
     if end is None or not problem.lower[place] < end < problem.upper[place]:
         return None

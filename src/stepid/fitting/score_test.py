@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from stepid.fitting.absent import Absent
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext, Scored, Start
 from stepid.fitting.problem import build, start_local
-from stepid.fitting.tangent import Tangent, scaled_to_one
+from stepid.fitting.tangent import Tangent, scaled_parts
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import COARSE, Simulator
 
@@ -211,10 +210,7 @@ def score(base: Optimum, table: list[Column], *, instead: Absent | None = None) 
     residual = tangent.left
     total = float(residual @ residual)
     found = []
-    seen = tangent.beyond(np.concatenate([np.zeros((residual.size, 0)), *(c.responses for c in table)], axis=1))
-    ends = np.cumsum([0, *(c.responses.shape[1] for c in table)])
-    for column, (first, end) in zip(table, pairwise(ends), strict=True):
-        r = scaled_to_one(seen[:, first:end])
+    for column, r in zip(table, scaled_parts(tangent.beyond, [c.responses for c in table]), strict=True):
         if r is None:
             continue
         gain, coefficients = _fitted(r[0], residual)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from stepid.core.base import Array
@@ -47,6 +49,14 @@ class Tangent:
         shared[kept] += change[: kept.size]
         out: Array = np.clip(shared, base.problem.lower, base.problem.upper)
         return out
+
+
+def scaled_parts(beyond: Callable[[Array], Array], blocks: Sequence[Array]) -> list[tuple[Array, Array] | None]:
+    """What `beyond` leaves of blocks of responses, shape (S, k) each, all at once; each as `scaled_to_one` does."""
+    if not blocks:
+        return []
+    ends = np.cumsum([block.shape[1] for block in blocks])
+    return [scaled_to_one(part) for part in np.split(beyond(np.concatenate(blocks, axis=1)), ends[:-1], axis=1)]
 
 
 def scaled_to_one(columns: Array) -> tuple[Array, Array] | None:

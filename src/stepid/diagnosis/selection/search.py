@@ -248,8 +248,8 @@ class Search(Fits):
             return True  # it may have been stuck, or never tried
         hoped = by.hoped(proposal, self.effort)
         if proposal.move in RIVALS:
-            hopeless = by.no_answer(self.fit.noise_limit, proposal.effects, hoped / 2)  # the best may lie above it
-            return not hopeless and proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
+            no_answer = by.no_answer(self.fit.noise_limit, proposal.effects, hoped / 2)  # the best may lie above it
+            return not no_answer and proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
         if by.no_answer(self.noise_limit, proposal.effects, hoped):
             return False
         return (proposal.base == self.root.key or hoped <= named) and proposal.left < proposal.like.cost - slack
