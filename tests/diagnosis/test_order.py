@@ -11,9 +11,11 @@ import pytest
 from made_up_evidence import candidate
 from stepid.diagnosis.selection.order import (
     calmer,
+    exchanges,
     inside,
     instead,
     larger,
+    largest_beyond,
     largest_lead,
     modes,
     no_answer,
@@ -189,3 +191,52 @@ def test_a_mode_is_asked_beside_what_leads_and_beside_nothing_else() -> None:
     ]
     assert modes(every, {}, [bases["coulomb_friction"], linear]) == [beside]
     assert modes(every, {beside.key: FRICTION}, [bases["coulomb_friction"]]) == []
+
+
+THREE = ("coulomb_friction", "free_play", "cogging")
+
+
+def beyond(cost: float, *names: str, made: tuple[str, ...] = (), deviations: tuple[str, ...] = ()) -> Any:
+    node = made_up(*(names or THREE), deviations=deviations, cost=cost)
+    node.moves_made = set(made)
+    return node
+
+
+def test_a_larger_set_far_below_all_that_may_lead_is_looked_at_once() -> None:
+    pair, best, near = beyond(10.0, "cogging", "free_play"), beyond(2.0, made=("exchange",)), beyond(4.0)
+    differ = beyond(0.1, deviations=("gain",))  # conditions that differ take what they like
+    assert largest_beyond([pair, best, near, differ], "exchange") is near
+    assert largest_beyond([pair, best, near], "drop") is best
+    assert largest_beyond([pair, best, beyond(4.1)], "exchange") is None  # far from the best of them
+    assert largest_beyond([pair, beyond(5.0)], "exchange") is None  # half of what the pair leaves
+    assert largest_beyond([pair], "exchange") is None
+
+
+def test_exchanges_of_an_effect_are_of_those_that_its_absence_needs() -> None:
+    """Left without cogging are 40: what promises 20 or more does not stand for it."""
+    base = beyond(2.0)
+    base.key = frozenset(THREE), frozenset()
+    nodes: Any = {
+        base.key: base,
+        (frozenset(THREE[:2]), frozenset()): beyond(40.0, *THREE[:2]),
+        (frozenset({*THREE[:2], "end_stop"}), frozenset()): beyond(5.0),
+        (frozenset({*THREE[:2], "sensor_drift"}), frozenset()): beyond(50.0),
+    }
+
+    def proposed(new: str, left: float, *, kept: tuple[str, ...] = THREE[:2], move: str = "exchange") -> Any:
+        key = frozenset({*kept, new}), frozenset[str]()
+        own = {"key": key, "effects": tuple(key[0]), "deviations": frozenset(), "base": base.key}
+        return SimpleNamespace(**own, move=move, left=left, rank=left)
+
+    first, second = proposed("actuator_lag", 19.0), proposed("sensor_drift", 9.0)  # stuck at 50
+    unknown = proposed("end_stop", 60.0, kept=THREE[1:])  # nobody has asked what its absence leaves
+    given = [
+        first,
+        second,
+        unknown,
+        proposed("flexible_coupling", 20.0),
+        proposed("end_stop", 6.0),  # left 5 once it was fitted
+        proposed("input_delay", 1.0, move="add"),
+        proposed("input_delay", 1.0, kept=THREE[:1]),
+    ]
+    assert exchanges(given, nodes, base) == [second, first, unknown]

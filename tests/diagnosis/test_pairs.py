@@ -97,3 +97,22 @@ def test_a_breakaway_below_the_level_sends_no_simpler_law_astray() -> None:
     assert set(truth["effects"]) == {"cogging", "asymmetric_friction"}
     found = stepid.diagnose(campaign)
     assert set(truth["effects"]) in [set(found.effects), *map(set, found.alternatives)]
+
+
+FA560 = "fa56062e012ceb97357fe9fe57248148fef3cc6e"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("which", "number"),
+    [
+        pytest.param("triples", 42, id="a rate limit stands for a lag"),
+        pytest.param("triples", 49, id="a sine in position for a cubic spring, a lag for a rate limit: one by one"),
+        pytest.param("triples", 32, id="the set itself, stopped on its way to the noise"),
+        pytest.param("single-all", 170, id="play, found by way of two others in the last round"),
+    ],
+)
+def test_what_stands_for_another_or_for_nothing_is_found_out(which: str, number: int) -> None:
+    campaign, truth = one(which, number, FA560)
+    found = stepid.diagnose(campaign)
+    assert (found.verdict, set(found.effects)) == ("named", set(truth["effects"]))

@@ -112,3 +112,11 @@ def test_in_the_place_of_one_effect_that_leaves_noise_none_is_asked_that_promise
     found.candidates = {best.key: best}
     monkeypatch.setattr(Standings, "_complete", lambda *_: complete)
     assert found._unforeseen() == (UNFORESEEN if exchanged else {"regeneralize"})
+
+
+def test_a_set_of_which_no_fit_is_found_gives_others_their_turn() -> None:
+    found: Any = a_search(lead=9.0)
+    first = found.proposals[0]
+    found._tried = {(first.base, first.key)}
+    assert first.key not in found.nodes
+    assert found._untried() == found.proposals[1:]

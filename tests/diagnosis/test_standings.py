@@ -141,3 +141,16 @@ def test_what_repeated_runs_differ_by_no_set_has_to_take() -> None:
     assert found._needed(cogging.effects, frozenset()) == pytest.approx(9 + 0.2 * 92)
     found._spread = 0.5 * context().floor
     assert found._needed(cogging.effects, frozenset()) == pytest.approx(21)
+
+
+def test_what_would_be_answered_pays_for_each_effect_and_condition() -> None:
+    """Two conditions more must earn twice `Criteria.further`, as where the answer is chosen."""
+    one = candidate(["cogging"])
+    free = candidate(["cogging"], deviations=["gain", "start_time"])
+    found = Standings(context(), Criteria(), Effort())
+    found.candidates = {c.key: c for c in (one, free)}
+    losses = {id(one.optimum): 30.0, id(free.optimum): 0.0}
+    found._qbic = lambda optimum: losses[id(optimum)]  # type: ignore[method-assign]
+    assert (found.best, found._simplest()) == (free, one)
+    losses[id(one.optimum)] = 34.0
+    assert found._simplest() is free

@@ -92,6 +92,11 @@ def weigh(context: FitContext, candidates: Sequence[Candidate]) -> list[Weighed]
     return sorted(found, key=lambda w: w.loss)
 
 
+def chosen_at(criteria: Criteria, found: Candidate) -> float:
+    """What effects and conditions cost where an answer is chosen, in QBIC: each must earn more than chance does."""
+    return criteria.further * (len(found.effects) + len(found.deviations))
+
+
 def at_floor(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
     """Tell whether a fit leaves nothing but noise, whose size is known to some per cent only."""
     records = context.records

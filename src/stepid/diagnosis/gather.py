@@ -14,7 +14,7 @@ from stepid.core.base import Array
 from stepid.core.estimate import Estimate
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import Weighed, at_floor, is_white, weigh
+from stepid.diagnosis.evidence import Weighed, at_floor, chosen_at, is_white, weigh
 from stepid.diagnosis.free_law import FreeLaw, allowed, followed, free_laws
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.left_out import LeftOut
@@ -75,11 +75,7 @@ class EvidenceRecord:
 
     def simplest(self, weighed: tuple[Weighed, ...]) -> Candidate:
         """The best of some, where each further effect or condition must earn more than chance does."""
-
-        def loss(w: Weighed) -> float:
-            return w.loss + self.criteria.further * (len(w.candidate.effects) + len(w.candidate.deviations))
-
-        return min(weighed, key=loss).candidate
+        return min(weighed, key=lambda w: w.loss + chosen_at(self.criteria, w.candidate)).candidate
 
     def at_floor(self, found: Candidate) -> bool:
         """Tell whether a candidate leaves nothing but noise: one that is free in every run has to reach the floor."""

@@ -10,6 +10,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key, includes
 from stepid.diagnosis.selection.effort import Effort
+from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.instead import Instead
 from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, is_mode
@@ -69,6 +70,34 @@ def largest_lead(nodes: Iterable[Node]) -> Node | None:
     """Of the sets of as many effects as may lead, conditions alike in all runs, the one that leaves least."""
     most = [n for n in nodes if len(n.effects) == LEADING and not n.deviations]
     return min(most, key=lambda n: n.cost, default=None)
+
+
+def largest_beyond(nodes: Iterable[Node], move: str) -> Node | None:
+    """Of sets of more effects than may lead, a move not made yet, the one that leaves least; None without any.
+
+    Those that leave less than half of what any that may lead does, and at most twice what the best does; runs alike.
+    """
+    alike = [n for n in nodes if not n.deviations]
+    more = sorted((n for n in alike if len(n.effects) > LEADING), key=lambda n: n.cost)
+    leads = [n.cost for n in alike if len(n.effects) <= LEADING]
+    near = [n for n in more if n.cost < min(leads) / 2 and n.cost <= 2 * more[0].cost]
+    return next((n for n in near if move not in n.moves_made), None)
+
+
+def exchanges(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: Node) -> list[Proposal]:
+    """Exchanges of one effect of a base for another, the most promising first: of sets that are new, or left more.
+
+    They promise to leave less than half of what the others leave without it, where that is known.
+    """
+    out = []
+    for p in proposals:
+        if p.move != Exchange.name or p.base != base.key or len(p.effects) != len(base.effects):
+            continue
+        others = nodes.get((p.key[0] & base.key[0], p.deviations))
+        known = nodes.get(p.key)
+        if (others is None or p.left < others.cost / 2) and (known is None or p.left < known.cost):
+            out.append(p)
+    return sorted(out, key=lambda p: p.rank)
 
 
 def larger(

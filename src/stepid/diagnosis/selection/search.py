@@ -63,7 +63,9 @@ class Search(Fits):
             self._explore(self.fits + self.effort.width)
         if self._try_larger():
             self._explore(self.fits + self.effort.width)
+        self._try_exchanges()
         self._confirm()
+        self._simplify()
         return sorted(self.candidates.values(), key=lambda c: c.optimum.cost)
 
     def _explore(self, most: int) -> None:
@@ -115,10 +117,26 @@ class Search(Fits):
         if base is not None:
             self._expand(base, EXPLORING)
         self._expand(self.root, TOGETHER)
-        for proposal in by.larger(self.proposals, self.nodes, base, self.effort.share, TOGETHER):
+        for proposal in by.larger(self._untried(), self.nodes, base, self.effort.share, TOGETHER):
             self._fit(proposal, keep=1)
         promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
         return self._takes_enough(least)
+
+    def _try_exchanges(self) -> None:
+        """Where the best larger sets leave a rest, put others in the place of their effects: like stands for like.
+
+        Of that a linearized step tells only the order in which to try.
+        """
+        for _ in range(self.effort.beam):
+            base = by.largest_beyond(self.nodes.values(), Exchange.name)
+            if base is None or self._least().cost <= self.noise_limit:
+                return
+            self._expand(base, (Exchange(),))
+            self._polish(base)
+            for proposal in by.exchanges(self.proposals, self.nodes, base)[: self.effort.width]:
+                self._fit(proposal)
+            promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
+            self._polish_best()
 
     def _takes_enough(self, least: float) -> bool:
         """Tell whether a set takes as much of what the best so far left [m²] as a lead has to, or leaves only noise."""
@@ -143,6 +161,17 @@ class Search(Fits):
             if not asked:
                 break
             for proposal in asked:
+                self._fit(proposal)
+            promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
+            self._polish_best()
+
+    def _simplify(self) -> None:
+        """Drop what the answer does not need: a round of rivals may have added it that was the last."""
+        for _ in range(self.effort.rounds):
+            node = self.nodes[self._simplest().key]
+            if not self._expand(node, (Drop(),)):
+                break
+            for proposal in self._rivals({node.key}):
                 self._fit(proposal)
             promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
             self._polish_best()
@@ -182,13 +211,17 @@ class Search(Fits):
     def _promising(self) -> list[Proposal]:
         """The proposals to fit next: the smallest sets first, of these the most promising."""
         found = self._gaining(self._worthy(lambda p: p.move not in _TOGETHER))
-        together = by.first_together(self.proposals, self.nodes, self.effort.share, TOGETHER)
+        together = by.first_together(self._untried(), self.nodes, self.effort.share, TOGETHER)
         sets = {p.key for p in together}
         found = [p for p in found if p.key not in sets]
         smallest = min((p.size for p in found), default=0)
         first = [p for p in found if p.size == smallest][: self.effort.width]
         larger = [p for p in found if p.size > smallest and not p.deviations][: self.effort.share]
         return sorted([*first, *together, *larger], key=lambda p: p.size)  # what needs less is asked first
+
+    def _untried(self) -> list[Proposal]:
+        """Proposals that were not fitted: where no fit of a set was found, others have their turn."""
+        return [p for p in self.proposals if (p.base, p.key) not in self._tried]
 
     def _unforeseen(self) -> frozenset[str]:
         """Moves whose proposals are asked whatever a step promises: beside one effect that leaves noise few are left.

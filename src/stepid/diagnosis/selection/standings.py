@@ -10,7 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import at_floor, effective_samples, is_white, least_share, price
+from stepid.diagnosis.evidence import at_floor, chosen_at, effective_samples, is_white, least_share, price
 from stepid.diagnosis.free_law import followed
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, LINEAR, Candidate, Deviations, Key, includes
@@ -68,6 +68,12 @@ class Standings:
         others = [c for c in self.candidates.values() if c is not best and (barred or c.deviations)]
         others = sorted(filter(self._leaves_noise, others), key=lambda c: self._qbic(c.optimum))
         return [best, *others[: 1 if barred else self.effort.beam - 1]]
+
+    def _simplest(self) -> Candidate:
+        """What would be answered, as `EvidenceRecord.best` has it."""
+        every = list(self.candidates.values())
+        able = [c for c in every if not imitators(self.fit, self.criteria, c)]
+        return min(able or every, key=lambda c: self._qbic(c.optimum) + chosen_at(self.criteria, c))
 
     def _counts(self, found: Candidate) -> Array:
         """Effective samples of each run in a candidate's residual, of the last one asked for kept."""
