@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
+from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.noise import record_noise
 from stepid.core.releases import release_index, split_releases
@@ -18,6 +20,9 @@ from stepid.fitting.reading_faults import Mask, mend
 from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.clock import clock_note
 from stepid.simulation.starts import starts_in_motion
+
+_PARTS = 32  # of a record, whose means show whether it moves behind its noise
+_CHANCE = 5.0  # standard deviations that these may vary by more than noise does
 
 
 class Screened(NamedTuple):
@@ -117,7 +122,18 @@ def _still(run: Experiment) -> bool:
     if travel <= 3.0 * (run.resolution or 0.0):
         return True
     # noise alone: no swing, nor a new rest, behind it
-    return float(np.std(run.position)) < 1.2 * record_noise(run)
+    return float(np.std(run.position)) < 1.2 * record_noise(run) and not _sways(run.position)
+
+
+def _sways(y: Array) -> bool:
+    """Tell whether means over parts of a record vary by more than those of noise or of a fast hum.
+
+    Differences, which tell the noise, take a fast hum for more than it is; in means it is less than noise.
+    """
+    size = max(y.size // _PARTS, 1)
+    means = y[: y.size // size * size].reshape(-1, size).mean(axis=1)
+    times = size * float(np.var(means)) / max(float(np.var(y)), np.finfo(float).tiny)
+    return times > 1.0 + _CHANCE * math.sqrt(2.0 / means.size)
 
 
 def _why_still(run: Experiment) -> str:
