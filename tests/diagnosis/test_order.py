@@ -196,20 +196,22 @@ def test_a_mode_is_asked_beside_what_leads_and_beside_nothing_else() -> None:
 THREE = ("coulomb_friction", "free_play", "cogging")
 
 
-def beyond(cost: float, *names: str, made: tuple[str, ...] = (), deviations: tuple[str, ...] = ()) -> Any:
+def beyond(cost: float, *names: str, deviations: tuple[str, ...] = ()) -> Any:
     node = made_up(*(names or THREE), deviations=deviations, cost=cost)
-    node.moves_made = set(made)
+    node.key = frozenset(e.name for e in node.effects), frozenset(deviations)
     return node
 
 
 def test_a_larger_set_far_below_all_that_may_lead_is_looked_at_once() -> None:
-    pair, best, near = beyond(10.0, "cogging", "free_play"), beyond(2.0, made=("exchange",)), beyond(4.0)
+    pair, best = beyond(10.0, "cogging", "free_play"), beyond(2.0)
+    near, far = (beyond(cost, *THREE[:2], "end_stop") for cost in (4.0, 4.1))
     differ = beyond(0.1, deviations=("gain",))  # conditions that differ take what they like
-    assert largest_beyond([pair, best, near, differ], "exchange") is near
-    assert largest_beyond([pair, best, near], "drop") is best
-    assert largest_beyond([pair, best, beyond(4.1)], "exchange") is None  # far from the best of them
-    assert largest_beyond([pair, beyond(5.0)], "exchange") is None  # half of what the pair leaves
-    assert largest_beyond([pair], "exchange") is None
+    assert largest_beyond([pair, near, best, differ], ()) is best
+    assert largest_beyond([pair, near, best, differ], [best.key]) is near
+    assert largest_beyond([pair, near, best], [best.key, near.key]) is None
+    assert largest_beyond([pair, far, best], [best.key]) is None  # far from the best of them
+    assert largest_beyond([pair, beyond(5.0)], ()) is None  # half of what the pair leaves
+    assert largest_beyond([pair], ()) is None
 
 
 def test_exchanges_of_an_effect_are_of_those_that_its_absence_needs() -> None:

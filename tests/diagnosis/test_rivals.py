@@ -9,7 +9,9 @@ import pytest
 
 from made_up_evidence import candidate, context
 from stepid import Criteria, Effort
-from stepid.diagnosis.selection.moves import UNFORESEEN
+from stepid.diagnosis.selection.fits import Fits
+from stepid.diagnosis.selection.moves import TOGETHER, UNFORESEEN
+from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.search import Search
 from stepid.diagnosis.selection.standings import Standings
 
@@ -46,7 +48,7 @@ def a_search(lead: float) -> Search:
     found.root = node(cost=100.0)
     found.nodes = {n.key: n for n in (found.root, pair)}
     found.candidates = {c.key: c for c in (candidate(times=30.0), candidate(PAIR, times=8.0))}
-    found._tried = set()
+    found._tried, found._failed = set(), set()
     found.proposals = [
         proposed(pair, "coulomb_friction", "free_play", move="exchange", left=0.6 * lead),  # really 0.6^8 of it
         proposed(pair, "stribeck_friction", "cogging", move="generalize", left=0.98 * lead),
@@ -116,7 +118,73 @@ def test_in_the_place_of_one_effect_that_leaves_noise_none_is_asked_that_promise
 
 def test_a_set_of_which_no_fit_is_found_gives_others_their_turn() -> None:
     found: Any = a_search(lead=9.0)
+    move = TOGETHER[0].name
+    sets = [(name, "sensor_drift") for name in ("cogging", "free_play", "end_stop", "actuator_lag")]
+    found.proposals = [proposed(found.root, *names, move=move, left=30.0) for names in sets]
+    assert [p.key[0] for p in found._promising()] == [frozenset(names) for names in sets[:3]]  # Effort.share
     first = found.proposals[0]
-    found._tried = {(first.base, first.key)}
-    assert first.key not in found.nodes
-    assert found._untried() == found.proposals[1:]
+    found._failed = {(first.base, first.key, move)}
+    assert [p.key[0] for p in found._promising()] == [frozenset(names) for names in sets[1:]]
+
+
+@pytest.mark.parametrize("times", [1.0, 8.0])
+def test_what_is_far_from_the_noise_is_fitted_to_all_samples_and_not_kept(
+    times: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three effects that leave a rest name nothing, and must not decide what does."""
+    found: Any = a_search(lead=9.0)
+    three = candidate((*PAIR, "free_play"), times=times)
+    monkeypatch.setattr(Fits, "_polish", lambda self, node: self.candidates.update({node.key: three}))
+    known = set(found.candidates)
+    assert found._polish_near(node(*PAIR, "free_play", cost=2.0)) is (three if times == 1.0 else found.best)
+    assert set(found.candidates) - known == ({three.key} if times == 1.0 else set())
+
+
+@pytest.mark.parametrize(("times", "dropped"), [(1.0, True), (8.0, False)])
+def test_what_the_answer_does_not_need_is_dropped_before_the_end(
+    times: float, dropped: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found: Any = a_search(lead=1.0)
+    pair, one = candidate(PAIR, times=times), candidate(PAIR[:1], times=times)
+    found.candidates = {pair.key: pair}
+    found._qbic = lambda optimum: 0.0
+    fitted: list[str] = []
+
+    def fit(proposal: Any) -> None:
+        fitted.append(proposal.move)
+        found._tried.add((proposal.base, proposal.key))
+        found.candidates[one.key] = one
+        found.nodes[one.key] = node(*PAIR[:1], cost=1.0)
+
+    monkeypatch.setattr(found, "_fit", fit)
+    monkeypatch.setattr(found, "_expand", lambda *_: False)  # made before, and not fitted then
+    monkeypatch.setattr(found, "_polish_best", lambda: one)
+    monkeypatch.setattr("stepid.diagnosis.selection.search.promote", lambda *_: None)
+    assert found._simplify() is dropped
+    assert fitted == (["drop"] if dropped else [])
+
+
+def test_exchanges_of_the_best_larger_set_are_fitted_until_one_leaves_noise(monkeypatch: pytest.MonkeyPatch) -> None:
+    found: Any = a_search(lead=40.0)
+    three = node(*PAIR, "free_play", cost=8.0)
+    found.nodes[three.key] = three
+    better = proposed(three, *PAIR, "end_stop", move="exchange", left=9.0)
+    monkeypatch.setattr(Exchange, "propose", lambda *_: [better, proposed(three, *PAIR, move="exchange", left=1.0)])
+    fitted = []
+
+    def fit(proposal: Any) -> None:
+        fitted.append(proposal)
+        found.nodes[proposal.key] = node(*PAIR, "end_stop", cost=1.0)
+
+    found.context = None
+    monkeypatch.setattr(found, "_fit", fit)
+    monkeypatch.setattr(found, "_polish_near", lambda base: found.best)
+    monkeypatch.setattr(found, "_polish_best", lambda: found.best)
+    monkeypatch.setattr("stepid.diagnosis.selection.search.promote", lambda *_: None)
+    found._try_exchanges()
+    assert fitted == [better]
+    fitted.clear()
+    del found.nodes[better.key]
+    monkeypatch.setattr(found, "_complete", lambda best: True)
+    found._try_exchanges()
+    assert fitted == []  # the set itself, fitted to all samples, leaves noise

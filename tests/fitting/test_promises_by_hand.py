@@ -15,7 +15,7 @@ from stepid.fitting import covariance, deviations, left_over, problem, run_fault
 from stepid.fitting.coordinates import Coordinates
 from stepid.fitting.input_fault import InputFault, changes_throughout
 from stepid.fitting.multistart import FitContext
-from stepid.fitting.screening import _still, _why_still
+from stepid.fitting.screening import _why_still
 from stepid.fitting.tangent import scaled_to_one
 
 
@@ -38,20 +38,6 @@ def test_a_run_in_which_nothing_moves_is_told_with_its_command() -> None:
     assert _why_still(run(np.zeros(50))) == "nothing moves in it."
     for volts in (1.0, -2.5):
         assert f"although {abs(volts):g} V is commanded" in _why_still(run(volts * (np.arange(50) > 5)))
-
-
-@pytest.mark.parametrize(("step", "still"), [(0.0, True), (0.7e-3, False)])
-@pytest.mark.parametrize("hum", [0.0, 1e-3])
-def test_a_cart_moves_behind_a_fast_hum(step: float, still: bool, hum: float) -> None:
-    """Eighth differences take a hum of 0.4 of the sampling frequency for more than twice what it is."""
-    rng = np.random.default_rng(11)
-    time = np.arange(800) * 5e-3
-    moves = np.where(time > 1.0, step * (1 - np.cos(9 * (time - 1.0)) * np.exp(-(time - 1.0))), 0.0)
-    y = moves + hum * np.sin(0.8 * np.pi * np.arange(800)) + 1e-4 * rng.standard_normal(800)
-    run = stepid.Experiment(
-        name="hum", time=time, input=np.where(time > 1.0, 1.0, 0.0), position=y, added_mass=0.0, spring="s", damper="d"
-    )
-    assert _still(run) is still
 
 
 def test_nothing_is_scaled_to_nothing() -> None:

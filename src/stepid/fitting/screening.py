@@ -22,6 +22,7 @@ from stepid.simulation.clock import clock_note
 from stepid.simulation.starts import starts_in_motion
 
 _PARTS = 32  # of a record, whose means show whether it moves behind its noise
+_OVER_READ = 0.9  # of the noise, below which a whole record varies only where the noise is read too high
 _CHANCE = 5.0  # standard deviations that these may vary by more than noise does
 
 
@@ -122,7 +123,8 @@ def _still(run: Experiment) -> bool:
     if travel <= 3.0 * (run.resolution or 0.0):
         return True
     # noise alone: no swing, nor a new rest, behind it
-    return float(np.std(run.position)) < 1.2 * record_noise(run) and not _sways(run.position)
+    spread, noise = float(np.std(run.position)), record_noise(run)
+    return spread < 1.2 * noise and (spread > _OVER_READ * noise or not _sways(run.position))
 
 
 def _sways(y: Array) -> bool:

@@ -53,7 +53,6 @@ class Homogeneity:
     """
 
     def __init__(self, layout: ParameterLayout, scale: float) -> None:
-        r = layout.records
         self._layout, self._scale = layout, scale
         self._parameters = tuple(q for e in layout.effects for q in e.parameters)
         self._told = all(e.own_units is not None for e in layout.effects)
@@ -62,8 +61,7 @@ class Homogeneity:
         self._own_time = -np.array(["/s" in unit for unit in own], dtype=float) - 2.0 * self._own_mass
         self._shaken = any(e.never_rests for e in layout.effects)  # by a law of the clock, which starts when it likes
         self._moves = np.array([type(e).reading is Effect.reading for e in layout.effects for _ in e.parameters], bool)
-        self._pushed = r.largest_input
-        self._touched = np.zeros((layout.n_global, len(r.runs)), dtype=bool)
+        self._touched = np.zeros((layout.n_global, len(layout.records.runs)), dtype=bool)
         for p in range(layout.n_global):
             self._touched[p, layout.touched(p)] = True
 
@@ -72,7 +70,8 @@ class Homogeneity:
         of, runs = self._layout, np.arange(local.shape[1])
         n, gain, base = of.n_global, of.force_gain, of.records.base
         asked = np.concatenate([self._touched & wanted[:, None], active])
-        driven = self._pushed > 0
+        pushed = of.records.largest_input
+        driven = pushed > 0
         at = np.where(self._touched, shared[:, None], 0.0).T
         at[~driven, gain] = 0.0
         own, effects = slice(n + of.own_states.start, n + of.own_states.stop), slice(of.linear.stop, n)
@@ -91,7 +90,7 @@ class Homogeneity:
         missing = ((weight != 0.0) & ~asked.T).any(axis=2)
         spring = of.stiffness.start + of.records.spring
         notable = _NOTABLE * self._scale
-        by_gain = asked[gain] & (np.abs(at[:, gain]) * self._pushed > notable * np.abs(at[runs, spring]))
+        by_gain = asked[gain] & (np.abs(at[:, gain]) * pushed > notable * np.abs(at[runs, spring]))
         by_start = asked[n] & (np.abs(local[0]) > notable)
         row = np.empty((3, runs.size), dtype=np.intp)
         row[0] = np.where(by_gain, gain, np.where(by_start, n, -1))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import block_means
+from stepid.diagnosis.evidence import at_floor, block_means
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
@@ -40,6 +40,7 @@ class Fits(Standings):
         self.proposals: list[Proposal] = []
         self.fits = 0
         self._tried: set[tuple[Key, Key]] = set()  # base and set
+        self._failed: set[tuple[Key, Key, str]] = set()  # base, set and move: no fit was found
 
     def _fit(self, proposal: Proposal, keep: int | None = None) -> None:
         """Fit a proposal a little, from so many of its starts."""
@@ -56,7 +57,9 @@ class Fits(Standings):
         far = keep is not None and proposal.move in _TOGETHER  # from a few laps there is nothing to tell
         if known is not None or far or proposal.move in _STANDING_IN:  # what stands in for more is fitted as well
             fitted.run(laps=self.effort.polishing if proposal.move == Instead.name else self.effort.promote)
-        if fitted.best is not None and (known is None or fitted.cost < known.cost):
+        if fitted.best is None:
+            self._failed.add((proposal.base, proposal.key, proposal.move))
+        elif known is None or fitted.cost < known.cost:
             self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
 
     def _polish_best(self) -> Candidate:
@@ -96,6 +99,15 @@ class Fits(Standings):
             for one in (node, self.nodes.get((node.key[0], frozenset()), node)):
                 if one.fitted.polished is None:
                     self._polish(one)
+
+    def _polish_near(self, node: Node) -> Candidate:
+        """Fit a node to all samples, kept if it leaves as little as noise: none that is far may decide; the best."""
+        known = node.key in self.candidates
+        self._polish(node)
+        found = self.candidates.get(node.key)
+        if found is not None and not (known or at_floor(self.fit, self.criteria, found)):
+            del self.candidates[node.key]
+        return self.best
 
     def _polish(self, node: Node) -> None:
         optimum = polished(self.fit, node.fitted, self.effort, self.candidates.values())

@@ -72,8 +72,8 @@ def largest_lead(nodes: Iterable[Node]) -> Node | None:
     return min(most, key=lambda n: n.cost, default=None)
 
 
-def largest_beyond(nodes: Iterable[Node], move: str) -> Node | None:
-    """Of sets of more effects than may lead, a move not made yet, the one that leaves least; None without any.
+def largest_beyond(nodes: Iterable[Node], done: Collection[Key]) -> Node | None:
+    """Of sets of more effects than may lead, some done already, the one that leaves least; None without any.
 
     Those that leave less than half of what any that may lead does, and at most twice what the best does; runs alike.
     """
@@ -81,7 +81,7 @@ def largest_beyond(nodes: Iterable[Node], move: str) -> Node | None:
     more = sorted((n for n in alike if len(n.effects) > LEADING), key=lambda n: n.cost)
     leads = [n.cost for n in alike if len(n.effects) <= LEADING]
     near = [n for n in more if n.cost < min(leads) / 2 and n.cost <= 2 * more[0].cost]
-    return next((n for n in near if move not in n.moves_made), None)
+    return next((n for n in near if n.key not in done), None)
 
 
 def exchanges(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: Node) -> list[Proposal]:

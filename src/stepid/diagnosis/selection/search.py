@@ -65,7 +65,8 @@ class Search(Fits):
             self._explore(self.fits + self.effort.width)
         self._try_exchanges()
         self._confirm()
-        self._simplify()
+        if self._simplify():
+            self._confirm()
         return sorted(self.candidates.values(), key=lambda c: c.optimum.cost)
 
     def _explore(self, most: int) -> None:
@@ -117,7 +118,7 @@ class Search(Fits):
         if base is not None:
             self._expand(base, EXPLORING)
         self._expand(self.root, TOGETHER)
-        for proposal in by.larger(self._untried(), self.nodes, base, self.effort.share, TOGETHER):
+        for proposal in by.larger(self._able(), self.nodes, base, self.effort.share, TOGETHER):
             self._fit(proposal, keep=1)
         promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
         return self._takes_enough(least)
@@ -127,12 +128,13 @@ class Search(Fits):
 
         Of that a linearized step tells only the order in which to try.
         """
+        done: set[Key] = set()
         for _ in range(self.effort.beam):
-            base = by.largest_beyond(self.nodes.values(), Exchange.name)
-            if base is None or self._least().cost <= self.noise_limit:
+            base = by.largest_beyond(self.nodes.values(), done)
+            if base is None or self._least().cost <= self.noise_limit or self._complete(self._polish_near(base)):
                 return
-            self._expand(base, (Exchange(),))
-            self._polish(base)
+            done.add(base.key)
+            self.proposals += Exchange().propose(base, self.context)
             for proposal in by.exchanges(self.proposals, self.nodes, base)[: self.effort.width]:
                 self._fit(proposal)
             promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
@@ -165,16 +167,20 @@ class Search(Fits):
             promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
             self._polish_best()
 
-    def _simplify(self) -> None:
-        """Drop what the answer does not need: a round of rivals may have added it that was the last."""
+    def _simplify(self) -> bool:
+        """Drop what the answer does not need: a round of rivals may have added it that was the last; True if it did."""
+        before = self._simplest()
         for _ in range(self.effort.rounds):
-            node = self.nodes[self._simplest().key]
-            if not self._expand(node, (Drop(),)):
+            found = self._simplest()
+            self._expand(self.nodes[found.key], (Drop(),))
+            asked = [p for p in self._rivals({found.key}) if p.move == Drop.name]
+            if not asked or not at_floor(self.fit, self.criteria, found):
                 break
-            for proposal in self._rivals({node.key}):
+            for proposal in asked:
                 self._fit(proposal)
             promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
             self._polish_best()
+        return self._simplest().key != before.key
 
     @property
     def left(self) -> int:
@@ -211,7 +217,7 @@ class Search(Fits):
     def _promising(self) -> list[Proposal]:
         """The proposals to fit next: the smallest sets first, of these the most promising."""
         found = self._gaining(self._worthy(lambda p: p.move not in _TOGETHER))
-        together = by.first_together(self._untried(), self.nodes, self.effort.share, TOGETHER)
+        together = by.first_together(self._able(), self.nodes, self.effort.share, TOGETHER)
         sets = {p.key for p in together}
         found = [p for p in found if p.key not in sets]
         smallest = min((p.size for p in found), default=0)
@@ -219,9 +225,9 @@ class Search(Fits):
         larger = [p for p in found if p.size > smallest and not p.deviations][: self.effort.share]
         return sorted([*first, *together, *larger], key=lambda p: p.size)  # what needs less is asked first
 
-    def _untried(self) -> list[Proposal]:
-        """Proposals that were not fitted: where no fit of a set was found, others have their turn."""
-        return [p for p in self.proposals if (p.base, p.key) not in self._tried]
+    def _able(self) -> list[Proposal]:
+        """Proposals of which a fit may be found: others have their turn where none was."""
+        return [p for p in self.proposals if (p.base, p.key, p.move) not in self._failed]
 
     def _unforeseen(self) -> frozenset[str]:
         """Moves whose proposals are asked whatever a step promises: beside one effect that leaves noise few are left.

@@ -70,10 +70,14 @@ class Standings:
         return [best, *others[: 1 if barred else self.effort.beam - 1]]
 
     def _simplest(self) -> Candidate:
-        """What would be answered, as `EvidenceRecord.best` has it."""
+        """What would be answered where only noise is left, as `EvidenceRecord.best` has it."""
+
+        def of(some: Sequence[Candidate]) -> Candidate:
+            return min(some, key=lambda c: self._qbic(c.optimum) + chosen_at(self.criteria, c))
+
         every = list(self.candidates.values())
-        able = [c for c in every if not imitators(self.fit, self.criteria, c)]
-        return min(able or every, key=lambda c: self._qbic(c.optimum) + chosen_at(self.criteria, c))
+        found = of([c for c in every if not imitators(self.fit, self.criteria, c)] or every)
+        return found if at_floor(self.fit, self.criteria, found) else of(every)
 
     def _counts(self, found: Candidate) -> Array:
         """Effective samples of each run in a candidate's residual, of the last one asked for kept."""

@@ -16,7 +16,7 @@ from stepid.lab.design.separation import NEEDED, VISIBLE
 if TYPE_CHECKING:
     from stepid.lab.design.result import Plan
 
-_HOPELESS = 10.0  # times too uncertain: a hundred times as many runs
+_BEYOND_REACH = 10.0  # times too uncertain: a hundred times as many runs
 _TITLE = "Best design for each number of runs (standard uncertainties)"
 
 
@@ -119,7 +119,7 @@ def _remedies(plan: Plan, design: Design) -> list[str]:
             )
     if not out:
         worst = plan.shortfall(design)
-        if worst < _HOPELESS:
+        if worst < _BEYOND_REACH:
             out.append(f"It would take {worst:.2g} times less noise, or {math.ceil(worst**2)} times as many runs.")
         else:
             out.append("Other steps are needed: more of these would not do. Try other levels, masses or sample times.")

@@ -1,0 +1,29 @@
+"""What of a campaign a joint fit can use."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stepid
+from stepid.fitting.screening import _still
+
+
+@pytest.mark.parametrize(("step", "drift", "still"), [(0.0, 0.0, True), (0.0, 1e-4, True), (0.7e-3, 0.0, False)])
+@pytest.mark.parametrize("hum", [0.0, 1e-3])
+def test_a_cart_moves_behind_a_fast_hum(step: float, drift: float, still: bool, hum: float) -> None:
+    """Differences of high order take a hum of 0.4 of the sampling frequency for more than it is."""
+    rng = np.random.default_rng(11)
+    time = np.arange(800) * 5e-3
+    moves = np.where(time > 1.0, step * (1 - np.cos(9 * (time - 1.0)) * np.exp(-(time - 1.0))), 0.0)
+    y = moves + hum * np.sin(0.8 * np.pi * np.arange(800)) + 1e-4 * rng.standard_normal(800)
+    run = stepid.Experiment(
+        name="hum",
+        time=time,
+        input=np.where(time > 1.0, 1.0, 0.0),
+        position=y + drift * time / 4.0,  # of the sensor, where the drive is off
+        added_mass=0.0,
+        spring="s",
+        damper="d",
+    )
+    assert _still(run) is still
