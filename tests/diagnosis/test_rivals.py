@@ -188,3 +188,22 @@ def test_exchanges_of_the_best_larger_set_are_fitted_until_one_leaves_noise(monk
     monkeypatch.setattr(found, "_complete", lambda best: True)
     found._try_exchanges()
     assert fitted == []  # the set itself, fitted to all samples, leaves noise
+
+
+@pytest.mark.parametrize(("names", "complete", "again"), [(PAIR, False, 2), (PAIR, True, 1), (("cogging",), False, 1)])
+def test_where_friction_may_stop_the_cart_elsewhere_a_set_is_fitted_anew(
+    names: tuple[str, ...], complete: bool, again: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found: Any = a_search(lead=9.0)
+    fits = []
+    one = node(*names, cost=2.0)
+    one.fitted.other_sticking = lambda: True
+    monkeypatch.setattr(Standings, "_complete", lambda *_: complete)
+
+    def polish(self: Any, node: Any) -> None:
+        fits.append(node)
+        self.candidates[node.key] = candidate(names)
+
+    monkeypatch.setattr(Fits, "_polish", polish)
+    found._polish_near(one)
+    assert len(fits) == again

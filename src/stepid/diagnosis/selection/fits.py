@@ -79,9 +79,7 @@ class Fits(Standings):
             near_by = by.value(self.fit, node) < near and (ahead or len(node.effects) < LEADING or self._answers(node))
             if near_by or (ahead and not known):
                 self._polish(node)
-        node = self.nodes[self.best.key]
-        if any(e.dry for e in node.effects) and not self._complete(self.best) and node.fitted.other_sticking():
-            self._polish(node)
+        self._stick_elsewhere(self.nodes[self.best.key])
         return self.best
 
     def _polish_leads(self) -> None:
@@ -104,10 +102,19 @@ class Fits(Standings):
         """Fit a node to all samples, kept if it leaves as little as noise: none that is far may decide; the best."""
         known = node.key in self.candidates
         self._polish(node)
+        self._stick_elsewhere(node)
         found = self.candidates.get(node.key)
         if found is not None and not (known or at_floor(self.fit, self.criteria, found)):
             del self.candidates[node.key]
         return self.best
+
+    def _stick_elsewhere(self, node: Node) -> None:
+        """Fit a node anew where dry friction may have stopped the cart at other places."""
+        found = self.candidates.get(node.key)
+        if found is None or not any(e.dry for e in node.effects) or self._complete(found):
+            return
+        if node.fitted.other_sticking():
+            self._polish(node)
 
     def _polish(self, node: Node) -> None:
         optimum = polished(self.fit, node.fitted, self.effort, self.candidates.values())
