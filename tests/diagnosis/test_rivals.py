@@ -27,7 +27,7 @@ def nothing_imitates(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def node(*names: str, cost: float) -> Any:
     found = candidate(names)
-    fitted = SimpleNamespace(polished=None)
+    fitted = SimpleNamespace(polished=None, other_sticking=lambda: False)
     own = {"effects": found.effects, "deviations": found.deviations, "key": found.key, "size": len(names)}
     return SimpleNamespace(**own, cost=cost, fitted=fitted, best=found.optimum)
 
