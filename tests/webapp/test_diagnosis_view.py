@@ -69,6 +69,17 @@ def test_the_answer_is_there_before_its_pictures() -> None:
     assert words(view._found) == ""
 
 
+def test_an_answer_does_not_go_without_a_word() -> None:
+    view = DiagnosisView(Session(), lambda: None, at_once)
+    view.clear(ready=True)
+    assert words(view._progress) == ""  # there was none
+    view.end(Status(stage=Progress("done"), seconds=1.0, running=False, result=example.named()), None)
+    view.clear(ready=True)
+    assert "The answer was of those before: diagnose again." in words(view._progress)
+    view.clear(ready=True)  # it is gone
+    assert words(view._progress) == ""
+
+
 def test_what_would_close_an_open_choice_stands_beside_it() -> None:
     head = words(shown(example.ambiguous())[0])
     assert re.search(r"Most likely Coulomb friction, 0\.\d+ ± 0\.\d+ N; these data do not tell it from", head)

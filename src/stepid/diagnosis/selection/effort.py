@@ -30,9 +30,9 @@ class Effort(Model):
     share : int
         Of these, on one candidate.
     beam : int
-        Candidates that are expanded in one round.
+        Candidates that are expanded in one round; the largest sets of which effects are exchanged.
     rounds : int
-        Most rounds of proposals and fits, in exploring and in confirming.
+        Most rounds of proposals and fits, in exploring, in confirming and in dropping what is not needed.
     worth : float
         Share of the best gain that a proposal must promise (a linearized step tells it within a factor of some four).
     rival : float

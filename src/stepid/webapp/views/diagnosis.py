@@ -32,6 +32,7 @@ _LEAD = (
     "Is a linear model adequate, and if not, which effect is missing? The effects of the catalogue are tried, alone "
     "and together, until none promises more."
 )
+_GONE = "The records have changed. The answer was of those before: diagnose again."
 Beside = Callable[[Work[Any], Callable[[Status[Any]], None]], None]
 """Starts work, and calls with its status when it has ended."""
 
@@ -56,13 +57,14 @@ class DiagnosisView:
         )
 
     def clear(self, *, ready: bool) -> None:
-        """Show nothing yet; `ready` where a diagnosis could begin."""
+        """Show nothing yet, and say where an answer was; `ready` where a diagnosis could begin."""
         self._start.disabled, self._cancel.disabled = not ready, True
-        self._progress.object = ""
+        self._progress.object = said("" if self._answered is None else _GONE)
         self._answered = None
         self._found[:] = []
 
     def _begin(self, _: object) -> None:
+        self._answered = None
         self.clear(ready=False)
         try:
             self._session.diagnose(_EFFORTS[self._effort.value]())
