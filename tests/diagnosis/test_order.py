@@ -241,4 +241,5 @@ def test_exchanges_of_an_effect_are_of_those_that_its_absence_needs() -> None:
         proposed("input_delay", 1.0, move="add"),
         proposed("input_delay", 1.0, kept=THREE[:1]),
     ]
-    assert exchanges(given, nodes, base) == [second, first, unknown]
+    assert exchanges(given, nodes, base, 9) == [second, first, unknown]
+    assert exchanges(given, nodes, base, 2) == [second, first]

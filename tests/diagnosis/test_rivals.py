@@ -165,6 +165,25 @@ def test_what_the_answer_does_not_need_is_dropped_before_the_end(
     assert fitted == (["drop"] if dropped else [])
 
 
+def test_from_what_an_exchange_led_to_the_search_goes_on_but_not_from_other_sets(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found: Any = a_search(lead=40.0)
+    best, near = node(*PAIR, "free_play", cost=8.0), node(*PAIR, "sensor_drift", cost=9.0)
+    led = node(*PAIR, "end_stop", cost=8.5)
+    found.nodes |= {best.key: best, near.key: near}
+    one = proposed(best, *PAIR, "end_stop", move="exchange", left=9.0)
+    asked: list[Any] = []
+    monkeypatch.setattr(Exchange, "propose", lambda self, base, context: asked.append(base) or [one])
+    monkeypatch.setattr(found, "_fit", lambda proposal: found.nodes.update({led.key: led}))
+    monkeypatch.setattr(found, "_polish_near", lambda base: found.best)
+    monkeypatch.setattr(found, "_polish_best", lambda: found.best)
+    monkeypatch.setattr("stepid.diagnosis.selection.search.promote", lambda *_: None)
+    found.context = None
+    found._try_exchanges()
+    assert asked == [best, led]
+
+
 def test_exchanges_of_the_best_larger_set_are_fitted_until_one_leaves_noise(monkeypatch: pytest.MonkeyPatch) -> None:
     found: Any = a_search(lead=40.0)
     three = node(*PAIR, "free_play", cost=8.0)

@@ -72,8 +72,8 @@ def largest_lead(nodes: Iterable[Node]) -> Node | None:
     return min(most, key=lambda n: n.cost, default=None)
 
 
-def largest_beyond(nodes: Iterable[Node], done: Collection[Key]) -> Node | None:
-    """Of sets of more effects than may lead, some done already, the one that leaves least; None without any.
+def largest_beyond(nodes: Iterable[Node], aside: Collection[Key]) -> Node | None:
+    """Of sets of more effects than may lead, some left aside, the one that leaves least; None without any.
 
     Those that leave less than half of what any that may lead does, and at most twice what the best does; runs alike.
     """
@@ -81,13 +81,14 @@ def largest_beyond(nodes: Iterable[Node], done: Collection[Key]) -> Node | None:
     more = sorted((n for n in alike if len(n.effects) > LEADING), key=lambda n: n.cost)
     leads = [n.cost for n in alike if len(n.effects) <= LEADING]
     near = [n for n in more if n.cost < min(leads) / 2 and n.cost <= 2 * more[0].cost]
-    return next((n for n in near if n.key not in done), None)
+    return next((n for n in near if n.key not in aside), None)
 
 
-def exchanges(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: Node) -> list[Proposal]:
-    """Exchanges of one effect of a base for another, the most promising first: of sets that are new, or left more.
+def exchanges(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: Node, count: int) -> list[Proposal]:
+    """Some exchanges of one effect of a base for another, the most promising first: of sets that are new, or left more.
 
-    They promise to leave less than half of what the others leave without it, where that is known.
+    They promise to leave less than half of what the others leave without it, where that is known; a linearized step
+    tells not much more than the order in which to try.
     """
     out = []
     for p in proposals:
@@ -97,7 +98,7 @@ def exchanges(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: No
         known = nodes.get(p.key)
         if (others is None or p.left < others.cost / 2) and (known is None or p.left < known.cost):
             out.append(p)
-    return sorted(out, key=lambda p: p.rank)
+    return sorted(out, key=lambda p: p.rank)[:count]
 
 
 def larger(

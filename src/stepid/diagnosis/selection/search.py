@@ -124,18 +124,19 @@ class Search(Fits):
         return self._takes_enough(least)
 
     def _try_exchanges(self) -> None:
-        """Where the best larger sets leave a rest, put others in the place of their effects: like stands for like.
+        """Exchange effects of the best larger set that leaves a rest, and of what that leads to.
 
-        Of that a linearized step tells only the order in which to try.
+        Like may stand for like.
         """
-        done: set[Key] = set()
+        aside: set[Key] = set()
         for _ in range(self.effort.beam):
-            base = by.largest_beyond(self.nodes.values(), done)
+            base = by.largest_beyond(self.nodes.values(), aside)
             if base is None or self._least().cost <= self.noise_limit or self._complete(self._polish_near(base)):
                 return
-            done.add(base.key)
             self.proposals += Exchange().propose(base, self.context)
-            for proposal in by.exchanges(self.proposals, self.nodes, base)[: self.effort.width]:
+            exchanges = by.exchanges(self.proposals, self.nodes, base, self.effort.width)
+            aside = self.nodes.keys() - {p.key for p in exchanges}
+            for proposal in exchanges:
                 self._fit(proposal)
             promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
             self._polish_best()
@@ -208,7 +209,7 @@ class Search(Fits):
         """Expand the best nodes of those not expanded yet, one for each set of effects, and the best nameable one."""
         order: list[Node] = []
         for node in sorted(self.nodes.values(), key=lambda n: self._qbic(n.best)):
-            if not any(node.key[0] == other.key[0] for other in order):  # other conditions of it stand for it
+            if node.key[0] not in [other.key[0] for other in order]:  # other conditions of it stand for it
                 order.append(node)
         beam = order[: self.effort.beam]
         beam += [n for n in self._nameable(order)[:1] if not any(n is other for other in beam)]
