@@ -124,10 +124,7 @@ class Search(Fits):
         return self._takes_enough(least)
 
     def _try_exchanges(self) -> None:
-        """Exchange effects of the best larger set that leaves a rest, and of what that leads to.
-
-        Like may stand for like.
-        """
+        """Where the best larger set leaves a rest, exchange its effects, and those of what that leads to."""
         aside: set[Key] = set()
         for _ in range(self.effort.beam):
             base = by.largest_beyond(self.nodes.values(), aside)
