@@ -116,6 +116,15 @@ def test_in_the_place_of_one_effect_that_leaves_noise_none_is_asked_that_promise
     assert found._unforeseen() == (UNFORESEEN if exchanged else {"regeneralize"})
 
 
+def fitting_by(fit: Any, found: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A search whose fits are made up, and go no further."""
+    found.context = None
+    monkeypatch.setattr(found, "_fit", fit)
+    monkeypatch.setattr(found, "_polish_near", lambda base: found.best)
+    monkeypatch.setattr(found, "_polish_best", lambda: found.best)
+    monkeypatch.setattr("stepid.diagnosis.selection.search.promote", lambda *_: None)
+
+
 def test_a_set_of_which_no_fit_is_found_gives_others_their_turn() -> None:
     found: Any = a_search(lead=9.0)
     move = TOGETHER[0].name
@@ -151,16 +160,14 @@ def test_what_the_answer_does_not_need_is_dropped_before_the_end(
     found._qbic = lambda optimum: 0.0
     fitted: list[str] = []
 
-    def fit(proposal: Any) -> None:
+    def fit(proposal: Any, keep: int | None = None) -> None:
         fitted.append(proposal.move)
         found._tried.add((proposal.base, proposal.key))
         found.candidates[one.key] = one
         found.nodes[one.key] = node(*PAIR[:1], cost=1.0)
 
-    monkeypatch.setattr(found, "_fit", fit)
+    fitting_by(fit, found, monkeypatch)
     monkeypatch.setattr(found, "_expand", lambda *_: False)  # made before, and not fitted then
-    monkeypatch.setattr(found, "_polish_best", lambda: one)
-    monkeypatch.setattr("stepid.diagnosis.selection.search.promote", lambda *_: None)
     assert found._simplify() is dropped
     assert fitted == (["drop"] if dropped else [])
 
@@ -175,11 +182,7 @@ def test_from_what_an_exchange_led_to_the_search_goes_on_but_not_from_other_sets
     one = proposed(best, *PAIR, "end_stop", move="exchange", left=9.0)
     asked: list[Any] = []
     monkeypatch.setattr(Exchange, "propose", lambda self, base, context: asked.append(base) or [one])
-    monkeypatch.setattr(found, "_fit", lambda proposal: found.nodes.update({led.key: led}))
-    monkeypatch.setattr(found, "_polish_near", lambda base: found.best)
-    monkeypatch.setattr(found, "_polish_best", lambda: found.best)
-    monkeypatch.setattr("stepid.diagnosis.selection.search.promote", lambda *_: None)
-    found.context = None
+    fitting_by(lambda *_: found.nodes.update({led.key: led}), found, monkeypatch)
     found._try_exchanges()
     assert asked == [best, led]
 
@@ -192,15 +195,11 @@ def test_exchanges_of_the_best_larger_set_are_fitted_until_one_leaves_noise(monk
     monkeypatch.setattr(Exchange, "propose", lambda *_: [better, proposed(three, *PAIR, move="exchange", left=1.0)])
     fitted = []
 
-    def fit(proposal: Any) -> None:
+    def fit(proposal: Any, keep: int | None = None) -> None:
         fitted.append(proposal)
         found.nodes[proposal.key] = node(*PAIR, "end_stop", cost=1.0)
 
-    found.context = None
-    monkeypatch.setattr(found, "_fit", fit)
-    monkeypatch.setattr(found, "_polish_near", lambda base: found.best)
-    monkeypatch.setattr(found, "_polish_best", lambda: found.best)
-    monkeypatch.setattr("stepid.diagnosis.selection.search.promote", lambda *_: None)
+    fitting_by(fit, found, monkeypatch)
     found._try_exchanges()
     assert fitted == [better]
     fitted.clear()

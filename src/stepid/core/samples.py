@@ -107,3 +107,10 @@ def course(time: Array, volts: Array, between: InputBetween) -> Array:
 
     pieces = CubicSpline(time, volts).c[::-1].T
     return np.concatenate([pieces, [[volts[-1], 0.0, 0.0, 0.0]]])
+
+
+def means_of_blocks(values: Array, width: int) -> Array:
+    """Means of successive blocks of `width` values, shape (n // width,); what is left at the end does not count."""
+    blocks = values.size // width
+    out: Array = values[: blocks * width].reshape(blocks, width).mean(axis=1)
+    return out

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.noise import STILL, clipped_spread, predicted_noise
-from stepid.core.samples import divided_differences, is_even
+from stepid.core.samples import divided_differences, is_even, means_of_blocks
 from stepid.simulation.clock import clock
 from stepid.simulation.records import Records
 
@@ -235,9 +235,7 @@ def structure(records: Records, residual: Array, floor: float, period: float) ->
     total, freedom = 0.0, 0
     for r, piece in enumerate(records.pieces()):
         m = max(2, round(0.1 * period / float(records.sample_time[r])))
-        y = residual[piece]
-        blocks = y.size // m
-        means = y[: blocks * m].reshape(blocks, m).mean(axis=1)
+        means = means_of_blocks(residual[piece], m)
         total += float(np.sum(means**2)) * m / floor**2
-        freedom += blocks
+        freedom += means.size
     return (total - freedom) / math.sqrt(2.0 * max(freedom, 1))

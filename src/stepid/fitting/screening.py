@@ -13,6 +13,7 @@ from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.noise import record_noise
 from stepid.core.releases import release_index, split_releases
+from stepid.core.samples import means_of_blocks
 from stepid.core.units import UNIT, check_speed, check_travel
 from stepid.errors import InputError
 from stepid.fitting.first_step import from_rest
@@ -133,7 +134,7 @@ def _sways(y: Array) -> bool:
     Differences, which tell the noise, take a fast hum for more than it is; in means it is less than noise.
     """
     size = max(y.size // _PARTS, 1)
-    means = y[: y.size // size * size].reshape(-1, size).mean(axis=1)
+    means = means_of_blocks(y, size)
     times = size * float(np.var(means)) / max(float(np.var(y)), np.finfo(float).tiny)
     return times > 1.0 + _CHANCE * math.sqrt(2.0 / means.size)
 

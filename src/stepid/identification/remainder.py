@@ -12,6 +12,7 @@ from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.noise import apparent_resolution, noise_level
 from stepid.core.releases import release_index
+from stepid.core.samples import means_of_blocks
 
 _MORE = 1.2  # times the noise, beyond which more than noise is left
 _SLOW = 6.0  # standard deviations by which means over a tenth of a period exceed those of noise
@@ -55,7 +56,7 @@ class _Samples(NamedTuple):
 
     def thinned(self, width: int) -> _Samples:
         """Means of neighbors, at their middle; the changes stay where they are."""
-        return self._replace(time=_means(self.time, width), position=_means(self.position, width))
+        return self._replace(time=means_of_blocks(self.time, width), position=means_of_blocks(self.position, width))
 
 
 def remainder(run: Experiment, *, damped_frequency: float, damping_ratio: float) -> Remainder | None:
@@ -88,10 +89,10 @@ def remainder(run: Experiment, *, damped_frequency: float, damping_ratio: float)
     tail = residual[(np.arange(y.size) > begin) & (swing < _STILL * noise)]
     usual = noise**2 / width
     if tail.size >= _ENOUGH * width:  # at rest one sees how noise averages out, whatever its color
-        still = _means(tail - tail.mean(), width)
+        still = means_of_blocks(tail - tail.mean(), width)
         usual = max(usual, float(np.sum(still**2)) / (still.size - 1))
         noise = max(noise, float(np.std(tail)))
-    means = _means(residual, width)
+    means = means_of_blocks(residual, width)
     hidden = grid > 0 and noise < _COUNTS * grid
     count = 0 if hidden else max(means.size - 2, 0)
     lost = 5 if run.is_release else 4
@@ -102,12 +103,6 @@ def remainder(run: Experiment, *, damped_frequency: float, damping_ratio: float)
         samples=y.size - lost,
         blocks=count,
     )
-
-
-def _means(values: Array, width: int) -> Array:
-    blocks = values.size // width
-    out: Array = values[: blocks * width].reshape(blocks, width).mean(axis=1)
-    return out
 
 
 def _samples(run: Experiment, time: Array, y: Array) -> _Samples:

@@ -101,9 +101,7 @@ class Search(Fits):
                 leads.setdefault(len(node.effects), node)
         for node in leads.values():
             self._expand(node, EXPLORING)
-        for proposal in by.modes(self.proposals, self.nodes, [node.key for node in leads.values()]):
-            self._fit(proposal)
-        promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
+        self._fit_all(by.modes(self.proposals, self.nodes, [node.key for node in leads.values()]))
         return self._takes_enough(least)
 
     def _try_larger(self) -> bool:
@@ -118,9 +116,7 @@ class Search(Fits):
         if base is not None:
             self._expand(base, EXPLORING)
         self._expand(self.root, TOGETHER)
-        for proposal in by.larger(self._able(), self.nodes, base, self.effort.share, TOGETHER):
-            self._fit(proposal, keep=1)
-        promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
+        self._fit_all(by.larger(self._able(), self.nodes, base, self.effort.share, TOGETHER), keep=1)
         return self._takes_enough(least)
 
     def _try_exchanges(self) -> None:
@@ -133,9 +129,7 @@ class Search(Fits):
             self.proposals += Exchange().propose(base, self.context)
             exchanges = by.exchanges(self.proposals, self.nodes, base, self.effort.width)
             aside = self.nodes.keys() - {p.key for p in exchanges}
-            for proposal in exchanges:
-                self._fit(proposal)
-            promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
+            self._fit_all(exchanges)
             self._polish_best()
 
     def _takes_enough(self, least: float) -> bool:
@@ -160,25 +154,29 @@ class Search(Fits):
                 asked = [p for p in asked if p.size <= self.nodes[self.best.key].size]
             if not asked:
                 break
-            for proposal in asked:
-                self._fit(proposal)
-            promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
+            self._fit_all(asked)
             self._polish_best()
 
     def _simplify(self) -> bool:
         """Drop what the answer does not need: a round of rivals may have added it that was the last; True if it did."""
-        before = self._simplest()
+        before = found = self._simplest()
         for _ in range(self.effort.rounds):
-            found = self._simplest()
+            if not at_floor(self.fit, self.criteria, found):
+                break
             self._expand(self.nodes[found.key], (Drop(),))
             asked = [p for p in self._rivals({found.key}) if p.move == Drop.name]
-            if not asked or not at_floor(self.fit, self.criteria, found):
+            if not asked:
                 break
-            for proposal in asked:
-                self._fit(proposal)
-            promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
+            self._fit_all(asked)
             self._polish_best()
-        return self._simplest().key != before.key
+            found = self._simplest()
+        return found.key != before.key
+
+    def _fit_all(self, proposals: Sequence[Proposal], keep: int | None = None) -> None:
+        """Fit proposals a little, as `_fit` does each; the promising of all sets run on."""
+        for proposal in proposals:
+            self._fit(proposal, keep)
+        promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
 
     @property
     def left(self) -> int:
