@@ -36,7 +36,7 @@ if numba is None:
         """Leave a function as it is."""
         return function
 
-    compiled_sums = compiled
+    compiled_sums = inlined = compiled
 
     def call(
         law: Address, kind: int, q: Any, values: int, m: Any, y: Any, own: int, sides: Any, side: int, out: Any
@@ -51,6 +51,10 @@ else:
     def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
         """Compile a function at its first call; keep the machine code in numba's cache where one can be written."""
         return _compiled(function, {})
+
+    def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
+        """Compile a function into those that call it: what each stage of a step asks costs as much to call as to do."""
+        return _compiled(function, {"forceinline": True})
 
     def compiled_sums(function: Callable[..., Any]) -> Callable[..., Any]:
         """Compile a function likewise; its sums may be taken in any order."""
