@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -11,13 +13,26 @@ from scipy.linalg import expm
 from hidden.accuracy_cases import ALONE, COUNTS, run
 from hidden.plant import Run
 from hidden_runs import plant_of, records_of, simulated, simulator_of
-from stepid.effects import CATALOGUE, resolve
+from stepid.effects import CATALOGUE, Effect, Moment, Parameter, resolve
+from stepid.effects.base import Values
 from stepid.errors import InputError
 from stepid.simulation import kernel
 from stepid.simulation.simulator import PATIENT, Simulator
 
 PERIOD = 0.0088542
 LINEAR = [e.name for e in CATALOGUE if e.linear]
+
+
+class Nowhere(Effect):
+    """A law from outside with a switch that nothing can locate: its margin is infinite on one side."""
+
+    name = "nowhere"
+    parameters = (Parameter("position", "m"),)
+    n_switches: ClassVar[int] = 1
+
+    @staticmethod
+    def switches(p: Values, m: Moment) -> tuple[float, ...]:
+        return (math.inf if m.x > p[0] else -1.0,)
 
 
 def release(position: float, velocity: float = 0.0, size: int = 200, **effects: dict[str, float]) -> Run:
@@ -197,3 +212,16 @@ def test_every_case_stays_finite_far_from_its_plant() -> None:
         copies = shared * np.exp(rng.normal(scale=1.2, size=(6, shared.size)))
         reading = simulator_of(told, tolerance=1e-6).readings(copies, np.repeat(local[None], 6, axis=0))
         assert np.isfinite(reading).all(axis=1).sum() >= 4, name
+
+
+def test_an_event_that_cannot_be_located_is_a_runaway() -> None:
+    records = records_of(release(0.01))
+    simulator = Simulator(records, (Nowhere(),))
+    local = np.zeros((simulator.layout.n_run, 1))
+    local[0] = 0.01
+    shared = np.array([1.5, 216.0, 2.0, 7.8, 0.004])
+    reading = simulator.readings(shared[None], local[None])[0]
+    passed = int(np.argmax(np.isnan(reading)))
+    assert 0 < passed < reading.size
+    assert np.isnan(reading[passed:]).all()
+    assert (reading[:passed] > 0.004).all()

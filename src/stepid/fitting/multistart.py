@@ -25,7 +25,8 @@ from stepid.fitting.weak_form import WeakForm, measured_motion
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import COARSE, FINE
 
-_UNSEEN = 1e-4  # of the noise floor, error of a step that no sample shows
+_UNSEEN = 1e-4  # of the noise floor, error of a step that no sample shows in a record of so many swings:
+_SWINGS = 10.0  # errors of steps add up to one in frequency, which grows along the record
 _SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
 _SAME = 0.01  # share of what is left above the floor, by which two ends are one
 _POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
@@ -100,7 +101,9 @@ class FitContext:
     @property
     def step_error(self) -> float:
         """Error of one step of a fit to all samples, as `Simulator` takes it: no finer than noise lets anyone see."""
-        return min(max(FINE, _UNSEEN * self.floor / self.linear.problem.simulator.scale), 0.5 * COARSE)
+        longer = max(1.0, float(self.records.time.max()) / self.period / _SWINGS)
+        unseen = _UNSEEN * self.floor / longer**2
+        return min(max(FINE, unseen / self.linear.problem.simulator.scale), 0.5 * COARSE)
 
     @cached_property
     def by_weights(self) -> Optimum | None:

@@ -464,7 +464,7 @@ def _first_event(w: Work, t: float, h: float) -> tuple[int, float, float]:
             last = j
             if there < share:
                 first, share, error = j, there, missed
-    if last != first:  # the state is where another one happens
+    if first >= 0 and last != first:  # the state is where another one happens
         error = _step(w, t, share * h)
     return first, share, error
 

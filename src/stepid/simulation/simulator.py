@@ -7,7 +7,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -97,6 +96,8 @@ class Simulator:
         self._planned: tuple[bytes, tuple[Index, Index, Index]] | None = None
         self._tiled: tuple[int, Index, Index] | None = None
 
+    # ---- magnitudes -----------------------------------------------------------------------------------------------
+
     def steps(self, shared: Array) -> Array:
         """Finite-difference steps of the global and the per-run parameters, shape (P + Q,)."""
         typical = self.typical(shared)
@@ -130,26 +131,25 @@ class Simulator:
         out[of.damping] = np.sqrt(mass * stiffness)
         return out
 
-    @cached_property
-    def _work(self) -> Any:
-        from stepid.simulation.work import structure
-
-        return structure(self.effects)
+    # ---- the kernel -----------------------------------------------------------------------------------------------
 
     def _run(self, values: Array, start: Array, run: Index, offset: Index, reading: Array, states: Array) -> None:
         """Simulate replicas: plants `values` (L, ·), beginning as `start` (L, ·) says, on runs `run` (L,)."""
         from stepid.simulation import kernel
+        from stepid.simulation.work import structure
 
         r = self.records
         leaps = self._leaps if r.coefficients.shape[1] == 1 else 0
-        values, start, scale = np.ascontiguousarray(values), np.ascontiguousarray(start), self.scale
+        values, start = np.ascontiguousarray(values), np.ascontiguousarray(start)
+        scale = self.scale
         if scale <= _STILL:  # records without motion, of a plant that is to be simulated only
             mass, stiffness, gain = values[:, 0], np.abs(values[:, 1]), values[:, 3]
             swing = np.abs(start[:, 0]) + np.abs(start[:, 1]) * np.sqrt(mass / stiffness)
             answer = np.abs(gain * np.abs(np.append(r.volts, r.before)).max()) / stiffness
             scale = float((answer + swing).max()) or _TRAVEL
 
-        def some(replicas: slice, work: Any) -> None:
+        def some(replicas: slice) -> None:
+            work = structure(self.effects)
             kernel.simulate(
                 work, values[replicas], start[replicas], run[replicas],
                 r.bounds, r.time, r.coefficients, r.before, r.moving,
@@ -157,11 +157,11 @@ class Simulator:
             )  # fmt: skip
 
         if self.workers == 1 or len(run) <= 1:
-            some(slice(None), self._work)
+            some(slice(None))
         else:
             ends = np.linspace(0, len(run), min(self.workers, len(run)) + 1).astype(int)
             with ThreadPoolExecutor(self.workers) as pool:
-                list(pool.map(some, [slice(a, b) for a, b in pairwise(ends)], [self._work.copy() for _ in ends[1:]]))
+                list(pool.map(some, [slice(a, b) for a, b in pairwise(ends)]))
 
     def readings(self, shared: Array, local: Array) -> Array:
         """Readings of C plants, m, shape (C, S), for parameters (C, P) and (C, Q, R); NaN after a runaway."""
