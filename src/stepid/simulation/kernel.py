@@ -319,7 +319,9 @@ def _excess(w: Work, h: float, worst: float) -> float:
 def _step(w: Work, t: float, h: float) -> float:
     """Step from `w.y` to `w.stage`, the rates at its start being `w.k[0]`; return its error over what is allowed.
 
-    The cart's two states are written out: as numbers, not in arrays, they take two thirds of the time.
+    The cart's two states are written out: as numbers, not in arrays, they take two thirds of the time. `p` is the rate
+    of the position, none while the cart is held. In each sum the newest rate comes last: a step takes as long as the
+    chain in which each waits for the one before.
     """
     y, k = w.y, w.k
     if w.m[HELD] > 0.0 and not w.rated:  # nothing moves
