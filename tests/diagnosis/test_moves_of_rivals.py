@@ -20,7 +20,7 @@ from stepid.diagnosis.selection.proposal import Node, related, standing
 from stepid.effects import resolve
 from stepid.fitting.deviations import SCATTER
 from stepid.fitting.fit import prepare
-from stepid.fitting.multistart import CandidateFit
+from stepid.fitting.multistart import CandidateFit, FitContext, Start
 
 
 def test_generalize_offers_what_contains_an_effect_from_where_it_stands() -> None:
@@ -42,6 +42,27 @@ def test_specialize_offers_what_is_inside_at_the_same_level() -> None:
     (level,) = found[0].starts[0].values[0]
     assert level == pytest.approx(np.mean(standing(uneven).values[0]), rel=0.1)
     assert Specialize().propose(node(fit, FRICTION), context(fit)) == []
+
+
+def test_a_power_of_the_speed_is_a_simple_law_where_their_forces_are_nearly_the_same() -> None:
+    fit = prepared("power")  # 0.3 N and 40 N·s²/m²
+    square = resolve(["quadratic_damping"])[0]
+    near = at_power(fit, 40.0, 2.05)
+    found = Specialize().propose(near, context(fit))
+    sound(Specialize(), near, found)
+    assert sets(found) == [(square.name,)]
+    speed = np.abs(near.best.solved.states[1])
+    expected = 40.0 * np.sum(speed**4.05) / np.sum(speed**4)
+    assert found[0].starts[0].values[0][0] == pytest.approx(expected, rel=0.02)
+    assert sets(Specialize().propose(at_power(fit, 0.4, 0.2), context(fit))) == [("coulomb_friction",)]
+    assert Specialize().propose(at_power(fit, 2.0, 0.7), context(fit, alike=0.01)) == []
+
+
+def at_power(fit: FitContext, coefficient: float, exponent: float) -> Node:
+    """A node at these values as they are."""
+    fitted = CandidateFit(fit, resolve(["power_damping"]))
+    fitted.begin([Start(fit.coarse_linear.shared, ((coefficient, exponent),))], like=fit.coarse_linear, laps=0)
+    return Node(fitted)
 
 
 def test_regeneralize_offers_the_other_general_laws_of_the_same_kin() -> None:

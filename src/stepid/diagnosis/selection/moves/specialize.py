@@ -36,17 +36,20 @@ def level_within(node: Node, place: int, simple: Effect, context: SearchContext)
     """Strength of a simple effect of one parameter inside a general one of a node, None where it has no such strength.
 
     That with which it comes nearest to the general one's force along the motion; of a law with a memory the mean of the
-    parameters in its unit.
+    parameters in its unit. Where the general one has none in its unit (a power of the speed), their forces have to be
+    nearly the same.
     """
     general, values = node.effects[place], standing(node).values[place]
     if len(simple.parameters) > 1 or simple.run_parameters != general.run_parameters:
         return None
     unit = simple.parameters[0].unit
-    alike = [v for v, q in zip(values, general.parameters, strict=True) if q.unit == unit]
-    if not alike:
-        return None
+    same = [v for v, q in zip(values, general.parameters, strict=True) if q.unit == unit]
     near: list[float | None] = []
     if is_force(general):
         force = ForceAlong(node, place, context)
-        near = [force.strength(one) for one in simple.regressors(context.fit.scales, force.motion)]
-    return next((level for level in near if level is not None), float(np.mean(alike)))
+        inside = simple.regressors(context.fit.scales, force.motion)
+        left = (like.left for like in (force.by((one,)) for one in inside) if like is not None)
+        if same or min(left, default=1.0) < context.effort.alike:
+            near = [force.strength(one) for one in inside]
+    mean = float(np.mean(same)) if same else None
+    return next((level for level in near if level is not None), mean)
