@@ -140,8 +140,7 @@ def _fitted_again(context: FitContext, candidates: tuple[Candidate, ...]) -> tup
         if c.optimum.problem.records is context.records:  # another noise floor only
             out.append(replace(c, structure=block_means(context, c.optimum)))
             continue
-        fine = build(context.records, c.effects, tolerance=context.step_error, workers=context.workers)
-        problem = with_deviations(fine, c.deviations)
+        problem = with_deviations(build(context.records, c.effects, workers=context.workers), c.deviations)
         local = np.where(problem.active, c.optimum.local, 0.0)
         fitted = minimize(problem, c.optimum.shared, local, tolerance=context.tolerance, iterations=_STEPS)
         if fitted is not None:

@@ -59,7 +59,7 @@ def held_out_residuals(
     dict
         Run index to residual, shape (n,); empty where no run qualifies and `part` is not given.
     """
-    records, simulator = optimum.problem.records, optimum.problem.simulator
+    records = optimum.problem.records
     able, told = qualifying(records), {}
     if not able and part is not None and len(records.runs) > 1:
         first = min(first, part)
@@ -75,7 +75,7 @@ def held_out_residuals(
         seen_from = round(first * own.size) if first < 1 else 0
         if first < 1:
             own = own.reweighted(np.where(np.arange(own.size) < seen_from, own.weight, _UNSEEN))
-        alone = build(own, simulator.effects, tolerance=simulator.tolerance)
+        alone = build(own, optimum.problem.simulator.effects)
         alone = replace(alone, free=told.get(i, np.zeros_like(alone.free)), **_own(optimum, [i]))
         local = np.where(alone.active, optimum.local[:, [i]], 0.0)
         seen = minimize(alone, shared, local, tolerance=tolerance, iterations=15)
@@ -134,8 +134,7 @@ def _without(optimum: Optimum, run: int, tolerance: float) -> Array | None:
     if (run, tolerance) not in known:
         records = optimum.problem.records
         others = [j for j in range(len(records.runs)) if j != run]
-        simulator = optimum.problem.simulator
-        problem = build(records.subset(others), simulator.effects, tolerance=simulator.tolerance)
+        problem = build(records.subset(others), optimum.problem.simulator.effects)
         problem = replace(problem, free=problem.free & optimum.problem.free, **_own(optimum, others))
         fitted = minimize(problem, optimum.shared, optimum.local[:, others], tolerance=tolerance, iterations=15)
         known[run, tolerance] = None if fitted is None else fitted.shared

@@ -23,10 +23,8 @@ from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.spectrum import strongest_period
 from stepid.fitting.weak_form import WeakForm, measured_motion
 from stepid.simulation.records import Records
-from stepid.simulation.simulator import COARSE, FINE
+from stepid.simulation.simulator import COARSE
 
-_UNSEEN = 1e-4  # of the noise floor, error of a step that no sample shows in a record of so many swings:
-_SWINGS = 10.0  # errors of steps add up to one in frequency, which grows along the record
 _SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
 _SAME = 0.01  # share of what is left above the floor, by which two ends are one
 _POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
@@ -98,13 +96,6 @@ class FitContext:
         self.tangent = np.linalg.qr(self.coarse_linear.problem.jacobian(self.coarse_linear.solved))[0]
         self.weak = WeakForm(records, 0.6 * period, fixed_mass=fixes_mass(records))
 
-    @property
-    def step_error(self) -> float:
-        """Error of one step of a fit to all samples, as `Simulator` takes it: no finer than noise lets anyone see."""
-        longer = max(1.0, float(self.records.time.max()) / self.period / _SWINGS)
-        unseen = _UNSEEN * self.floor / longer**2
-        return min(max(FINE, unseen / self.linear.problem.simulator.scale), 0.5 * COARSE)
-
     @cached_property
     def by_weights(self) -> Optimum | None:
         """The linear plant with the most likely added masses, where errors of these leave only noise."""
@@ -173,9 +164,7 @@ class CandidateFit:
     @cached_property
     def fine(self) -> Problem:
         """The fit to all samples."""
-        context = self.context
-        fine = build(context.records, self.effects, tolerance=context.step_error, workers=context.workers)
-        return with_deviations(fine, self.deviations)
+        return with_deviations(build(self.context.records, self.effects, workers=self.context.workers), self.deviations)
 
     @property
     def names(self) -> tuple[str, ...]:
