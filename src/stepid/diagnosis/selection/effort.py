@@ -65,7 +65,7 @@ class Effort(Model):
     stuck : float
         Times a tie, or the price of initial states, by which a fit may seem worse before it is taken as stuck.
     alike : float
-        Share of a general law's force that two simple ones may leave to be tried in its place.
+        Share of a general law's force that one or two simple ones may leave to be tried in its place.
     enough : float
         Share of what a fit leaves that a further step need not promise.
     converged : float
