@@ -190,15 +190,11 @@ class PreslidingHysteresis(Effect):
         built = np.zeros(m.x.size)
         begins = np.flatnonzero(np.diff(m.time, prepend=np.inf) <= 0).tolist()
         for first, end in pairwise([*begins, m.x.size]):
-            shifts, memory, path = np.diff(m.x[first:end]), 0.0, []
-            keeps = np.exp(-np.abs(shifts) / distance)
-            for shift, kept in zip(shifts.tolist(), keeps.tolist(), strict=True):
-                sign = 1.0 if shift > 0 else -1.0
-                if sign * memory >= 0:  # it builds up: `remember` with the exponentials taken at once
-                    memory = sign * distance - (sign * distance - memory) * kept
-                else:
-                    (memory,) = self.remember((1.0, distance), (memory,), shift, sign)
-                path.append(memory)
+            memory: tuple[float, ...] = (0.0,)
+            path = []
+            for shift in np.diff(m.x[first:end]).tolist():
+                memory = self.remember((1.0, distance), memory, shift, 1.0 if shift > 0 else -1.0)
+                path.append(memory[0])
             built[first + 1 : end] = path
         return built
 

@@ -592,9 +592,11 @@ def _leaps(w: Work, t: float, until: float) -> bool:
 
 
 @inlined
-def _growth(error: float) -> float:
+def _stretch(error: float) -> float:
     """Times its length that the step after one of this error may have."""
-    return 5.0 if error < 1e-4 else min(5.0, 0.9 * error ** (-1.0 / _ORDER))
+    if error < 1e-4:  # the longest: no root is to be taken
+        return 5.0
+    return max(0.1, min(5.0, 0.9 * error ** (-1.0 / _ORDER)))
 
 
 @compiled
@@ -625,14 +627,14 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
             fresh = True
         error = _step(w, t, length)
         if error > 1.0 and length > shortest:
-            h = length * max(0.1, 0.9 * error ** (-1.0 / _ORDER))
+            h = length * _stretch(error)
             continue
-        which, share, there = -1, 1.0, 0.0
+        which, share, missed = -1, 1.0, 0.0
         if events < _EVENTS and (w.reverses or w.switches > 0):
-            which, share, there = _first_event(w, t, length)
+            which, share, missed = _first_event(w, t, length)
         if which >= 0:
-            if there > 1.0 and share * length > shortest:  # what the law does next to an event can be narrow
-                h = share * length * max(0.1, 0.9 * there ** (-1.0 / _ORDER))
+            if missed > 1.0 and share * length > shortest:  # what the law does next to an event can be narrow
+                h = share * length * _stretch(missed)
                 continue
             _copy(w.stage, w.y, w.states)
             t += share * length
@@ -643,7 +645,7 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
         _copy(w.stage, w.y, w.states)
         t = until if last else t + length
         _copy(w.k[_STAGES - 1], w.k[0], w.states)
-        h = max(h if last else 0.0, length * _growth(error))
+        h = max(h if last else 0.0, length * _stretch(error))
         if not abs(w.y[0]) < w.far:
             return h, False
     return h, fresh

@@ -48,8 +48,8 @@ def level_within(node: Node, place: int, simple: Effect, context: SearchContext)
     if is_force(general):
         force = ForceAlong(node, place, context)
         inside = simple.regressors(context.fit.scales, force.motion)
-        left = (like.left for like in (force.by((one,)) for one in inside) if like is not None)
-        if same or min(left, default=1.0) < context.effort.alike:
+        found = (force.by((one,)) for one in inside)
+        if same or any(like.left < context.effort.alike for like in found if like):
             near = [force.strength(one) for one in inside]
     mean = float(np.mean(same)) if same else None
     return next((level for level in near if level is not None), mean)
