@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -27,7 +28,14 @@ from stepid.simulation.simulator import COARSE
 
 _SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
 _SAME = 0.01  # share of what is left above the floor, by which two ends are one
+_SHORT = 5e5  # steps times states, of a fit in the race: a twentieth of a second
+_FAR = 1e2  # m, beyond which a plant runs away
 _POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
+
+
+def is_short(work: float) -> bool:
+    """Tell whether fits that take so much work, see `CandidateFit.work`, are short enough for a hundred of them."""
+    return work < _SHORT
 
 
 class Scored(NamedTuple):
@@ -93,7 +101,7 @@ class FitContext:
                 self.motion = self.motion._replace(x=x)
         self.coarse_linear = fit_coarsely(decimated(records, linear, shortest_period(linear), floor), linear)
         self.decimated = self.coarse_linear.problem.records
-        self.tangent = np.linalg.qr(self.coarse_linear.problem.jacobian(self.coarse_linear.solved))[0]
+        self._tangents: WeakKeyDictionary[Optimum, Array] = WeakKeyDictionary()
         self.weak = WeakForm(records, 0.6 * period, fixed_mass=fixes_mass(records))
 
     @cached_property
@@ -121,6 +129,14 @@ class FitContext:
     def tolerance(self) -> float:
         """Predicted decrease of the cost that no longer matters, m²."""
         return 0.05 * self.floor**2
+
+    def adapted(self, residual: Array, base: Optimum) -> Array:
+        """What is left of a residual in the race once a fit has adapted to it."""
+        if base not in self._tangents:
+            jacobian = base.problem.jacobian(base.solved)
+            self._tangents[base] = np.linalg.qr(np.where(np.isfinite(jacobian), jacobian, 0.0))[0]
+        q = self._tangents[base]
+        return residual - q @ (q.T @ residual)
 
     def regressors(self, effect: Effect, scales: Scales) -> Sequence[Regressor]:
         """What to try of an effect; of a scan the deepest valleys of what the weak form leaves, each a basin."""
@@ -172,6 +188,13 @@ class CandidateFit:
         return tuple(e.name for e in self.effects)
 
     @property
+    def work(self) -> int:
+        """Steps of the simulation that the race has taken so far, times the states that each of them follows."""
+        simulator = self.coarse.simulator
+        own = simulator.layout.own_states
+        return int(simulator.taken * (2 + own.stop - own.start))
+
+    @property
     def excess(self) -> float:
         """Cost above that of the noise floor, m²; 0 at the floor."""
         return max(self.cost - self.context.noise_cost, 0.0)
@@ -181,23 +204,29 @@ class CandidateFit:
         """Sum of squared residuals of the best fit so far, m²."""
         return np.inf if self.best is None else self.best.cost
 
-    def begin(self, starts: list[Start], *, like: Optimum, keep: int = 3, laps: int = 3) -> None:
-        """Try starts: march them side by side, run a few steps from the best."""
+    def begin(self, starts: list[Start], *, like: Optimum, keep: int = 3, laps: int = 3, patient: bool = False) -> None:
+        """Try starts: march them side by side, run a few steps from the best.
+
+        Parameters
+        ----------
+        starts : list of Start
+        like : Optimum
+            Where their local parameters begin.
+        keep : int
+            Starts that are run on.
+        laps : int
+            Steps from each.
+        patient : bool
+            Give each its steps, whatever the others promise.
+        """
         problem = self.coarse
         sim = problem.simulator
-        shared = np.array([np.concatenate([s.linear, *s.values]) for s in starts])
-        shared = np.clip(shared, problem.lower, problem.upper)
-        local = np.repeat(start_local(problem, like)[None], len(starts), axis=0)
-        for own, start in zip(local, starts, strict=True):
-            if start.displacement is not None:
-                own[0] = np.where(self.context.decimated.moving, start.displacement, own[0])
-        if phase_rows(problem):
-            local = start_phases(problem, shared, local)
+        shared, local = self._laid(starts, like)
         order = list(range(len(starts)))
         many = 1 if any(e.run_parameters for e in self.effects) else 3  # with their phases they can be told apart
         if any(e.reverses or e.n_switches for e in self.effects) or (len(starts) > min(many, keep) and not sim.linear):
-            costs = [self._reach(reading) for reading in sim.readings(shared, local)]
-            if min(costs) > like.cost - _POOR * (like.cost - self.context.noise_cost):
+            costs = self._reaches(shared, local, like if patient else self.context.coarse_linear)
+            if not patient and min(costs) > like.cost - _POOR * (like.cost - self.context.noise_cost):
                 keep = 1  # none shows much
             order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
         for i in order:
@@ -206,9 +235,31 @@ class CandidateFit:
                 alone = replace(problem, free=np.zeros_like(problem.free))
                 begun = minimize(alone, shared[i], begin, iterations=3)
                 begin = begun.local if begun else begin
-            ended = [self._try(variant, shared[i], begin, like, laps) for variant in self._variants()]
+            aim = np.inf if patient else self.cost + _SAME * self.excess + self.context.unit  # above it is no better
+            ended = [self._try(variant, shared[i], begin, like, laps, aim) for variant in self._variants()]
             if any(ended):
                 break
+
+    def _laid(self, starts: list[Start], like: Optimum) -> tuple[Array, Array]:
+        """Global and local parameters of starts, shapes (C, P) and (C, Q, R)."""
+        problem = self.coarse
+        shared = np.array([np.concatenate([s.linear, *s.values]) for s in starts])
+        shared = np.clip(shared, problem.lower, problem.upper)
+        local = np.repeat(start_local(problem, like)[None], len(starts), axis=0)
+        for own, start in zip(local, starts, strict=True):
+            if start.displacement is not None:
+                own[0] = np.where(self.context.decimated.moving, start.displacement, own[0])
+        return shared, start_phases(problem, shared, local) if phase_rows(problem) else local
+
+    def _reaches(self, shared: Array, local: Array, like: Optimum) -> list[float]:
+        records, out = self.context.decimated, []
+        for reading in self.coarse.simulator.readings(shared, local):
+            if not np.isfinite(reading).all() or np.abs(reading).max() > _FAR:
+                out.append(np.inf)
+                continue
+            left = self.context.adapted(records.weighted(records.position - reading), like)
+            out.append(float(left @ left))
+        return out
 
     def _variants(self) -> list[Problem]:
         """The problem; before it, with runs that begin at rest, where they need not."""
@@ -218,11 +269,10 @@ class CandidateFit:
         active[:2] = self.context.decimated.moving
         return [replace(self.coarse, active=active), self.coarse]
 
-    def _try(self, problem: Problem, shared: Array, local: Array, like: Optimum, laps: int) -> bool:
+    def _try(self, problem: Problem, shared: Array, local: Array, like: Optimum, laps: int, aim: float) -> bool:
         """Run a few steps from a start; True at the floor, or where a start before it ended, better than `like`."""
         context = self.context
         tolerance = max(context.tolerance, _SLIGHT * (min(self.cost, like.cost) - context.noise_cost))
-        aim = self.cost + _SAME * self.excess + context.unit  # what ends above that is no better start
         found = minimize(problem, shared, local, tolerance=tolerance, iterations=laps, aim=aim)
         if found is None:
             return False
@@ -231,15 +281,6 @@ class CandidateFit:
         if found.cost < self.cost:
             self.best, self._tolerance = found, tolerance
         return found.converged and (again or found.cost < 1.02 * context.noise_cost)
-
-    def _reach(self, reading: Array) -> float:
-        """Cost that a trajectory would leave after the linear plant has adapted to it."""
-        if not np.isfinite(reading).all() or np.abs(reading).max() > 1e2:
-            return np.inf
-        records = self.context.decimated
-        r = records.weighted(records.position - reading)
-        r = r - self.context.tangent @ (self.context.tangent.T @ r)
-        return float(r @ r)
 
     def run(self, *, laps: int, tolerance: float = 0.0) -> None:
         """Go on from the best fit so far, until a step promises less than `tolerance` [m²]."""

@@ -95,6 +95,7 @@ WORK = np.dtype(
         ("margin", np.float64, 1 + MOST_SWITCHES),  # how far each event is
         ("patience", np.int64),  # steps a sample that a plant is worth, and as many a radian of its swing
         ("credit", np.float64),  # what is left of them
+        ("taken", np.int64),  # steps of all replicas so far
         ("far", np.float64),  # m, from where on it is a runaway
         ("net", np.float64),  # force on a held cart, N, when it was last looked at
         ("rate", np.float64),  # its fastest change so far, N/s
@@ -608,6 +609,7 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
     w.credit += w.patience * (1.0 + min(swing, _UNSEEN))
     while t < until:
         w.credit -= 1.0
+        w.taken += 1
         if w.credit < 0.0:
             w.y[0] = np.inf
             return h, fresh

@@ -93,6 +93,7 @@ class Simulator:
         self._leaps = 2 if self.linear else int(affine)  # see `stepid.simulation.kernel.simulate`
         self.scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), _STILL)
         self._powers = exponents(tuple(q for e in effects for q in e.parameters))
+        self.taken = 0  # steps of the kernel so far: work that does not depend on a clock
         self._planned: tuple[bytes, tuple[Index, Index, Index]] | None = None
         self._tiled: tuple[int, Index, Index] | None = None
 
@@ -148,20 +149,21 @@ class Simulator:
             answer = np.abs(gain * np.abs(np.append(r.volts, r.before)).max()) / stiffness
             scale = float((answer + swing).max()) or _TRAVEL
 
-        def some(replicas: slice) -> None:
+        def some(replicas: slice) -> int:
             work = structure(self.effects)
             kernel.simulate(
                 work, values[replicas], start[replicas], run[replicas],
                 r.bounds, r.time, r.coefficients, r.before, r.moving,
                 self.tolerance * scale, scale, leaps, self.patience, offset[replicas], reading, states,
             )  # fmt: skip
+            return int(work.taken)
 
         if self.workers == 1 or len(run) <= 1:
-            some(slice(None))
+            self.taken += some(slice(None))
         else:
             ends = np.linspace(0, len(run), min(self.workers, len(run)) + 1).astype(int)
             with ThreadPoolExecutor(self.workers) as pool:
-                list(pool.map(some, [slice(a, b) for a, b in pairwise(ends)]))
+                self.taken += sum(pool.map(some, [slice(a, b) for a, b in pairwise(ends)]))
 
     def readings(self, shared: Array, local: Array) -> Array:
         """Readings of C plants, m, shape (C, S), for parameters (C, P) and (C, Q, R); NaN after a runaway."""

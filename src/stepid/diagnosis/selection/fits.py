@@ -62,6 +62,19 @@ class Fits(Standings):
         elif known is None or fitted.cost < known.cost:
             self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
 
+    def _fit_beside(self, base: Node) -> None:
+        """Fit sets of one effect more than a base, each from its own starts, whatever the others promise."""
+        for proposal in by.beside(self.proposals, base.key):
+            self.fits += 1
+            self._tried.add((proposal.base, proposal.key))
+            self._tell(proposal)
+            fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
+            keep, laps = self.effort.keep, self.effort.polishing
+            fitted.begin(list(proposal.starts), like=proposal.like, keep=keep, laps=laps, patient=True)
+            known = self.nodes.get(proposal.key)
+            if fitted.best is not None and (known is None or fitted.cost < known.cost):
+                self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
+
     def _polish_best(self) -> Candidate:
         """Fit the best nodes to all samples."""
         order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))

@@ -111,6 +111,26 @@ def larger(
     return list({p.key: p for p in (*together, *own)}.values())  # the same set once, from its base
 
 
+def apart(nodes: Iterable[Node], size: int, count: int) -> list[Node]:
+    """The sets of so many effects that leave least, conditions alike in all runs; of kin the best only."""
+    out: list[Node] = []
+    for node in sorted((n for n in nodes if len(n.effects) == size and not n.deviations), key=lambda n: n.cost):
+        if len(out) < count and not any(akin(node, other) for other in out):
+            out.append(node)
+    return out
+
+
+def akin(one: Node, other: Node) -> bool:
+    """Tell whether two sets of as many effects are the same but for laws of which one contains the other."""
+    return includes(one.effects, other.effects) or includes(other.effects, one.effects)
+
+
+def beside(proposals: Sequence[Proposal], base: Key) -> list[Proposal]:
+    """Sets of one effect more than a base, conditions alike in all runs, the most promising first."""
+    able = [p for p in proposals if p.base == base and base[0] < p.key[0] and not p.deviations]
+    return sorted(able, key=lambda p: p.rank)
+
+
 def inside(nodes: Iterable[Node], pairs: Collection[Node]) -> list[Node]:
     """Of some nodes the single effects that one of the pairs holds, or a law that contains them; conditions alike."""
     alone = [n for n in nodes if len(n.effects) == 1 and not n.deviations]

@@ -17,7 +17,7 @@ from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.promote import promote
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext, is_mode
 from stepid.effects.base import Effect
-from stepid.fitting.multistart import CandidateFit, FitContext
+from stepid.fitting.multistart import CandidateFit, FitContext, is_short
 
 _RIVALS_AND_RUNS = {*RIVALS, Deviate.name}
 _TOGETHER = {move.name for move in TOGETHER}
@@ -62,6 +62,8 @@ class Search(Fits):
         if self._try_modes():
             self._explore(self.fits + self.effort.width)
         if self._try_larger():
+            self._explore(self.fits + self.effort.width)
+        if self._try_beside():
             self._explore(self.fits + self.effort.width)
         self._try_exchanges()
         self._confirm()
@@ -117,6 +119,24 @@ class Search(Fits):
             self._expand(base, EXPLORING)
         self._expand(self.root, TOGETHER)
         self._fit_all(by.larger(self._able(), self.nodes, base, self.effort.share, TOGETHER), keep=1)
+        return self._takes_enough(least)
+
+    def _try_beside(self) -> bool:
+        """Where no set is enough, fit further effects beside the best of each size: a step promises too little of some.
+
+        Only where a fit is as short as most are: of long records with fast laws these would take a minute. True where
+        one takes enough, as in `_try_larger`.
+        """
+        least = self._least().cost
+        work = sum(node.fitted.work for node in self.nodes.values())
+        if least <= self.noise_limit or not is_short(work / len(self.nodes)):
+            return False
+        for size in range(1, LEADING + 1):
+            for base in by.apart(self.nodes.values(), size, self.effort.beam):
+                if self._least().cost > self.noise_limit:
+                    self._expand(base, EXPLORING)
+                    self._fit_beside(base)
+        promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
         return self._takes_enough(least)
 
     def _try_exchanges(self) -> None:
