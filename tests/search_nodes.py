@@ -12,8 +12,9 @@ from scattered_campaigns import scattered
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.effects import CATALOGUE, Effect, resolve
+from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.fit import prepare
-from stepid.fitting.multistart import CandidateFit, FitContext, Start
+from stepid.fitting.multistart import FitContext, Start
 
 Values = Mapping[str, Mapping[str, float]]
 FRICTION = {"coulomb_friction": {"level": 0.2}}

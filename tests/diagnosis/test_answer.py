@@ -249,3 +249,14 @@ def test_the_search_counts_what_is_left() -> None:
     assert all(left >= 0 and 0 <= promise <= 1 for left, promise, _ in seen)
     assert [fits for *_, fits in seen] == list(range(1, len(seen) + 1))
     assert one.best.names == ("coulomb_friction",)
+
+
+def test_what_was_left_out_of_a_record_is_told_once() -> None:
+    clean = campaign(1, masses=SMALL)
+    first, *others = clean.experiments
+    wrong = first.position.copy()
+    wrong[[200, 201]] += 5e-3
+    spoiled = clean.model_copy(update={"experiments": (first.model_copy(update={"position": wrong}), *others)})
+    notes = stepid.diagnose(spoiled).notes
+    assert sum("stand out" in note for note in notes) == 1
+    assert len(set(notes)) == len(notes)

@@ -17,8 +17,8 @@ from stepid.diagnosis.selection.moves.generalize import Generalize
 from stepid.diagnosis.selection.moves.instead import Instead
 from stepid.diagnosis.selection.proposal import Node, related
 from stepid.effects import resolve
+from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.fit import prepare
-from stepid.fitting.multistart import CandidateFit
 
 
 def test_each_move_has_a_name_of_its_own() -> None:

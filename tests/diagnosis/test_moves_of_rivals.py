@@ -18,9 +18,10 @@ from stepid.diagnosis.selection.moves.specialize import Specialize, level_within
 from stepid.diagnosis.selection.moves.split import Split
 from stepid.diagnosis.selection.proposal import Node, related, standing
 from stepid.effects import resolve
+from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.deviations import SCATTER
 from stepid.fitting.fit import prepare
-from stepid.fitting.multistart import CandidateFit, FitContext, Start
+from stepid.fitting.multistart import FitContext, Start
 
 
 def test_generalize_offers_what_contains_an_effect_from_where_it_stands() -> None:

@@ -10,6 +10,8 @@ import pytest
 
 from made_up_evidence import candidate
 from stepid.diagnosis.selection.order import (
+    apart,
+    beside,
     calmer,
     exchanges,
     inside,
@@ -243,3 +245,25 @@ def test_exchanges_of_an_effect_are_of_those_that_its_absence_needs() -> None:
     ]
     assert exchanges(given, nodes, base, 9) == [second, first, unknown]
     assert exchanges(given, nodes, base, 2) == [second, first]
+
+
+def test_the_best_sets_of_a_size_are_apart_where_none_is_another_by_a_law_inside() -> None:
+    stribeck, coulomb = made_up("stribeck_friction", cost=1.0), made_up("coulomb_friction", cost=1.5)
+    nodes = [PLAY, coulomb, stribeck, made_up("cogging", cost=4.0), made_up("end_stop", cost=5.0)]
+    others = [made_up("sensor_drift", deviations=("gain",), cost=0.1), made_up("cogging", "free_play", cost=0.1)]
+    assert apart([*nodes, *others, made_up(cost=9.0)], 1, 3) == [stribeck, PLAY, nodes[3]]
+    assert apart(others, 2, 3) == others[1:]
+
+
+def test_beside_a_base_stand_sets_of_one_effect_more_the_most_promising_first() -> None:
+    base = frozenset({"free_play"}), frozenset[str]()
+    drift, friction = (
+        proposed("free_play sensor_drift", "free_play", 3.0),
+        proposed("free_play cogging", "free_play", 2.0),
+    )
+    others = [
+        proposed("cogging end_stop", "cogging", 0.1),  # of another base
+        proposed("sensor_drift", "free_play", 0.1, move="exchange"),  # in its place
+        proposed("free_play input_delay", "free_play", 0.1, ("gain",)),
+    ]
+    assert beside([drift, *others, friction], base) == [friction, drift]

@@ -9,9 +9,10 @@ import pytest
 
 from broken_campaigns import campaign
 from stepid.effects import CATALOGUE, Effect, resolve
+from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.fit import prepare
 from stepid.fitting.joint_score import JointScore, ScoredSet
-from stepid.fitting.multistart import CandidateFit, FitContext, Start
+from stepid.fitting.multistart import FitContext, Start
 from stepid.fitting.score_test import _fitted, columns, score
 from stepid.fitting.tangent import Tangent
 

@@ -54,7 +54,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         next_experiment=_next(campaign, evidence, answer),
         advice={e.name: e.advice for e in effects if e.advice},
         reasons=(*answer.reasons, *_rest(evidence, answer)),
-        notes=(
+        notes=_each_once(
             *(fault.words for fault in evidence.faults),
             *((evidence.input_fault.words,) if evidence.input_fault else ()),
             *scatter_words(scatter),
@@ -78,6 +78,11 @@ def _rest(evidence: EvidenceRecord, answer: Answer) -> tuple[str, ...]:
     if evidence.input_fault is not None or evidence.at_floor(answer.shown):
         return ()
     return remainder(evidence.context, answer.shown) if answer.verdict in ("named", "unexplained") else ()
+
+
+def _each_once(*notes: str) -> tuple[str, ...]:
+    """Notes without those said before: what was left out of a record may also be told as its fault."""
+    return tuple(dict.fromkeys(notes))
 
 
 def _explained(pooled: tuple[float | None, float | None]) -> float | None:

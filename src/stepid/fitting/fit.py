@@ -14,6 +14,7 @@ from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
+from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.covariance import estimates, most_likely
 from stepid.fitting.eccentricity import find_eccentricity
 from stepid.fitting.fit_result import Fit as Fit
@@ -22,7 +23,7 @@ from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.left_over import left_over
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import centered
-from stepid.fitting.multistart import CandidateFit, FitContext, Start
+from stepid.fitting.multistart import FitContext, Start
 from stepid.fitting.multistart_cogging import well_starts
 from stepid.fitting.multistart_race import race_starts
 from stepid.fitting.noise_color import colored_floor

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -15,27 +14,13 @@ from stepid.core.base import Array
 from stepid.effects.base import Effect, Motion, Regressor, Scales
 from stepid.fitting.covariance import by_weights
 from stepid.fitting.decimation import decimated, fit_coarsely, shortest_period
-from stepid.fitting.deviations import with_deviations
-from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
-from stepid.fitting.multistart_sticking import other_sticking
+from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.noise_color import NoiseColor
-from stepid.fitting.problem import build, fixes_mass, phase_rows, scales, start_local, start_phases
+from stepid.fitting.problem import fixes_mass, scales
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.spectrum import strongest_period
 from stepid.fitting.weak_form import WeakForm, measured_motion
 from stepid.simulation.records import Records
-from stepid.simulation.simulator import COARSE
-
-_SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
-_SAME = 0.01  # share of what is left above the floor, by which two ends are one
-_SHORT = 5e5  # steps times states, of a fit in the race: a twentieth of a second
-_FAR = 1e2  # m, beyond which a plant runs away
-_POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
-
-
-def is_short(work: float) -> bool:
-    """Tell whether fits that take so much work, see `CandidateFit.work`, are short enough for a hundred of them."""
-    return work < _SHORT
 
 
 class Scored(NamedTuple):
@@ -157,168 +142,3 @@ class FitContext:
                 found.append((solution.left, Start(solution.shared, (values,))))
         found.sort(key=lambda item: item[0])
         return [start for _, start in found[:count]]
-
-
-class CandidateFit:
-    """One set of effects in the search: its starts, and the best fit so far.
-
-    `deviations` are conditions that differ from run to run, see `stepid.fitting.deviations`.
-    """
-
-    def __init__(
-        self, context: FitContext, effects: tuple[Effect, ...], deviations: frozenset[str] = frozenset()
-    ) -> None:
-        self.context, self.effects, self.deviations = context, effects, deviations
-        coarse = build(context.decimated, effects, tolerance=COARSE, workers=context.workers)
-        self.coarse = with_deviations(coarse, deviations)
-        self.best: Optimum | None = None
-        self.polished: Optimum | None = None  # on all samples
-        self.rested: tuple[Optimum, Optimum] | None = None  # a polished fit, and the better of it and the one at rest
-        self._sticking: Optimum | None = None  # where other patterns of sticking led last
-        self._tolerance = 0.0  # with which the best fit so far ended, m²
-
-    @cached_property
-    def fine(self) -> Problem:
-        """The fit to all samples."""
-        return with_deviations(build(self.context.records, self.effects, workers=self.context.workers), self.deviations)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Canonical names."""
-        return tuple(e.name for e in self.effects)
-
-    @property
-    def work(self) -> int:
-        """Steps of the simulation that the race has taken so far, times the states that each of them follows."""
-        simulator = self.coarse.simulator
-        own = simulator.layout.own_states
-        return int(simulator.taken * (2 + own.stop - own.start))
-
-    @property
-    def excess(self) -> float:
-        """Cost above that of the noise floor, m²; 0 at the floor."""
-        return max(self.cost - self.context.noise_cost, 0.0)
-
-    @property
-    def cost(self) -> float:
-        """Sum of squared residuals of the best fit so far, m²."""
-        return np.inf if self.best is None else self.best.cost
-
-    def begin(self, starts: list[Start], *, like: Optimum, keep: int = 3, laps: int = 3, patient: bool = False) -> None:
-        """Try starts: march them side by side, run a few steps from the best.
-
-        Parameters
-        ----------
-        starts : list of Start
-        like : Optimum
-            Where their local parameters begin.
-        keep : int
-            Starts that are run on.
-        laps : int
-            Steps from each.
-        patient : bool
-            Give each its steps, whatever the others promise.
-        """
-        problem = self.coarse
-        sim = problem.simulator
-        shared, local = self._laid(starts, like)
-        order = list(range(len(starts)))
-        many = 1 if any(e.run_parameters for e in self.effects) else 3  # with their phases they can be told apart
-        if any(e.reverses or e.n_switches for e in self.effects) or (len(starts) > min(many, keep) and not sim.linear):
-            costs = self._reaches(shared, local, like if patient else self.context.coarse_linear)
-            if not patient and min(costs) > like.cost - _POOR * (like.cost - self.context.noise_cost):
-                keep = 1  # none shows much
-            order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
-        for i in order:
-            begin = local[i]
-            if problem.active[sim.layout.own_states].any():  # from wrong own states the shared parameters go astray
-                alone = replace(problem, free=np.zeros_like(problem.free))
-                begun = minimize(alone, shared[i], begin, iterations=3)
-                begin = begun.local if begun else begin
-            aim = np.inf if patient else self.cost + _SAME * self.excess + self.context.unit  # above it is no better
-            ended = [self._try(variant, shared[i], begin, like, laps, aim) for variant in self._variants()]
-            if any(ended):
-                break
-
-    def _laid(self, starts: list[Start], like: Optimum) -> tuple[Array, Array]:
-        """Global and local parameters of starts, shapes (C, P) and (C, Q, R)."""
-        problem = self.coarse
-        shared = np.array([np.concatenate([s.linear, *s.values]) for s in starts])
-        shared = np.clip(shared, problem.lower, problem.upper)
-        local = np.repeat(start_local(problem, like)[None], len(starts), axis=0)
-        for own, start in zip(local, starts, strict=True):
-            if start.displacement is not None:
-                own[0] = np.where(self.context.decimated.moving, start.displacement, own[0])
-        return shared, start_phases(problem, shared, local) if phase_rows(problem) else local
-
-    def _reaches(self, shared: Array, local: Array, like: Optimum) -> list[float]:
-        records, out = self.context.decimated, []
-        for reading in self.coarse.simulator.readings(shared, local):
-            if not np.isfinite(reading).all() or np.abs(reading).max() > _FAR:
-                out.append(np.inf)
-                continue
-            left = self.context.adapted(records.weighted(records.position - reading), like)
-            out.append(float(left @ left))
-        return out
-
-    def _variants(self) -> list[Problem]:
-        """The problem; before it, with runs that begin at rest, where they need not."""
-        if not any(e.never_rests for e in self.effects):
-            return [self.coarse]
-        active = self.coarse.active.copy()
-        active[:2] = self.context.decimated.moving
-        return [replace(self.coarse, active=active), self.coarse]
-
-    def _try(self, problem: Problem, shared: Array, local: Array, like: Optimum, laps: int, aim: float) -> bool:
-        """Run a few steps from a start; True at the floor, or where a start before it ended, better than `like`."""
-        context = self.context
-        tolerance = max(context.tolerance, _SLIGHT * (min(self.cost, like.cost) - context.noise_cost))
-        found = minimize(problem, shared, local, tolerance=tolerance, iterations=laps, aim=aim)
-        if found is None:
-            return False
-        gained = like.cost - found.cost > _SAME * (like.cost - context.noise_cost) + context.unit
-        again = gained and self.best is not None and abs(found.cost - self.cost) < _SAME * self.excess + context.unit
-        if found.cost < self.cost:
-            self.best, self._tolerance = found, tolerance
-        return found.converged and (again or found.cost < 1.02 * context.noise_cost)
-
-    def run(self, *, laps: int, tolerance: float = 0.0) -> None:
-        """Go on from the best fit so far, until a step promises less than `tolerance` [m²]."""
-        tolerance = max(self.context.tolerance, tolerance)
-        if self.best is None or (self.best.converged and self._tolerance <= tolerance):
-            return
-        found = minimize(
-            self.coarse,
-            self.best.shared,
-            self.best.local,
-            tolerance=tolerance,
-            iterations=laps,
-        )
-        if found is not None and found.cost <= self.best.cost:
-            self.best, self.polished, self._tolerance = found, None, tolerance
-
-    def other_sticking(self) -> bool:
-        """Try other patterns of sticking from the best fit so far; True where one is better."""
-        if self.best is None or self._sticking is self.best:
-            return False
-        tolerance = max(self.context.tolerance, _SLIGHT * self.excess)
-        moved = other_sticking(self.best, tolerance=tolerance)
-        better, self._sticking = moved is not self.best, moved
-        if better:
-            self.best, self.polished, self._tolerance = moved, None, tolerance
-        return better
-
-    def polish(self, *, laps: int, tolerance: float = 0.0) -> None:
-        """Fit all samples, from the best fit of the race or from where the last polish ended."""
-        last = self.polished
-        if self.best is None or (last is not None and last.converged):
-            return
-        begin = last or self.best
-        found = minimize(
-            self.fine,
-            begin.shared,
-            begin.local,
-            tolerance=max(self.context.tolerance, tolerance),
-            iterations=laps,
-        )
-        self.polished = found or self.polished

@@ -92,6 +92,11 @@ class ParameterLayout:
         """`DEVIATIONS` among the parameters of a run."""
         return slice(self.own_states.stop, self.own_states.stop + len(DEVIATIONS))
 
+    @cached_property
+    def n_states(self) -> int:
+        """Number of states of a run: displacement, velocity and the effects' own."""
+        return 2 + int(self.own_states.stop - self.own_states.start)
+
     def deviation(self, name: str) -> int:
         """Row of one deviation among the parameters of a run."""
         return int(self.deviations.start) + _NAMES.index(name)

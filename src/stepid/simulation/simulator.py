@@ -70,6 +70,8 @@ class Simulator:
         Threads.
     patience : int, optional
         See `stepid.simulation.kernel.simulate`; by default as the tolerance asks for.
+
+    `taken` are the kernel's steps so far: work that no clock measures.
     """
 
     def __init__(
@@ -90,10 +92,9 @@ class Simulator:
         self.layout = ParameterLayout(records, effects)
         self.linear = all(e.linear for e in effects)
         affine = all((e.linear or e.affine) and not e.n_extra for e in effects)
-        self._leaps = 2 if self.linear else int(affine)  # see `stepid.simulation.kernel.simulate`
+        self._leaps, self.taken = 2 if self.linear else int(affine), 0  # see `stepid.simulation.kernel.simulate`
         self.scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), _STILL)
         self._powers = exponents(tuple(q for e in effects for q in e.parameters))
-        self.taken = 0  # steps of the kernel so far: work that does not depend on a clock
         self._planned: tuple[bytes, tuple[Index, Index, Index]] | None = None
         self._tiled: tuple[int, Index, Index] | None = None
 
@@ -160,10 +161,10 @@ class Simulator:
 
         if self.workers == 1 or len(run) <= 1:
             self.taken += some(slice(None))
-        else:
-            ends = np.linspace(0, len(run), min(self.workers, len(run)) + 1).astype(int)
-            with ThreadPoolExecutor(self.workers) as pool:
-                self.taken += sum(pool.map(some, [slice(a, b) for a, b in pairwise(ends)]))
+            return
+        ends = np.linspace(0, len(run), min(self.workers, len(run)) + 1).astype(int)
+        with ThreadPoolExecutor(self.workers) as pool:
+            self.taken += sum(pool.map(some, [slice(a, b) for a, b in pairwise(ends)]))
 
     def readings(self, shared: Array, local: Array) -> Array:
         """Readings of C plants, m, shape (C, S), for parameters (C, P) and (C, Q, R); NaN after a runaway."""
@@ -173,8 +174,8 @@ class Simulator:
         r, copies = self.records, len(shared)
         values, late = self.layout.plants(shared, local), self._late(local)
         run, offset = self._laid(copies)
-        seen = n_states if late is None else max(n_states, 2)
-        reading, states = np.empty(copies * r.size), np.empty((seen, copies * r.size))
+        reading = np.empty(copies * r.size)
+        states = np.empty((n_states if late is None else max(n_states, 2), copies * r.size))
         self._run(values.reshape(-1, values.shape[-1]), self._starts(local), run, offset, reading, states)
         if late is not None:
             self._shift(late.ravel(), run, offset, reading, states)
@@ -225,18 +226,11 @@ class Simulator:
 
     def start(self, shared: Array, local: Array) -> Array:
         """State in which each record begins, shape (states, R)."""
-        n_states = 2 + self.layout.own_states.stop - self.layout.own_states.start
-        out: Array = self._every(shared[None], local[None], n_states)[1][:, 0, self.records.first]
+        out: Array = self._every(shared[None], local[None], self.layout.n_states)[1][:, 0, self.records.first]
         return out
 
     def derivatives(
-        self,
-        shared: Array,
-        local: Array,
-        reading: Array,
-        wanted: Mask,
-        active: Mask,
-        states: Array | None = None,
+        self, shared: Array, local: Array, reading: Array, wanted: Mask, active: Mask, states: Array | None = None
     ) -> tuple[Array, Array]:
         """Derivatives of the reading by parameters, shapes (P, S) and (Q, S), zero by those that are not wanted.
 

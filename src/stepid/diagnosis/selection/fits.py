@@ -15,7 +15,8 @@ from stepid.diagnosis.selection.moves.instead import Instead
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Node, Proposal
 from stepid.diagnosis.selection.standings import Standings
-from stepid.fitting.multistart import CandidateFit, FitContext
+from stepid.fitting.candidate_fit import CandidateFit
+from stepid.fitting.multistart import FitContext
 
 RIVALS = {move.name for move in CONFIRMING}
 _STANDING_IN = {Drop.name, Instead.name}

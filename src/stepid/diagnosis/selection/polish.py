@@ -12,8 +12,9 @@ import numpy.typing as npt
 from stepid.diagnosis.evidence import price
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.selection.effort import Effort
+from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
-from stepid.fitting.multistart import CandidateFit, FitContext
+from stepid.fitting.multistart import FitContext
 
 
 def polished(

@@ -11,8 +11,9 @@ from stepid.core.base import Array
 from stepid.diagnosis.selection.candidate import Deviations, Key
 from stepid.diagnosis.selection.effort import Effort
 from stepid.effects.base import Effect
+from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.levenberg_marquardt import Optimum
-from stepid.fitting.multistart import CandidateFit, FitContext, Start
+from stepid.fitting.multistart import FitContext, Start
 
 _MODE = 2  # own states
 

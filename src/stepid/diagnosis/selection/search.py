@@ -7,9 +7,10 @@ from collections.abc import Callable, Collection, Sequence
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.selection import order as by
-from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
+from stepid.diagnosis.selection.attempts import Attempts
+from stepid.diagnosis.selection.candidate import Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
-from stepid.diagnosis.selection.fits import RIVALS, Fits
+from stepid.diagnosis.selection.fits import RIVALS
 from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, IN_PLACE, TOGETHER, UNFORESEEN
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
@@ -17,14 +18,15 @@ from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.promote import promote
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext, is_mode
 from stepid.effects.base import Effect
-from stepid.fitting.multistart import CandidateFit, FitContext, is_short
+from stepid.fitting.candidate_fit import CandidateFit
+from stepid.fitting.multistart import FitContext
 
 _RIVALS_AND_RUNS = {*RIVALS, Deviate.name}
 _TOGETHER = {move.name for move in TOGETHER}
 Tell = Callable[["Search", Proposal], None]
 
 
-class Search(Fits):
+class Search(Attempts):
     """One search on one campaign.
 
     Parameters
@@ -89,73 +91,6 @@ class Search(Fits):
             if not (self._expand_best(EXPLORING) or together or batch):
                 break
 
-    def _try_modes(self) -> bool:
-        """Fit a mode beside the best single effect and the best pair, where none was: a step tells nothing of it.
-
-        True where one takes enough, as in `_try_larger`.
-        """
-        least = self._least().cost
-        if least <= self.noise_limit:
-            return False
-        leads: dict[int, Node] = {}
-        for node in self._nameable(sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))):
-            if len(node.effects) <= LEADING:
-                leads.setdefault(len(node.effects), node)
-        for node in leads.values():
-            self._expand(node, EXPLORING)
-        self._fit_all(by.modes(self.proposals, self.nodes, [node.key for node in leads.values()]))
-        return self._takes_enough(least)
-
-    def _try_larger(self) -> bool:
-        """Where no set that may lead is enough, try larger ones: far from linear, a step promises too little of them.
-
-        True where one leaves only noise, or takes as much of what the best of those leaves as a lead has to.
-        """
-        least = self._least().cost
-        if least <= self.noise_limit:
-            return False
-        base = by.largest_lead(self.nodes.values())
-        if base is not None:
-            self._expand(base, EXPLORING)
-        self._expand(self.root, TOGETHER)
-        self._fit_all(by.larger(self._able(), self.nodes, base, self.effort.share, TOGETHER), keep=1)
-        return self._takes_enough(least)
-
-    def _try_beside(self) -> bool:
-        """Where no set is enough, fit further effects beside the best of each size: a step promises too little of some.
-
-        Only where a fit is as short as most are: of long records with fast laws these would take a minute. True where
-        one takes enough, as in `_try_larger`.
-        """
-        least = self._least().cost
-        work = sum(node.fitted.work for node in self.nodes.values())
-        if least <= self.noise_limit or not is_short(work / len(self.nodes)):
-            return False
-        for size in range(1, LEADING + 1):
-            for base in by.apart(self.nodes.values(), size, self.effort.beam):
-                if self._least().cost > self.noise_limit:
-                    self._expand(base, EXPLORING)
-                    self._fit_beside(base)
-        promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
-        return self._takes_enough(least)
-
-    def _try_exchanges(self) -> None:
-        """Where the best larger set leaves a rest, exchange its effects, and those of what that leads to."""
-        aside: set[Key] = set()
-        for _ in range(self.effort.beam):
-            base = by.largest_beyond(self.nodes.values(), aside)
-            if base is None or self._least().cost <= self.noise_limit or self._complete(self._polish_near(base)):
-                return
-            self.proposals += Exchange().propose(base, self.context)
-            exchanges = by.exchanges(self.proposals, self.nodes, base, self.effort.width)
-            aside = self.nodes.keys() - {p.key for p in exchanges}
-            self._fit_all(exchanges)
-            self._polish_best()
-
-    def _takes_enough(self, least: float) -> bool:
-        """Tell whether a set takes as much of what the best so far left [m²] as a lead has to, or leaves only noise."""
-        return self._least().cost < max((1 - self.criteria.lead) * least, self.noise_limit)
-
     def _confirm(self) -> None:
         """Look for rivals of the best: simpler and more general laws, other effects in the place of one."""
         for _ in range(self.effort.rounds):
@@ -192,12 +127,6 @@ class Search(Fits):
             found = self._simplest()
         return found.key != before.key
 
-    def _fit_all(self, proposals: Sequence[Proposal], keep: int | None = None) -> None:
-        """Fit proposals a little, as `_fit` does each; the promising of all sets run on."""
-        for proposal in proposals:
-            self._fit(proposal, keep)
-        promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
-
     @property
     def left(self) -> int:
         """Proposals that are not fitted yet."""
@@ -211,14 +140,6 @@ class Search(Fits):
         return max(1.0 - min(open_) / least, 0.0) if open_ and least > 0 else 0.0
 
     # ---- proposals ------------------------------------------------------------------------------------------------
-
-    def _expand(self, node: Node, moves: Sequence[Move]) -> bool:
-        """Make the moves not made yet from a node; True where one was made."""
-        new = [m for m in moves if m.name not in node.moves_made]
-        for move in new:
-            node.moves_made.add(move.name)
-            self.proposals += move.propose(node, self.context)
-        return bool(new)
 
     def _expand_best(self, moves: Sequence[Move]) -> bool:
         """Expand the best nodes of those not expanded yet, one for each set of effects, and the best nameable one."""
@@ -240,10 +161,6 @@ class Search(Fits):
         first = [p for p in found if p.size == smallest][: self.effort.width]
         larger = [p for p in found if p.size > smallest and not p.deviations][: self.effort.share]
         return sorted([*first, *together, *larger], key=lambda p: p.size)  # what needs less is asked first
-
-    def _able(self) -> list[Proposal]:
-        """Proposals of which a fit may be found: others have their turn where none was."""
-        return [p for p in self.proposals if (p.base, p.key, p.move) not in self._failed]
 
     def _unforeseen(self) -> frozenset[str]:
         """Moves whose proposals are asked whatever a step promises: beside one effect that leaves noise few are left.

@@ -1,0 +1,47 @@
+"""A search that has fitted a few sets, made up: what it does next can be asked without a fit."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+from made_up_evidence import candidate, context
+from stepid import Criteria, Effort
+from stepid.diagnosis.selection.search import Search
+from stepid.diagnosis.selection.standings import Standings
+
+PAIR = ("coulomb_friction", "cogging")
+
+
+def node(*names: str, cost: float) -> Any:
+    found = candidate(names)
+    fitted = SimpleNamespace(polished=None, other_sticking=lambda: False)
+    own = {"effects": found.effects, "deviations": found.deviations, "key": found.key, "size": len(names)}
+    return SimpleNamespace(**own, cost=cost, fitted=fitted, best=found.optimum)
+
+
+def proposed(base: Any, *names: str, move: str, left: float) -> Any:
+    found = candidate(names)
+    like = SimpleNamespace(cost=base.cost)
+    own = {"effects": found.effects, "deviations": found.deviations, "key": found.key, "size": len(names)}
+    return SimpleNamespace(**own, base=base.key, move=move, left=left, rank=left, like=like, gain=base.cost - left)
+
+
+def a_search(lead: float) -> Search:
+    """A pair that leaves so much of a misfit of 100 leads; five rivals of it are proposed."""
+    found: Any = Search.__new__(Search)
+    fit: Any = SimpleNamespace(**vars(context()) | {"noise_limit": 1.0}, unit=0.01)
+    Standings.__init__(found, fit, Criteria(), Effort())
+    pair = node(*PAIR, cost=lead)
+    found.root = node(cost=100.0)
+    found.nodes = {n.key: n for n in (found.root, pair)}
+    found.candidates = {c.key: c for c in (candidate(times=30.0), candidate(PAIR, times=8.0))}
+    found._tried, found._failed = set(), set()
+    found.proposals = [
+        proposed(pair, "coulomb_friction", "free_play", move="exchange", left=0.6 * lead),  # really 0.6^8 of it
+        proposed(pair, "stribeck_friction", "cogging", move="generalize", left=0.98 * lead),
+        proposed(pair, "coulomb_friction", move="drop", left=lead),
+        proposed(pair, "coulomb_friction", "flexible_coupling", move="resemble", left=0.99 * lead),  # a mode
+        proposed(pair, *PAIR, "free_play", move="exchange", left=0.9 * lead),  # three are an answer at the noise only
+    ]
+    return found  # type: ignore[no-any-return]
