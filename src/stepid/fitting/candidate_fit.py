@@ -18,7 +18,7 @@ from stepid.simulation.simulator import COARSE
 
 _SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
 _SAME = 0.01  # share of what is left above the floor, by which two ends are one
-_SHORT = 5e5  # steps times states, of a fit in the race: a twentieth of a second
+_SHORT = 2.5e5  # steps times states, of a fit in the race: some 30 ms
 _FAR = 1e2  # m, beyond which a plant runs away
 _POOR = 0.1  # share of what is left to gain that the best of many starts must take away, for more than one to be run
 

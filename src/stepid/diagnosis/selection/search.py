@@ -65,9 +65,10 @@ class Search(Attempts):
             self._explore(self.fits + self.effort.width)
         if self._try_larger():
             self._explore(self.fits + self.effort.width)
+        self._try_exchanges()
         if self._try_beside():
             self._explore(self.fits + self.effort.width)
-        self._try_exchanges()
+            self._try_exchanges()
         self._confirm()
         if self._simplify():
             self._confirm()
