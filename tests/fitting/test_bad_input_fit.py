@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stepid
-import stepid.fitting.multistart as search
+import stepid.fitting.candidate_fit as search
 from broken_campaigns import FRICTION, NOISE, SAMPLE_TIME, campaign, changed, inputs, scaled
 from stepid.effects import resolve
 from stepid.errors import InputError, UndeterminedError
