@@ -5,12 +5,21 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
+
 from made_up_evidence import candidate, context
 from stepid import Criteria, Effort
 from stepid.diagnosis.selection.search import Search
 from stepid.diagnosis.selection.standings import Standings
 
 PAIR = ("coulomb_friction", "cogging")
+
+
+def nothing_imitates(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No linear parameter stands in for an effect, and no runs are repeats."""
+    for module in ("standings", "order"):
+        monkeypatch.setattr(f"stepid.diagnosis.selection.{module}.imitators", lambda *_: {})
+    monkeypatch.setattr("stepid.diagnosis.selection.standings.repeatability", lambda _: None)
 
 
 def node(*names: str, cost: float) -> Any:

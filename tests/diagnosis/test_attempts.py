@@ -6,16 +6,14 @@ from typing import Any
 
 import pytest
 
-from made_up_search import PAIR, a_search, node
+from made_up_search import PAIR, a_search, node, nothing_imitates
 
 FITTED_IN = 1e5  # steps times states
 
 
 @pytest.fixture(autouse=True)
-def nothing_imitates(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in ("standings", "order"):
-        monkeypatch.setattr(f"stepid.diagnosis.selection.{module}.imitators", lambda *_: {})
-    monkeypatch.setattr("stepid.diagnosis.selection.standings.repeatability", lambda _: None)
+def plain_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    nothing_imitates(monkeypatch)
     monkeypatch.setattr("stepid.diagnosis.selection.attempts.promote", lambda *_: None)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from made_up_evidence import candidate
-from made_up_search import PAIR, a_search, node, proposed
+from made_up_search import PAIR, a_search, node, nothing_imitates, proposed
 from stepid.diagnosis.selection.fits import Fits
 from stepid.diagnosis.selection.moves import TOGETHER, UNFORESEEN
 from stepid.diagnosis.selection.moves.exchange import Exchange
@@ -16,10 +16,8 @@ from stepid.diagnosis.selection.standings import Standings
 
 
 @pytest.fixture(autouse=True)
-def nothing_imitates(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in ("standings", "order"):
-        monkeypatch.setattr(f"stepid.diagnosis.selection.{module}.imitators", lambda *_: {})
-    monkeypatch.setattr("stepid.diagnosis.selection.standings.repeatability", lambda _: None)
+def plain_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    nothing_imitates(monkeypatch)
 
 
 def asked(search: Search, *, nearest: bool = False) -> list[tuple[str, int]]:

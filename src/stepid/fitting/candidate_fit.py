@@ -119,12 +119,15 @@ class CandidateFit:
         return shared, start_phases(problem, shared, local) if phase_rows(problem) else local
 
     def _reaches(self, shared: Array, local: Array, like: Optimum) -> list[float]:
-        records, out = self.context.decimated, []
+        """Cost [m²] that each trajectory would leave after a fit has adapted to it."""
+        records, tangent = self.context.decimated, self.context.tangent(like)
+        out = []
         for reading in self.coarse.simulator.readings(shared, local):
             if not np.isfinite(reading).all() or np.abs(reading).max() > _FAR:
                 out.append(np.inf)
                 continue
-            left = self.context.adapted(records.weighted(records.position - reading), like)
+            left = records.weighted(records.position - reading)
+            left = tangent.beyond(left) if tangent.directed else left
             out.append(float(left @ left))
         return out
 

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from stepid.fitting.noise_color import NoiseColor
 from stepid.fitting.problem import fixes_mass, scales
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.spectrum import strongest_period
+from stepid.fitting.tangent import Tangent
 from stepid.fitting.weak_form import WeakForm, measured_motion
 from stepid.simulation.records import Records
 
@@ -86,7 +86,7 @@ class FitContext:
                 self.motion = self.motion._replace(x=x)
         self.coarse_linear = fit_coarsely(decimated(records, linear, shortest_period(linear), floor), linear)
         self.decimated = self.coarse_linear.problem.records
-        self._tangents: WeakKeyDictionary[Optimum, Array] = WeakKeyDictionary()
+        self._tangents: dict[Optimum, Tangent] = {}
         self.weak = WeakForm(records, 0.6 * period, fixed_mass=fixes_mass(records))
 
     @cached_property
@@ -115,13 +115,11 @@ class FitContext:
         """Predicted decrease of the cost that no longer matters, m²."""
         return 0.05 * self.floor**2
 
-    def adapted(self, residual: Array, base: Optimum) -> Array:
-        """What is left of a residual in the race once a fit has adapted to it."""
+    def tangent(self, base: Optimum) -> Tangent:
+        """What a fit in the race can follow, kept for the next of many starts from it."""
         if base not in self._tangents:
-            jacobian = base.problem.jacobian(base.solved)
-            self._tangents[base] = np.linalg.qr(np.where(np.isfinite(jacobian), jacobian, 0.0))[0]
-        q = self._tangents[base]
-        return residual - q @ (q.T @ residual)
+            self._tangents[base] = Tangent(base)
+        return self._tangents[base]
 
     def regressors(self, effect: Effect, scales: Scales) -> Sequence[Regressor]:
         """What to try of an effect; of a scan the deepest valleys of what the weak form leaves, each a basin."""

@@ -92,7 +92,8 @@ class Simulator:
         self.layout = ParameterLayout(records, effects)
         self.linear = all(e.linear for e in effects)
         affine = all((e.linear or e.affine) and not e.n_extra for e in effects)
-        self._leaps, self.taken = 2 if self.linear else int(affine), 0  # see `stepid.simulation.kernel.simulate`
+        self._leaps = 2 if self.linear else int(affine)  # see `stepid.simulation.kernel.simulate`
+        self.taken = 0
         self.scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), _STILL)
         self._powers = exponents(tuple(q for e in effects for q in e.parameters))
         self._planned: tuple[bytes, tuple[Index, Index, Index]] | None = None
@@ -174,8 +175,8 @@ class Simulator:
         r, copies = self.records, len(shared)
         values, late = self.layout.plants(shared, local), self._late(local)
         run, offset = self._laid(copies)
-        reading = np.empty(copies * r.size)
-        states = np.empty((n_states if late is None else max(n_states, 2), copies * r.size))
+        seen = n_states if late is None else max(n_states, 2)
+        reading, states = np.empty(copies * r.size), np.empty((seen, copies * r.size))
         self._run(values.reshape(-1, values.shape[-1]), self._starts(local), run, offset, reading, states)
         if late is not None:
             self._shift(late.ravel(), run, offset, reading, states)

@@ -45,10 +45,7 @@ class Fits(Standings):
 
     def _fit(self, proposal: Proposal, keep: int | None = None) -> None:
         """Fit a proposal a little, from so many of its starts."""
-        self.fits += 1
-        self._tried.add((proposal.base, proposal.key))
-        self._tell(proposal)
-        fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
+        fitted = self._told(proposal)
         for source in by.sources(proposal, self.proposals, RIVALS):
             most = keep or (1 if source.move in _TOGETHER else self.effort.keep + 1)  # those come near
             fitted.begin(
@@ -60,21 +57,28 @@ class Fits(Standings):
             fitted.run(laps=self.effort.polishing if proposal.move == Instead.name else self.effort.promote)
         if fitted.best is None:
             self._failed.add((proposal.base, proposal.key, proposal.move))
-        elif known is None or fitted.cost < known.cost:
-            self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
+        self._keep(fitted, proposal.key)
 
     def _fit_beside(self, base: Node) -> None:
         """Fit sets of one effect more than a base, each from its own starts, whatever the others promise."""
+        keep, laps = self.effort.keep, self.effort.polishing
         for proposal in by.beside(self.proposals, base.key):
-            self.fits += 1
-            self._tried.add((proposal.base, proposal.key))
-            self._tell(proposal)
-            fitted = CandidateFit(self.fit, proposal.effects, proposal.deviations)
-            keep, laps = self.effort.keep, self.effort.polishing
+            fitted = self._told(proposal)
             fitted.begin(list(proposal.starts), like=proposal.like, keep=keep, laps=laps, patient=True)
-            known = self.nodes.get(proposal.key)
-            if fitted.best is not None and (known is None or fitted.cost < known.cost):
-                self.nodes[proposal.key] = Node(fitted, known.moves_made if known else set())
+            self._keep(fitted, proposal.key)
+
+    def _told(self, proposal: Proposal) -> CandidateFit:
+        """Count and tell a proposal that is about to be fitted; its fit, not begun."""
+        self.fits += 1
+        self._tried.add((proposal.base, proposal.key))
+        self._tell(proposal)
+        return CandidateFit(self.fit, proposal.effects, proposal.deviations)
+
+    def _keep(self, fitted: CandidateFit, key: Key) -> None:
+        """Keep a fit that is the first or the best of its set."""
+        known = self.nodes.get(key)
+        if fitted.best is not None and (known is None or fitted.cost < known.cost):
+            self.nodes[key] = Node(fitted, known.moves_made if known else set())
 
     def _polish_best(self) -> Candidate:
         """Fit the best nodes to all samples."""
