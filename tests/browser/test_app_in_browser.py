@@ -18,6 +18,7 @@ from webapp_files import three
 
 pytestmark = pytest.mark.slow
 WAIT = 180_000  # ms, for what computes: the first diagnosis of an installation compiles
+STILL = 6  # looks at the page, between which it keeps its height
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +51,17 @@ def drop(page: Any, files: dict[str, bytes]) -> None:
 def diagnosed(page: Any) -> None:
     page.get_by_role("button", name="Diagnose").click()
     page.get_by_text(re.compile(r"Done in \d")).wait_for(timeout=WAIT)
+    page.get_by_text("The whole answer as text").wait_for(timeout=WAIT)
+    page.get_by_text("Fitting the linear plant").wait_for(state="hidden", timeout=WAIT)
+    at_rest(page)
+
+
+def at_rest(page: Any) -> None:
+    """Wait until nothing arrives: it moves all that is below it, and a click that it comes between is lost."""
+    heights: list[int] = []
+    while len(heights) < STILL or len(set(heights[-STILL:])) > 1:
+        heights.append(page.evaluate("document.documentElement.scrollHeight"))
+        page.wait_for_timeout(200)
 
 
 def test_from_dropped_files_to_a_report(there: Callable[..., Visit], tmp_path: Path) -> None:
