@@ -28,7 +28,8 @@ perturbations and of these laws were never looked at.
 
 *r0* is the RMS residual of the best joint linear fit over the noise RMS: at 1 the effect is invisible. An answer is a
 set: the effect named first, and those that the data cannot tell from it. *Told by no data*: fitted to noise-free data
-made from the truth, the wrong name leaves Δχ² below 10. [Earlier runs](benchmark-history.md) and
+made from the truth, the wrong name leaves Δχ² below 10. Where a count is
+asked of more cases than were run, it is met where the share is. [Earlier runs](benchmark-history.md) and
 [real plants](real-plants.md) have pages of their own.
 """
 

@@ -31,7 +31,7 @@ class Criteria(Model):
         Times the noise floor that a complete model may leave: the floor is estimated from a few hundred differences
         to some 3 per cent.
     near : float
-        Times the floor within which a single effect is named although a faint rest remains; white noise may leave more
+        Times the floor within which a model is complete although a faint rest remains; white noise may leave more
         by what chance makes of the floor.
     faint : float
         Times the floor that the linear plant must leave for a name that rivals dispute.

@@ -20,7 +20,7 @@ class Effort(Model):
     Parameters
     ----------
     effects : int
-        Most effects in one answer; the kernel holds four.
+        Most effects in one answer, four at most.
     fits : int
         Most proposals that are fitted before larger sets and rivals are tried.
     first : int
