@@ -95,7 +95,7 @@ def test_the_run_that_would_tell_is_named_in_whole_sentences() -> None:
     names = {id(linear): "a linear plant", id(friction): "Coulomb friction"}
 
     def told(floor: float) -> str:
-        return next_experiment(measured, friction, [linear], floor=floor, tell=lambda one: names[id(one)])
+        return next_experiment(friction, [linear], floor=floor, tell=lambda one: names[id(one)])
 
     assert re.fullmatch(
         r"To tell Coulomb friction from a linear plant, record a step of .*\. "

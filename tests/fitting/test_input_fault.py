@@ -63,6 +63,8 @@ def test_lines_that_are_said_to_be_held_are_told(kind: str) -> None:
     assert not found.effects
     assert not found.alternatives
     assert len(found.ranking) == 1  # the search was not started
+    assert set(found.wrong_inputs) == {run.name for run in wrong.experiments}
+    assert found.summary().splitlines()[1].startswith("No model can be judged: the input of run ")
     assert "joined by straight lines" in found.notes[0]
     assert all(repr(run.name) in found.notes[0] for run in wrong.experiments)
     assert 'input_between="lines"' in (found.next_experiment or "")

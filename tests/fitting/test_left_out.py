@@ -44,6 +44,21 @@ def own_bases() -> Campaign:
     return made.model_copy(update={"experiments": tuple(runs)})
 
 
+def test_readings_that_are_left_out_do_not_judge() -> None:
+    context = prepare(scattered(5, masses=(0.0, 0.5, 1.0), volts=(0.5, -0.5, 0.4), level=0.15))
+    records = context.records
+    weight = records.weight.copy()
+    weight[records.first + 50] = 1e-6
+    optimum = context.linear
+    problem = build(records.reweighted(weight), ())
+    fitted = minimize(problem, optimum.shared, optimum.local, tolerance=context.tolerance)
+    assert fitted is not None
+    left = held_out_residuals(fitted, tolerance=context.tolerance)
+    sizes = np.diff(records.bounds)
+    assert left
+    assert all(residual.size == sizes[i] - 1 for i, residual in left.items())
+
+
 @pytest.mark.parametrize("campaign", [two_masses, own_dampers, own_bases])
 def test_what_one_run_alone_tells_is_estimated_on_its_first_part(campaign: object) -> None:
     context = prepare(campaign())  # type: ignore[operator]

@@ -111,6 +111,7 @@ def test_more_than_noise_is_told(
 ) -> None:
     monkeypatch.setattr(left_over, "succession", lambda *_: (ratio, 100))
     monkeypatch.setattr(left_over, "structure", lambda *_: means)
+    monkeypatch.setattr(left_over, "least_floor", lambda _: 0.0)
     problem = SimpleNamespace(records=None, residual=lambda _: None)
     optimum: Any = SimpleNamespace(rms=times * 1e-5, problem=problem, residual=None, solved=None)
     context: Any = SimpleNamespace(floor=1e-5, colored=colored, period=0.5)

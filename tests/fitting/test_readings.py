@@ -48,6 +48,26 @@ def test_outliers_are_found_told_and_left_out(length: int) -> None:
     assert "1.2 mm" in fault.words
 
 
+@pytest.mark.parametrize("at", [-4, -3, -2, -1])
+def test_a_wrong_reading_among_the_last_is_found(at: int) -> None:
+    clean = white(7, runs(friction=0.02), 5e-6)
+    dirty = [x.copy() for x in clean]
+    dirty[1][at] += 10e-3
+    found = mend(campaign(dirty, counts=FINE).experiments[1])
+    assert np.flatnonzero(found.wrong).tolist() == [dirty[1].size + at]
+    assert np.abs(found.run.position - clean[1]).max() < 100e-6
+    for run in campaign(clean, counts=FINE).experiments:
+        assert not mend(run).wrong.any()
+
+
+def test_a_motion_that_begins_or_ends_with_a_jerk_has_no_wrong_reading() -> None:
+    clean = white(8, runs(), 1e-8)
+    for run, y in zip(campaign(clean).experiments, clean, strict=True):
+        for size in range(60, 130):  # whatever happens at the last samples
+            short = run.model_copy(update={"time": run.time[:size], "position": y[:size], "input": run.input[:size]})
+            assert not mend(short).wrong.any()
+
+
 def test_a_fit_does_not_see_outliers() -> None:
     clean = white(2, runs(), 5e-6)
     dirty = [x.copy() for x in clean]

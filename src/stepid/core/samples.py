@@ -114,3 +114,10 @@ def means_of_blocks(values: Array, width: int) -> Array:
     blocks = values.size // width
     out: Array = values[: blocks * width].reshape(blocks, width).mean(axis=1)
     return out
+
+
+def lagged_products(values: Array, most: int) -> Array:
+    """Sums of products of values that are 1, 2 … `most` − 1 samples apart, shape (most − 1,), by one transform."""
+    spectrum = np.fft.rfft(values, 2 * values.size)
+    out: Array = np.fft.irfft(np.abs(spectrum) ** 2)[1:most]
+    return out

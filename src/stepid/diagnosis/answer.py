@@ -26,6 +26,7 @@ _REPEAT = (
     "Repeat one run without changing anything: what differs between the repeats is no property of the plant. "
     "Then record a free release and a step the other way."
 )
+_WEIGH = "Weigh the added masses, and state their uncertainty (weight_uncertainty): their errors would explain it, too."
 
 
 def _pooled(residuals: dict[int, Array]) -> float | None:
@@ -51,14 +52,14 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         parameters=parameters,
         linear_parameters=estimates(linear, (), floor)[0],
         where=locate(records, linear, floor, context.measured),
-        next_experiment=_next(campaign, evidence, answer),
+        next_experiment=_next(evidence, answer),
         advice={e.name: e.advice for e in effects if e.advice},
         reasons=(*answer.reasons, *_rest(evidence, answer)),
         notes=_each_once(
             *(fault.words for fault in evidence.faults),
             *((evidence.input_fault.words,) if evidence.input_fault else ()),
             *scatter_words(scatter),
-            *notes_on(context, final, effects, parameters),
+            *notes_on(context, final, effects, parameters, evidence.criteria.open),
         ),
         ranking=_ranking(evidence),
         runs=_runs(context, final, before, after),
@@ -69,6 +70,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         probability=evidence.probability(answer),
         scatter=scatter,
         faults=evidence.faults,
+        wrong_inputs=evidence.input_fault.runs if evidence.input_fault else (),
         data=campaign,
     )
 
@@ -105,11 +107,10 @@ def _left(context: FitContext, final: Optimum) -> float:
     return 100.0 * final.rms / size if size > 0 else 0.0
 
 
-def _next(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> str | None:
+def _next(evidence: EvidenceRecord, answer: Answer) -> str | None:
     if answer.alternatives:
         words = {id(c.optimum): effect_names(c.names) for c in (answer.shown, *answer.alternatives)}
         return next_experiment(
-            campaign,
             answer.shown.optimum,
             [c.optimum for c in answer.alternatives],
             floor=evidence.context.floor,
@@ -117,7 +118,7 @@ def _next(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> str |
         )
     if evidence.input_fault is not None:
         return evidence.input_fault.remedy
-    return _REPEAT if answer.verdict == "unexplained" else None
+    return {"unexplained": _REPEAT, "ambiguous": _WEIGH}.get(answer.verdict)
 
 
 def _ranking(evidence: EvidenceRecord) -> tuple[Ranked, ...]:
@@ -148,7 +149,7 @@ def _runs(
     phases = phases_of(records, linear, context.floor, context.measured)
     out = []
     for i, (run, piece) in enumerate(zip(records.runs, records.pieces(), strict=True)):
-        y = records.position[piece]
+        y, trusted = records.position[piece], records.trusted[piece]
         out.append(
             RunGap(
                 name=run.name,
@@ -156,12 +157,12 @@ def _runs(
                 measured=y,
                 linear=y - before[piece],
                 model=y - after[piece],
-                before=rms(before[piece]),
-                after=rms(after[piece]),
+                before=rms(before[piece][trusted]),
+                after=rms(after[piece][trusted]),
                 held_out_before=rms(seen_before[i]) if i in seen_before else None,
                 held_out_after=rms(seen_after[i]) if i in seen_after else None,
                 phases=phases[run.name],
-                explained=_taken(before[piece], after[piece]),
+                explained=_taken(before[piece][trusted], after[piece][trusted]),
             )
         )
     return tuple(out)

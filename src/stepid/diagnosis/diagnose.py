@@ -81,9 +81,9 @@ def diagnose(
     Raises
     ------
     stepid.errors.UndeterminedError
-        If the campaign has one run only.
+        If the campaign has one run only, or too few usable runs or samples.
     stepid.errors.InputError
-        If nothing moves in a run.
+        If nothing moves in any run; one in which nothing moves is left out, and that is noted.
     stepid.errors.ConvergenceError
         If not even a linear plant can be fitted.
     """

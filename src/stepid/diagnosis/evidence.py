@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.samples import lagged_products
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.fitting.levenberg_marquardt import Optimum
@@ -37,8 +38,7 @@ def effective_samples(records: Records, residual: Array) -> Array:
         if power <= 0 or n < 2:
             out[r] = n
             continue
-        spectrum = np.fft.rfft(y, 2 * n)
-        lags = np.fft.irfft(np.abs(spectrum) ** 2)[1 : max(2, n // 3)] / power
+        lags = lagged_products(y, max(2, n // 3)) / power
         out[r] = n / (1.0 + 2.0 * max(0.0, float(np.sum(lags**2 - 1.0 / n))))
     return np.maximum(out, 2.0)
 

@@ -2,87 +2,107 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.core.experiment import Campaign, Experiment
+from stepid.core.experiment import Experiment
 from stepid.diagnosis.wording import length
 from stepid.fitting.levenberg_marquardt import Optimum
-from stepid.simulation.records import Records, lay_out
+from stepid.simulation.records import Records
 from stepid.simulation.simulator import Simulator
 
-_SAMPLES = 400
+_HALF, _LARGER = 0.5, 1.6  # times the largest step or displacement so far
+_FASTER = 4  # times as many readings a second
+_WAIT = 4  # samples before a step
 
 
-def _proposals(campaign: Campaign) -> list[tuple[str, Experiment]]:
-    """Runs one could add to a campaign, each in words and as an experiment without measured positions."""
-    first = max(campaign.experiments, key=lambda e: float(np.abs(e.input).max()))
+class Proposal(NamedTuple):
+    """A run that one could add, in words, and as an experiment without measured positions that begins displaced."""
+
+    words: str
+    run: Experiment
+    displacement: float = 0.0
+
+
+def _proposals(records: Records, displacement: float) -> list[Proposal]:
+    """Runs like the one of the largest input, as long as it; like the widest release, `displacement`, without any."""
+    most = [float(np.abs(run.input).max()) for run in records.runs]
+    first = records.runs[int(np.argmax(most))]
     level = float(first.input[np.argmax(np.abs(first.input))])
-    heaviest = max(e.added_mass for e in campaign.experiments)
-    h, n = first.sample_time, _SAMPLES
-    half = n // 2
+    h, n = first.sample_time, first.time.size
 
-    def run(name: str, levels: tuple[float, float], mass: float | None = None, step: float = h) -> Experiment:
-        volts = np.where(np.arange(n) < half, levels[0], levels[1])
-        volts[:4] = 0.0
+    def run(levels: tuple[float, float] = (0.0, 0.0), mass: float = first.added_mass, step: float = h) -> Experiment:
+        volts = np.where(np.arange(n) < n // 2, *levels)
+        volts[:_WAIT] = 0.0
         return Experiment(
-            name=name,
+            name="proposed",
             time=np.arange(n, dtype=np.float64) * step,
             position=np.zeros(n),
             input=volts,
-            added_mass=first.added_mass if mass is None else mass,
+            added_mass=mass,
             spring=first.spring,
             damper=first.damper,
             base=first.base,
         )
 
+    masses = np.unique(records.added_mass)
+    heavier = [float(masses[-1] + np.diff(masses).min())] if masses.size > 1 else []
     if level == 0:
-        return []
-    return [
-        (f"a step of {-level:g} V, the other way, and back", run("other way", (-level, 0.0))),
-        (f"a step of {level:g} V with the step back to 0 V in the record", run("back", (level, 0.0))),
-        (f"a step of {level / 2:g} V, half the size, and back", run("half", (level / 2, 0.0))),
-        (f"a step of {1.6 * level:.3g} V, a larger one, if the travel allows", run("larger", (1.6 * level, 0.0))),
-        (f"a step of {level:g} V with {heaviest + 1.0:g} kg added", run("heavier", (level, 0.0), heaviest + 1.0)),
-        (f"a step of {level:g} V sampled every {h / 4 * 1e3:.3g} ms", run("faster", (level, level), None, h / 4)),
+        return [
+            Proposal("a release from the other side", run(), -displacement),
+            Proposal("a release from half as far", run(), _HALF * displacement),
+            Proposal("a release from farther away, if the travel allows", run(), _LARGER * displacement),
+            *(Proposal(f"a release with {mass:g} kg added", run(mass=mass), displacement) for mass in heavier),
+        ]
+    steps = [
+        (f"a step of {-level:g} V, the other way, and back", run((-level, 0.0))),
+        (f"a step of {level:g} V with the step back to 0 V in the record", run((level, 0.0))),
+        (f"a step of {_HALF * level:g} V, half the size, and back", run((_HALF * level, 0.0))),
+        (f"a step of {_LARGER * level:.3g} V, a larger one, if the travel allows", run((_LARGER * level, 0.0))),
+        *((f"a step of {level:g} V with {mass:g} kg added", run((level, 0.0), mass)) for mass in heavier),
+        (
+            f"a step of {level:g} V sampled every {h / _FASTER * 1e3:.3g} ms",
+            run((level, level), first.added_mass, h / _FASTER),
+        ),
     ]
+    return [Proposal(*one) for one in steps]
 
 
-def _answers(records: Records, optimum: Optimum) -> Array:
-    """What a fitted model reads in runs from rest, m, shape (S,); not finite where it runs away."""
+def _answers(records: Records, optimum: Optimum, displacements: Sequence[float]) -> Array:
+    """What a fitted model reads in runs that begin still and displaced [m]; not finite where it runs away; (S,) [m]."""
     sim = Simulator(records, optimum.problem.simulator.effects)
-    still = np.zeros((1, sim.layout.n_run, len(records.runs)))
-    out: Array = sim.readings(optimum.shared[None], still)[0]
+    begin = np.zeros((1, sim.layout.n_run, len(records.runs)))
+    begin[0, 0] = displacements
+    out: Array = sim.readings(optimum.shared[None], begin)[0]
     return out
 
 
-def next_experiment(
-    campaign: Campaign, chosen: Optimum, rivals: list[Optimum], *, floor: float, tell: Callable[[Optimum], str]
-) -> str | None:
+def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tell: Callable[[Optimum], str]) -> str:
     """Name the run on which the rival models differ most, both simulated with the parameters they were fitted with.
 
     Parameters
     ----------
-    campaign : Campaign
     chosen, rivals : Optimum
-        Fits that the data cannot tell apart.
+        Fits to the same records that the data cannot tell apart.
     floor : float
         m, noise.
     tell : callable
         Names an optimum in words.
     """
     best: tuple[float, str] = (0.0, "")
-    proposals = _proposals(campaign)
-    if proposals:
-        records = lay_out(campaign).like([experiment for _, experiment in proposals])
-        base = _answers(records, chosen)
-        apart = [records.centered(base - _answers(records, rival)) for rival in rivals]
-        for (words, _), piece in zip(proposals, records.pieces(), strict=True):
-            gaps = [float(np.sqrt(np.mean(a[piece] ** 2))) for a in apart if np.isfinite(a[piece]).all()]
-            if gaps and min(gaps) > best[0]:
-                best = (min(gaps), words)
+    fitted, start = chosen.problem.records, chosen.local[0]
+    proposals = _proposals(fitted, float(start[np.argmax(np.abs(start))]))
+    records = fitted.like([one.run for one in proposals])
+    begin = [one.displacement for one in proposals]
+    base = _answers(records, chosen, begin)
+    apart = [records.centered(base - _answers(records, rival, begin)) for rival in rivals]
+    for one, piece in zip(proposals, records.pieces(), strict=True):
+        gaps = [float(np.sqrt(np.mean(a[piece] ** 2))) for a in apart if np.isfinite(a[piece]).all()]
+        if gaps and min(gaps) > best[0]:
+            best = (min(gaps), one.words)
     names = " or ".join(tell(r) for r in rivals)
     if best[0] < 0.5 * floor:
         return (

@@ -26,6 +26,9 @@ def answer(d: Diagnosis, *, sizes: bool = True) -> str:
         return f"A linear model is not adequate: {found}{_verb(d, found, 'is', 'are')} missing."
     if d.verdict == "ambiguous":
         return _open_choice(d)
+    if d.wrong_inputs:
+        runs = listed([repr(name) for name in d.wrong_inputs], "and")
+        return f"No model can be judged: the input of run {runs} is not what the record says."
     return "A linear model is not adequate, and nothing in the catalogue explains why."
 
 

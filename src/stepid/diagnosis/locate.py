@@ -42,9 +42,11 @@ def locate(records: Records, linear: Optimum, floor: float, motion: Motion | Non
     residual = linear.residual
     motion = motion or _motion(records, linear, floor)
     phase = phase_of_samples(records, linear, motion, floor)
-    square = residual**2
-    phases = {name: _rms(square[phase == i]) for i, name in enumerate(PHASES) if np.any(phase == i)}
-    runs = {run.name: _rms(square[piece]) for run, piece in zip(records.runs, records.pieces(), strict=True)}
+    square, trusted = residual**2, records.trusted
+    seen = {name: trusted & (phase == i) for i, name in enumerate(PHASES)}
+    phases = {name: _rms(square[at]) for name, at in seen.items() if at.any()}
+    pieces = zip(records.runs, records.pieces(), strict=True)
+    runs = {run.name: _rms(square[piece][trusted[piece]]) for run, piece in pieces}
     force = residual_force(records, linear, motion, phase, floor)
     kind = shape(force)
     # what the linear parameters took in place of a clear shape is given back, so that a step looks like a step
@@ -61,7 +63,7 @@ def locate(records: Records, linear: Optimum, floor: float, motion: Motion | Non
         position_force=position[1],
         runs=runs,
         trends=trends,
-        sentences=sentences(_rms(square), floor, phases, runs, trends, kind),
+        sentences=sentences(_rms(square[trusted]), floor, phases, runs, trends, kind),
         jump=2 * clear.coefficient if clear is not None and clear.name == "sign of velocity" else None,
     )
 

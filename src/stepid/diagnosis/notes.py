@@ -10,7 +10,7 @@ from stepid.core.base import Array
 from stepid.core.estimate import Estimate
 from stepid.diagnosis.wording import parameter_words
 from stepid.effects.base import Effect
-from stepid.fitting.covariance import effect_parameters
+from stepid.fitting.covariance import effect_parameters, parameter_names
 from stepid.fitting.fit import NOT_CONVERGED
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
@@ -22,9 +22,9 @@ _CLIPPED = 12  # samples at one extreme reading, in motion before and after
 
 
 def notes_on(
-    context: FitContext, final: Optimum, effects: tuple[Effect, ...], parameters: Mapping[str, Estimate]
+    context: FitContext, final: Optimum, effects: tuple[Effect, ...], parameters: Mapping[str, Estimate], open_: float
 ) -> tuple[str, ...]:
-    """Collect remarks in words."""
+    """Collect remarks in words; `open_` is the relative uncertainty beyond which a parameter is open."""
     records = context.records
     out = [*context.notes, *repeat_notes(records)]
     if context.colored is not None:
@@ -32,8 +32,8 @@ def notes_on(
     slowest = float(records.sample_time.max())
     if slowest >= _SLOW:
         out.append(f"The readings come every {slowest:.3g} s: if the times are milliseconds, give time_scale = 0.001.")
-    for run in records.runs:
-        if _is_clipped(run.position):
+    for run, begin in zip(records.runs, records.begin, strict=True):
+        if _is_clipped(run.position[begin:]):
             out.append(
                 f"Run {run.name!r} stays at its extreme reading for {_CLIPPED} samples or more: did it hit a stop?"
             )
@@ -45,11 +45,12 @@ def notes_on(
         if said := effect.remark(tuple(map(float, final.shared[place]))):
             out.append(said)
     own = effect_parameters(effects)
+    assumed = parameter_names(final, ())[records.base[0]][0] if fixes_mass(records) is not None else None
     for name, value in parameters.items():
-        known = value.one_sided is not None or (name == "base_mass" and fixes_mass(records) is not None)
+        known = value.one_sided is not None or name == assumed
         if value.uncertainty is None and not known:
             out.append(f"The data do not determine {parameter_words(name)}.")
-        elif name in own and value.uncertainty is not None and value.uncertainty > 0.5 * abs(value.value):
+        elif name in own and value.uncertainty is not None and value.uncertainty > open_ * abs(value.value):
             out.append(f"The data hardly determine {parameter_words(name)}: {value}.")
     if not final.converged:
         out.append(NOT_CONVERGED)

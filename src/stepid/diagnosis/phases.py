@@ -108,7 +108,8 @@ def phase_rms(records: Records, residual: Array, phase: Index) -> tuple[dict[str
     """RMS [m] of a residual by phase, one mapping a run."""
     found = []
     for piece in records.pieces():
-        square, label = residual[piece] ** 2, phase[piece]
+        trusted = records.trusted[piece]
+        square, label = residual[piece][trusted] ** 2, phase[piece][trusted]
         found.append(
             {name: math.sqrt(float(square[label == i].mean())) for i, name in enumerate(PHASES) if np.any(label == i)}
         )

@@ -9,6 +9,7 @@ from stepid.diagnosis.selection.candidate import Candidate
 from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_color import colored_floor
+from stepid.fitting.noise_floor import least_floor
 from stepid.fitting.problem import build
 from stepid.fitting.reading_faults import outliers_of
 from stepid.fitting.record_fault import RecordFault
@@ -84,9 +85,8 @@ def _with_lower_floor(context: FitContext, best: Candidate) -> FitContext | None
     if best.optimum.rms >= _BELOW * context.floor:
         return None
     problem = best.optimum.problem
-    steps = [run.resolution for run in context.records.runs if run.resolution is not None]
     count = int(problem.free.sum() + problem.active.sum())
-    floor = floor_from_residual(best.optimum.residual, parameters=count, resolution=max(steps, default=None))
+    floor = max(floor_from_residual(best.optimum.residual, parameters=count), least_floor(context.records))
     if floor >= _BELOW * context.floor:
         return None
     return _again(context, floor, context.records.weight)

@@ -15,6 +15,7 @@ from stepid.simulation.records import Index, Records
 
 _NOISE = 0.25  # of the force: noise that may be left in it before averaging
 _WIDEST = 0.2  # of the period: half width of the widest bump
+_WIDER = 1.1  # times as wide a bump where one is too narrow
 _SAMPLES = 40  # the least that tell a shape
 SHAPES = ("sign of velocity", "velocity squared", "position squared", "position cubed")
 CLEAR = 0.4  # share of the variance that a shape must explain to be named
@@ -58,7 +59,7 @@ def residual_force(records: Records, linear: Optimum, motion: Motion, phase: Ind
         half, kernel, force = found
         inner = slice(half, values.size - half)
         moves = (here[inner] != REST) & (here[inner] != BEFORE)
-        parts.append([force[moves], *(np.convolve(signal, kernel, "valid")[moves] for signal in signals)])
+        parts.append([force[moves], *(_averaged(signal, kernel)[moves] for signal in signals)])
     if not parts:
         empty = np.zeros(0)
         return ResidualForce(empty, empty, empty, empty, np.zeros((len(SHAPES), 0)), empty, empty)
@@ -73,16 +74,23 @@ def _narrowest(
 ) -> tuple[int, Array, Array] | None:
     """Half width of the narrowest bump that noise allows, the bump, and the force; None for too short a record."""
     mass, damping, stiffness = plant
-    half = 3
+    half, most = 3, max(3, min(int(_WIDEST * period / sample_time), (residual.size // 3 - 1) // 2))
     while 2 * half + 1 <= residual.size:
         kernel, first, second = bump(half, sample_time)
         weight = mass * second + damping * first + stiffness * kernel
-        force = np.convolve(residual, weight, "valid")
-        quiet = floor * float(np.linalg.norm(weight)) < _NOISE * float(np.std(force))
-        if quiet or (half + 1) * sample_time > _WIDEST * period or 2 * half + 3 > residual.size // 3:
+        force = _averaged(residual, weight)
+        if half >= most or floor * float(np.linalg.norm(weight)) < _NOISE * float(np.std(force)):
             return half, kernel, force
-        half += 1
+        half = min(max(half + 1, round(_WIDER * half)), most)
     return None
+
+
+def _averaged(values: Array, kernel: Array) -> Array:
+    """Convolution where the kernel is within the record, by transforms where that is faster."""
+    from scipy.signal import convolve
+
+    out: Array = convolve(values, kernel, "valid")
+    return out
 
 
 def bump(half: int, sample_time: float) -> tuple[Array, Array, Array]:

@@ -199,6 +199,8 @@ class Diagnosis(Written):
         ``"start_time"``, ``"gain"``, ``"rest"``, ``"damping"`` or ``"friction"`` to `Scatter`: what the runs differ by.
     faults : tuple of RecordFault
         Faults of single records.
+    wrong_inputs : tuple of str
+        Runs whose input is plainly not what their record says between the samples: then no model can be judged.
     data : Campaign or None
         What was diagnosed, kept so that a report can show the peak method beside it.
     motion, input_unit : str
@@ -226,6 +228,7 @@ class Diagnosis(Written):
     probability: NonNegative | None = None
     scatter: Mapping[str, Scatter] = {}
     faults: tuple[RecordFault, ...] = ()
+    wrong_inputs: tuple[str, ...] = ()
     data: Campaign | None = None
     motion: Motion = "translation"
     input_unit: InputUnit = "V"

@@ -128,6 +128,9 @@ def _ends(scales: Scales) -> list[float]:
     return [end for end in (scales.high, scales.low) if abs(end) > 0.1 * scales.displacement]
 
 
+_STOP = 0.01  # of the spring's stiffness, that a stop has at least
+
+
 class EndStop(Effect):
     """Extra stiffness beyond a signed position."""
 
@@ -153,7 +156,7 @@ class EndStop(Effect):
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         def at(position: float) -> Regressor:
             beyond = np.maximum(np.sign(position) * (m.x - position), 0.0) * np.sign(position)
-            return Regressor((-beyond,), lambda a: (a[0], position) if a[0] > 1.0 else None)
+            return Regressor((-beyond,), lambda a: (a[0], position) if a[0] > _STOP * scales.stiffness else None)
 
         return [at(part * end) for end in _ends(scales) for part in (0.98, 0.95, 0.9, 0.84, 0.77, 0.68, 0.58)]
 

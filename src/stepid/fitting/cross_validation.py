@@ -57,7 +57,7 @@ def held_out_residuals(
     Returns
     -------
     dict
-        Run index to residual, shape (n,); empty where no run qualifies and `part` is not given.
+        Run index to residual without wrong readings, shape (n,); empty where no run qualifies and `part` is not given.
     """
     records = optimum.problem.records
     able, told = qualifying(records), {}
@@ -72,6 +72,7 @@ def held_out_residuals(
         if shared is None:
             continue
         own = records.subset([i])
+        trusted = own.trusted
         seen_from = round(first * own.size) if first < 1 else 0
         if first < 1:
             own = own.reweighted(np.where(np.arange(own.size) < seen_from, own.weight, _UNSEEN))
@@ -80,7 +81,7 @@ def held_out_residuals(
         local = np.where(alone.active, optimum.local[:, [i]], 0.0)
         seen = minimize(alone, shared, local, tolerance=tolerance, iterations=15)
         if seen is not None:
-            out[i] = seen.residual[seen_from:]
+            out[i] = seen.residual[seen_from:][trusted[seen_from:]]
     return out
 
 

@@ -6,7 +6,7 @@ import math
 
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
-from stepid.fitting.noise_floor import structure, succession
+from stepid.fitting.noise_floor import least_floor, structure, succession
 
 _MORE = 1.2  # times the floor, beyond which more than noise is left
 _SLOW = 5.0  # standard deviations by which what is left is slower than white noise
@@ -27,7 +27,8 @@ def left_over(optimum: Optimum, context: FitContext) -> str | None:
     deviations, both of its successive differences and of its means over a tenth of a period.
     """
     times = optimum.rms / context.floor
-    if times <= _MORE and not _slow(optimum, context):
+    exact = optimum.rms <= least_floor(optimum.problem.records)
+    if times <= _MORE and (exact or not _slow(optimum, context)):
         return None
     return (
         f"More than noise is left, {1e6 * optimum.rms:.3g} µm where the noise is {1e6 * context.floor:.3g} µm: the "

@@ -1,4 +1,4 @@
-"""Find the best fit of a plant with given effects: many starts raced, the best polished."""
+"""What fits of one campaign share: its records and noise, the linear fit, and where a fit with effects may start."""
 
 from __future__ import annotations
 

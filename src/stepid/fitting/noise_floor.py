@@ -13,6 +13,7 @@ from stepid.core.noise import STILL, clipped_spread, predicted_noise
 from stepid.core.samples import divided_differences, is_even, means_of_blocks
 from stepid.simulation.clock import clock
 from stepid.simulation.records import Records
+from stepid.simulation.simulator import FINE
 
 _ORDER = 8  # of the differences: a swing sampled 12 times a period leaves 1e-5 of itself
 _FAST = 14.0  # samples of a period, below which differences keep some of the swing
@@ -84,15 +85,15 @@ def noise_floor(records: Records) -> float:
     all the time or the swing is fast some motion is left in it; what nothing predicts counts there if clearly less.
     """
     values = [_moving_differences(run, int(b)) for run, b in zip(records.runs, records.begin, strict=True)]
-    least = _rounding(records)
+    least = least_floor(records)
     d = np.concatenate(values)
     if d.size < _FEWEST:
-        return max(least, 1e-12)
+        return least
     spread = clipped_spread(d)
     predicted = _predicted(records)
     if predicted is not None and predicted < _BELOW * spread:
         spread = predicted
-    return max(spread, least, 1e-12)
+    return max(spread, least)
 
 
 def _predicted(records: Records) -> float | None:
@@ -122,7 +123,7 @@ def repeats(records: Records) -> list[tuple[int, ...]]:
     for i, run in enumerate(records.runs):
         if records.moving[i]:
             continue
-        how = (run.input_before, run.input_between, run.time.size, run.input.tobytes())
+        how = (run.input_before, run.input_between, run.sample_time, run.time.size, run.input.tobytes())
         key = (run.spring, run.damper, run.base, run.added_mass, *how)
         groups.setdefault(key, []).append(i)
     return [tuple(group) for group in groups.values() if len(group) > 1]
@@ -189,13 +190,14 @@ def bounded_floor(records: Records, floor: float, left: float, parameters: int) 
     left *= math.sqrt(records.size / max(records.size - parameters, 1))
     if left > (1.0 - _CHANCE / math.sqrt(2.0 * free)) * floor:
         return floor
-    return max(left, _rounding(records), 1e-12)
+    return max(left, least_floor(records))
 
 
-def _rounding(records: Records) -> float:
-    """Spread of rounding to the resolution, m; 0 where no run has one."""
+def least_floor(records: Records) -> float:
+    """Least noise floor, m: the spread of rounding to the resolution, and never less than a simulation is exact to."""
     steps = [run.resolution for run in records.runs if run.resolution is not None]
-    return max(steps) / math.sqrt(12) if steps else 0.0
+    exact = FINE * float(np.abs(records.centered(records.position)).max(initial=0.0))
+    return max(max(steps, default=0.0) / math.sqrt(12), exact, np.finfo(float).tiny)
 
 
 def weights(records: Records, floor: float) -> Array:

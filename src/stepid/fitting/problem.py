@@ -11,6 +11,8 @@ from stepid.effects.base import Effect, Parameter, Scales
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.spectrum import resonances, strongest_period
 from stepid.fitting.weak_form import WeakForm
+from stepid.simulation.layout import LEAST_MASS
+from stepid.simulation.magnitudes import exponents
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import FINE, Simulator
 
@@ -39,9 +41,8 @@ def build(records: Records, effects: tuple[Effect, ...], *, tolerance: float = F
     a, b, c = len(records.bases), len(records.springs), len(records.dampers)
     parameters: list[Parameter] = [q for e in effects for q in e.parameters]
     least_added = np.array([records.added_mass[records.base == i].min(initial=np.inf) for i in range(a)])
-    lower = np.concatenate(
-        [1e-3 - least_added, np.full(b, 1e-9), np.zeros(c), [-np.inf], [q.lower for q in parameters]]
-    )
+    least = LEAST_MASS * records.mass_scale - least_added
+    lower = np.concatenate([least, np.full(b, 1e-9), np.zeros(c), [-np.inf], _least_values(parameters, records)])
     upper = np.concatenate([np.full(a + b + c + 1, np.inf), [q.upper for q in parameters]])
     free = np.ones(of.n_global, dtype=bool)
     if fixes_mass(records) is not None:
@@ -55,6 +56,13 @@ def build(records: Records, effects: tuple[Effect, ...], *, tolerance: float = F
     unknown = [not e.settled for e in effects for _ in range(e.n_extra + e.n_memory)]
     active[of.own_states] = records.moving & np.array(unknown, dtype=bool)[:, None]
     return Problem(sim, free, lower, upper, active)
+
+
+def _least_values(parameters: list[Parameter], records: Records) -> Array:
+    """Lower bounds of effects' parameters, shape (n,): those of masses, forces and springs go with the masses."""
+    powers = exponents(tuple(parameters))
+    out: Array = np.array([q.lower for q in parameters]) * records.mass_scale ** (powers[:, 0] + powers[:, 3])
+    return out
 
 
 def start_local(problem: Problem, like: Optimum | None = None) -> Array:

@@ -49,21 +49,27 @@ class Mended(NamedTuple):
     faults: tuple[RecordFault, ...]
 
 
+def _sides(length: int, after: int) -> npt.NDArray[np.intp]:
+    """Where the neighbors of a block are, counted from its begin: so many of them after it, the rest before."""
+    return np.concatenate([np.arange(after - 2 * _SIDE, 0), np.arange(length, length + after)])
+
+
 @cache
-def _local(length: int) -> _Local:
-    at = np.concatenate([np.arange(-_SIDE, 0), np.arange(length, length + _SIDE)]) - (length - 1) / 2
-    basis = np.vander(at, _DEGREE + 1)
+def _local(length: int, after: int = _SIDE) -> _Local:
+    at = _sides(length, after) - (length - 1) / 2
+    basis = np.vander(at.astype(np.float64), _DEGREE + 1)
     inverse = np.linalg.pinv(basis)
     predict = np.vander(np.arange(length) - (length - 1) / 2, _DEGREE + 1) @ inverse
     misfit = np.eye(2 * _SIDE) - basis @ inverse
     return _Local(predict, misfit, np.sqrt(1.0 + np.sum(predict**2, axis=1)))
 
 
-def _stand_out(y: Array, length: int, begin: npt.NDArray[np.intp], noise: float) -> tuple[Array, Array]:
+def _stand_out(
+    y: Array, length: int, begin: npt.NDArray[np.intp], noise: float, after: int = _SIDE
+) -> tuple[Array, Array]:
     """Deviation of blocks that begin at given samples from their neighbors: in standard deviations, and in m."""
-    local = _local(length)
-    sides = np.concatenate([np.arange(-_SIDE, 0), np.arange(length, length + _SIDE)])
-    near = y[begin[:, None] + sides]
+    local = _local(length, after)
+    near = y[begin[:, None] + _sides(length, after)]
     block = y[begin[:, None] + np.arange(length)]
     off = block - near @ local.predict.T
     freedom = 2 * _SIDE - _DEGREE - 1
@@ -72,9 +78,8 @@ def _stand_out(y: Array, length: int, begin: npt.NDArray[np.intp], noise: float)
 
 
 def _interpolate(y: Array, begin: int, length: int) -> None:
-    local = _local(length)
-    near = np.concatenate([y[begin - _SIDE : begin], y[begin + length : begin + length + _SIDE]])
-    y[begin : begin + length] = local.predict @ near
+    after = min(_SIDE, y.size - begin - length)
+    y[begin : begin + length] = _local(length, after).predict @ y[begin + _sides(length, after)]
 
 
 def _take(y: Array, found: list[tuple[float, int, int]], wrong: Mask) -> bool:
@@ -119,6 +124,21 @@ def _outliers(y: Array, noise: float, least: float) -> list[tuple[float, int, in
         score, off = _stand_out(y, length, begin, noise)
         out = (score.min(axis=1) > _OUTLIER) & (np.abs(off).min(axis=1) > least)
         found += [(float(score[i].min()), int(begin[i]), length) for i in np.flatnonzero(out)]
+    return found + _last(y, noise, least)
+
+
+def _last(y: Array, noise: float, least: float) -> list[tuple[float, int, int]]:
+    """One of the last samples that stands out, by more than any acceleration of the record does in a sample.
+
+    The first ones are not asked: there a motion may begin, which those after it do not tell.
+    """
+    found = []
+    for after in range(_SIDE):
+        begin = y.size - 1 - after
+        score, off = _stand_out(y, 1, np.array([begin]), noise, after)
+        fastest = float(np.abs(np.diff(y[: begin - 1], 2)).max(initial=0.0))
+        if score[0, 0] > _OUTLIER and abs(off[0, 0]) > max(least, fastest):
+            found.append((float(score[0, 0]), begin, 1))
     return found
 
 
@@ -138,7 +158,8 @@ def mend(run: Experiment) -> Mended:
     -----
     A block of one to three samples is predicted by a cubic through four neighbors on each side. It is an outlier where
     all of it is off by many times the spread of these neighbors about their cubic, and of the record's noise: a kink, a
-    jump or a bounce of the motion disturbs the neighbors as well, an outlier does not.
+    jump or a bounce of the motion disturbs the neighbors as well, an outlier does not. One of the last four samples is
+    predicted by more of them before it.
     """
     nothing = np.zeros(run.position.size, dtype=bool)
     if run.position.size < 4 * _SIDE:

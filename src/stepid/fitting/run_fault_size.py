@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.samples import lagged_products
 from stepid.fitting.deviations import applies, promised
 from stepid.fitting.levenberg_marquardt import Optimum, Problem
 from stepid.simulation.records import Records
@@ -31,12 +32,9 @@ def noise_level(found: Optimum, floor: float) -> float:
     size = float(np.sqrt(found.cost / count_samples(records)))
     if size <= REACHED * floor:
         return max(size, floor)
-    total = 1.0
-    for lag in range(1, int(np.diff(records.bounds).min()) // 3):
-        same = records.run[lag:] == records.run[:-lag]
-        rho = float(np.sum(residual[lag:] * residual[:-lag] * same)) / found.cost
-        total += 2 * rho**2
-    return size * float(np.sqrt(total))
+    most = max(int(np.diff(records.bounds).min()) // 3, 1)
+    rho = np.sum([lagged_products(residual[piece], most) for piece in records.pieces()], axis=0) / found.cost
+    return size * float(np.sqrt(1.0 + 2.0 * np.sum(rho**2)))
 
 
 def standard_error(found: Optimum, plain: Problem, run: int, kind: str, floor: float) -> float:

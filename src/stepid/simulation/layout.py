@@ -23,7 +23,7 @@ DEVIATIONS: tuple[Parameter, ...] = (
 )
 """By how much a run differs from the plant: later by, relative change of force gain, damping, dry friction (what an
 effect holds the cart with, in N) and stiffness, mass beside what its record says."""
-_LEAST_MASS = 1e-3  # kg
+LEAST_MASS = 1e-3  # of the largest difference of added masses
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,9 @@ class ParameterLayout:
 
     def _deviate(self, plants: Array, local: Array) -> None:
         """Change plants, as `plants` gives them, by what is different in each run."""
-        plants[..., 0] = np.maximum(plants[..., 0] + local[:, self.deviation("added_mass")], _LEAST_MASS)
+        plants[..., 0] = np.maximum(
+            plants[..., 0] + local[:, self.deviation("added_mass")], LEAST_MASS * self.records.mass_scale
+        )
         changes = [("stiffness", 1), ("damping", 2), ("gain", 3)]
         at = 4
         for effect in self.effects:

@@ -74,6 +74,12 @@ class Records:
         before: Array = np.abs(self.before)
         return np.maximum(before, np.maximum.reduceat(np.abs(self.volts), self.first)) if self.size else before
 
+    @cached_property
+    def mass_scale(self) -> float:
+        """Largest difference of added masses on one base, kg; 1 kg where none differ, as the mass is assumed then."""
+        spans = [float(np.ptp(self.added_mass[self.base == base])) for base in np.unique(self.base)]
+        return max(spans, default=0.0) or 1.0
+
     @property
     def driven(self) -> npt.NDArray[np.bool_]:
         """Runs that an input moves, shape (R,)."""
