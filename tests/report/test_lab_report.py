@@ -100,6 +100,23 @@ def test_other_endings_are_refused(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+def test_links_hold_whatever_the_report_is_called(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def save_all(drawn: dict[str, object], folder: Path, **_: object) -> None:
+        for name in drawn:
+            (folder / f"{name}.png").touch()
+
+    monkeypatch.setattr("stepid.report.still.stills", lambda *_: dict.fromkeys(FILES))
+    monkeypatch.setattr("stepid.plot.book.save_all", save_all)
+    d = example.named()
+    text = d.to_lab_report(tmp_path / "lab report (1).md").read_text(encoding="utf-8")
+    assert "](lab%20report%20%281%29-records.png)" in text
+    assert (tmp_path / "lab report (1)-records.png").exists()
+    text = d.to_lab_report(tmp_path / "50 % of #2.tex").read_text(encoding="utf-8")
+    linked = re.findall(r"includegraphics\[.*?\]\{(.*?)\}", text)
+    assert "50-of-2-records.png" in linked
+    assert all((tmp_path / name).exists() for name in linked)
+
+
 def test_what_its_authors_wrote_is_kept(tmp_path: Path) -> None:
     mine = tmp_path / "lab.md"
     mine.write_text("our answers", encoding="utf-8")

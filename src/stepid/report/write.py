@@ -14,6 +14,7 @@ from stepid.core.takes import described
 from stepid.diagnosis.result import Diagnosis
 from stepid.errors import InputError, StepidError
 from stepid.io.textfile import as_path, decode, read_bytes
+from stepid.report.file_names import file_names
 from stepid.report.hand import Hand, by_hand, pictured
 from stepid.report.markdown import markdown
 from stepid.report.provenance import Provenance, of_diagnosis
@@ -62,7 +63,9 @@ def write_lab_report(
 
         hand = hand_of(diagnosis)
         drawn = stills(diagnosis, pictured(diagnosis, hand))
-        files = {name: f"{target.stem}-{name}.png" for name in drawn}
+        # LaTeX reads # and % in a path as its own
+        stem = file_names((target.stem,))[target.stem] if target.suffix == ".tex" else target.stem
+        files = {name: f"{stem}-{name}.png" for name in drawn}
         told = of_diagnosis(diagnosis)
         text = lab_report(diagnosis, hand, told, kind=target.suffix, files=files, template=own)
         with TemporaryDirectory() as scratch:
