@@ -8,7 +8,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
-from stepid.diagnosis.wording import length
+from stepid.core.words import length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.simulation.records import Records, lay_out
 from stepid.simulation.simulator import Simulator
