@@ -62,7 +62,9 @@ def _without_outliers(context: FitContext, best: Candidate) -> FitContext | None
             continue
         weight[piece] = np.where(mask, _UNTRUSTED, weight[piece])
         size = float(np.abs(residual[piece][mask]).max())
-        words = f"Run {run.name!r}: {int(mask.sum())} readings stand out by up to {length(size)}. They are left out."
+        one = mask.sum() == 1
+        said = "1 reading stands out by" if one else f"{int(mask.sum())} readings stand out by up to"
+        words = f"Run {run.name!r}: {said} {length(size)}. {'It is' if one else 'They are'} left out."
         faults.append(RecordFault(run=run.name, kind="outliers", size=size, unit="m", words=words))
     return _again(context, context.floor, weight, tuple(faults)) if faults else None
 
