@@ -65,8 +65,8 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
     if block.unread:
         layout = {**layout, "stop": block.values.shape[0]}
         doubts.append(f"{block.unread} line(s) below the rows are left out")
-    elif several and not block.by_name and (ends := _ends(columns)) < block.values.shape[0]:
-        layout = {**layout, "stop": ends}  # numbers of columns do not tell that other runs go on
+    elif several and (ends := _ends(columns)) < block.values.shape[0]:
+        layout = {**layout, "stop": ends}  # not all names of columns tell the reader that another run goes on
     draft = Draft(
         file=file,
         name=_label(group, file) if several else plain_name(file.stem),
