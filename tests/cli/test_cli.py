@@ -161,6 +161,14 @@ def test_file_names_are_plain_and_unique() -> None:
     assert all("/" not in n and " " not in n and not n.startswith(".") for n in names.values())
 
 
+def test_file_names_are_short_and_no_two_are_one_file_on_any_system() -> None:
+    long = [f"{'recorded in the lab ' * 20}{end}" for end in "ab"]
+    names = file_names(["Run A", "run a", "RUN-A", *long, "測" * 200])
+    assert list(names.values())[:3] == ["Run-A", "run-a-2", "RUN-A-3"]
+    assert len({name.casefold() for name in names.values()}) == 6
+    assert all(len(name) <= 90 and len(name.encode()) <= 190 for name in names.values())
+
+
 @pytest.mark.parametrize("missing", ["typer", "rich"])
 def test_missing_extra_is_said_plainly(missing: str) -> None:
     code = f"import sys; sys.modules[{missing!r}] = None; from stepid.__main__ import main; main()"

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 
-from stepid.core.words import capitalized
+import stepid
+from stepid.core.quantities import Quantities
+from stepid.core.words import capitalized, length
 
 
 @pytest.mark.parametrize(
@@ -18,3 +23,18 @@ from stepid.core.words import capitalized
 )
 def test_only_the_first_letter_changes(words: str, said: str) -> None:
     assert capitalized(words) == said
+
+
+@pytest.mark.parametrize(
+    ("meters", "said"),
+    [(1234.5, "1234500 mm"), (0.1234, "123 mm"), (-0.0123, "-12.3 mm"), (4.4e-8, "0.044 µm"), (2.5e-10, "0.00025 µm")],
+)
+def test_lengths_of_any_size_have_no_exponent(meters: float, said: str) -> None:
+    assert length(meters) == said
+    assert Quantities("rotation", "V").text(f"off by {length(meters)}.") == f"off by {said[:-1]}rad."
+
+
+def test_texts_write_lengths_in_one_way() -> None:
+    for file in Path(stepid.__file__).parent.rglob("*.py"):
+        found = re.search(r"(?<!%)\{[^{}]*:\.\d[gf]\} (?:mm|µm)", file.read_text(encoding="utf-8"))
+        assert found is None, f"{file.name}: {found and found[0]}"

@@ -130,7 +130,7 @@ def first(criteria: Criteria) -> float:
     """Share of the runs left out that judges where a condition is free in them."""
     linear = linear_candidate(small())
     free = replace(linear, deviations=frozenset({"gain"}))
-    _, after = EvidenceRecord(small(), criteria, (linear, free)).held_out(free)
+    _, after = EvidenceRecord(small(), criteria, (linear, free)).left_out.residuals(free)
     run = small().records.runs[next(iter(after))]
     return round(next(iter(after.values())).size / run.time.size, 2)
 

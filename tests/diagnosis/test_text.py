@@ -11,18 +11,10 @@ import diagnosis_example as example
 import stepid
 from diagnosis_example import changed
 from stepid.core.estimate import Estimate
+from stepid.core.words import digits, length
 from stepid.diagnosis.result import Diagnosis, Gap, Where
 from stepid.diagnosis.text import QUESTIONS, next_steps
-from stepid.diagnosis.wording import (
-    candidate_name,
-    chance,
-    digits,
-    effect_names,
-    length,
-    parameter_words,
-    per_cent,
-    promised,
-)
+from stepid.diagnosis.wording import candidate_name, chance, effect_names, parameter_words, per_cent, promised
 from stepid.identification.parameters import IdentifiedParameters, ParameterUncertainty
 from stepid.report import diagnosis_report, hand_method_table
 

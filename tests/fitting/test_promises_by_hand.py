@@ -117,7 +117,7 @@ def test_more_than_noise_is_told(
     context: Any = SimpleNamespace(floor=1e-5, colored=colored, period=0.5)
     note = left_over.left_over(optimum, context)
     assert (note is not None) is said
-    assert note is None or f"{10 * times:.3g} µm where the noise is 10 µm" in note
+    assert note is None or f"{10 * times:.1f} µm where the noise is 10.0 µm" in note
 
 
 def test_a_start_promises_what_its_change_takes_of_the_residual(monkeypatch: pytest.MonkeyPatch) -> None:

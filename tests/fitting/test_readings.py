@@ -45,7 +45,7 @@ def test_outliers_are_found_told_and_left_out(length: int) -> None:
     assert fault.size == pytest.approx(1.2e-3, rel=0.05)
     assert "'case 3'" in fault.words
     assert "17" in fault.words
-    assert "1.2 mm" in fault.words
+    assert "1.20 mm" in fault.words
 
 
 @pytest.mark.parametrize("at", [-4, -3, -2, -1])

@@ -105,7 +105,7 @@ def test_ten_counts_are_no_rounding() -> None:
 
 def test_words_of_a_fault_say_what_its_kind_does() -> None:
     mask, off = np.arange(40) == 7, np.full(40, 2e-3)
-    assert _fault("r", "outliers", mask, off).words.startswith("Run 'r': 1 reading (sample 7) stands out by 2 mm;")
+    assert _fault("r", "outliers", mask, off).words.startswith("Run 'r': 1 reading (sample 7) stands out by 2.00 mm;")
     stuck = _fault("r", "stuck readings", mask | (np.arange(40) == 9), off)
     assert stuck.words.startswith("Run 'r': 2 readings (samples 7, 9) repeat the one before while the cart moves;")
 
@@ -147,7 +147,7 @@ def test_each_kind_of_fault_has_its_words() -> None:
     assert "With 0.75 kg added instead of 0.5 kg it agrees" in _explanation(optimum, 0, "added_mass", 0.25)
     assert "Its readings are 2 times" in _explanation(optimum, 0, "gain", 1.0)
     assert "come 2 samples after its input" in _explanation(optimum, 0, "start_time", 0.02)
-    assert "zero drifting by 3 µm/s" in _explanation(optimum, 0, "sensor_drift", 3e-6)
+    assert "zero drifting by 3.00 µm/s" in _explanation(optimum, 0, "sensor_drift", 3e-6)
     near = _explanation(optimum, 0, "stiffness", 0.45)
     assert "With a stiffness of 290 N/m, that of spring 'hard' instead of the 200 N/m of spring 'soft'" in near
     assert "'hard'" not in _explanation(optimum, 0, "stiffness", 1.0)

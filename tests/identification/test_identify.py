@@ -175,9 +175,24 @@ def test_campaigns_that_cannot_be_identified() -> None:
         stepid.identify(stepid.Campaign(name="cut", experiments=(one, cut)))
     with pytest.raises(UndeterminedError, match=r"1 usable"):
         stepid.identify(stepid.Campaign(name="single", experiments=(one,)))
-    same = make_run(plant, 0.0, name="b", count=700)
+    same = make_run(plant, 0.0, name="b", count=690)
     with pytest.raises(UndeterminedError, match=r"no known difference in mass.*another known added mass"):
         stepid.identify(stepid.Campaign(name="equal", experiments=(one, same)))
+
+
+def test_the_same_record_under_other_labels_is_said() -> None:
+    plant = Plant(0.95, 216.0, 8.0)
+    one, heavy = (make_run(plant, added, name=name, count=700) for name, added in (("a", 0.0), ("c", 1.0)))
+    copy = one.model_copy(update={"name": "b", "added_mass": 0.5})
+    with pytest.raises(UndeterminedError) as refused:
+        stepid.identify(stepid.Campaign(name="copied", experiments=(one, copy)))
+    why = "Runs 'a', 'b' hold the same record under different labels: at most one of them is what it says"
+    assert why in str(refused.value)
+    assert "Add a run" not in str(refused.value)
+    again = one.model_copy(update={"name": "b"})
+    found = stepid.identify(stepid.Campaign(name="twice", experiments=(one, again, heavy)))
+    assert list(found.excluded) == ["b"]
+    assert "copies, no repeats" in found.excluded["b"]
 
 
 @settings(deadline=None, max_examples=10)

@@ -78,4 +78,4 @@ def test_a_fifth_more_than_the_noise_is_told(times: float, said: bool) -> None:
     one = Remainder(times**2 * 1000e-10, 1000e-10, 0.0, samples=1000, blocks=0)
     note = warning([one])
     assert (note is not None) is said
-    assert note is None or f"leaves {10 * times:.3g} µm, and the noise is 10 µm" in note
+    assert note is None or f"leaves {10 * times:.3g} µm, and the noise is 10.0 µm" in note

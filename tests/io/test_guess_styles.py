@@ -87,3 +87,18 @@ def test_a_line_of_units_counts_wherever_it_stands(tmp_path: Path) -> None:
     file = written(tmp_path, "Unit,mm,V\nDate,1.2.,3\ntime,x,u")
     (draft,) = draft_runs([file])
     assert (draft.units["position"].value, draft.units["input"].value) == ("mm", "V")
+
+
+@pytest.mark.parametrize("head", ["", "t,left,right\n"])
+def test_a_run_that_ends_before_another_is_read_back_so(head: str, tmp_path: Path) -> None:
+    time = 0.01 * np.arange(200)
+    x = 10 * (1 - np.exp(-2 * time) * np.cos(12 * time))
+    cells = [
+        (f"{t:.2f}", f"{a:.4f}" if i < 150 else "", f"{a / 2:.4f}")
+        for i, (t, a) in enumerate(zip(time, x, strict=True))
+    ]
+    file = tmp_path / "all.csv"
+    file.write_text(head + "\n".join(map(",".join, cells)))
+    for draft, count in zip(draft_runs([file], {"position": "all"}), (150, 200), strict=True):
+        columns = {role: draft.columns[role] for role in ("time", "position")}
+        assert stepid.read_table(file, **columns, **draft.layout, position_scale=0.001).time.size == count

@@ -86,6 +86,34 @@ def test_a_lost_reading_is_still_refused(tmp_path: Path) -> None:
         stepid.read_table(path, time="t", position="x1", input="u1", position_scale=0.001)
 
 
+def test_readings_that_end_early_are_refused_where_no_other_run_goes_on(tmp_path: Path) -> None:
+    path = table(tmp_path, "time,position,input,temp,note", lengths=(ROWS, 30, 30, ROWS, ROWS))
+    columns = {"time": "time", "position": "position", "input": "input", "position_scale": 0.001}
+    with pytest.raises(InputError, match=r"line 32, column 'position': is empty from here on.*give stop = 30"):
+        stepid.read_table(path, **columns)
+    assert stepid.read_table(path, **columns, stop=30).time.size == 30
+    with pytest.raises(InputError, match="line 32"):
+        stepid.read_table(path, **columns, stop=35)
+
+
+@pytest.mark.parametrize("header", ["t,left,right,a,b", "t,run 1,run 2,a,b", "t,s1,s2,a,b", "t,y_A,y_B,a,b"])
+def test_a_run_of_any_name_ends_before_another(header: str, tmp_path: Path) -> None:
+    path = table(tmp_path, header, lengths=(ROWS, 30, ROWS, 30, ROWS))
+    names = header.split(",")
+    if "left" in names:  # nothing says what these are
+        with pytest.raises(InputError, match="give stop = 30"):
+            stepid.read_table(path, time="t", position="left", input="a", position_scale=0.001)
+    else:
+        run = stepid.read_table(path, time="t", position=names[1], input="a", position_scale=0.001)
+        assert run.time.size == 30
+
+
+def test_a_run_whose_own_clock_ends_has_ended(tmp_path: Path) -> None:
+    path = table(tmp_path, "all,t,left,b,right", lengths=(ROWS, 30, 30, ROWS, ROWS))
+    run = stepid.read_table(path, time="t", position="left", position_scale=0.001)
+    assert run.time.size == 30
+
+
 def test_one_of_the_runs(tmp_path: Path) -> None:
     path = table(tmp_path, "t,x1,x2,x_ref,u1,u2")
     with pytest.raises(InputError, match="the column 'x_ref' is the position of run 'ref', but no column is its input"):

@@ -14,9 +14,10 @@ from matplotlib.colors import to_hex
 import diagnosis_example as example
 from diagnosis_example import changed
 from stepid import plot
+from stepid.core.words import digits
 from stepid.diagnosis.headline import answer
 from stepid.diagnosis.result import Diagnosis, Gap
-from stepid.diagnosis.wording import digits, per_cent
+from stepid.diagnosis.wording import per_cent
 from stepid.errors import InputError
 from stepid.plot.panels import ranked_candidates
 

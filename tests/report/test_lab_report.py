@@ -100,13 +100,48 @@ def test_other_endings_are_refused(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+def test_links_hold_whatever_the_report_is_called(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def save_all(drawn: dict[str, object], folder: Path, **_: object) -> None:
+        for name in drawn:
+            (folder / f"{name}.png").touch()
+
+    monkeypatch.setattr("stepid.report.still.stills", lambda *_: dict.fromkeys(FILES))
+    monkeypatch.setattr("stepid.plot.book.save_all", save_all)
+    d = example.named()
+    text = d.to_lab_report(tmp_path / "lab report (1).md").read_text(encoding="utf-8")
+    assert "](lab%20report%20%281%29-records.png)" in text
+    assert (tmp_path / "lab report (1)-records.png").exists()
+    text = d.to_lab_report(tmp_path / "50 % of #2.tex").read_text(encoding="utf-8")
+    linked = re.findall(r"includegraphics\[.*?\]\{(.*?)\}", text)
+    assert "50-of-2-records.png" in linked
+    assert all((tmp_path / name).exists() for name in linked)
+
+
+def test_what_its_authors_wrote_is_kept(tmp_path: Path) -> None:
+    mine = tmp_path / "lab.md"
+    mine.write_text("our answers", encoding="utf-8")
+    with pytest.raises(stepid.errors.InputError, match=r"lab\.md: exists already\. .* overwrite=True"):
+        example.named().to_lab_report(mine)
+    with pytest.raises(stepid.errors.InputError, match="overwrite is 'yes'"):
+        example.named().to_lab_report(mine, overwrite="yes")  # type: ignore[arg-type]
+    assert [p.name for p in tmp_path.iterdir()] == ["lab.md"]
+    assert mine.read_text(encoding="utf-8") == "our answers"
+
+
+def test_it_is_overwritten_on_request(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("stepid.report.still.stills", lambda *_: {})
+    mine = tmp_path / "lab.md"
+    mine.write_text("our answers", encoding="utf-8")
+    assert example.named().to_lab_report(mine, overwrite=True).read_text(encoding="utf-8").startswith("# ")
+
+
 @pytest.mark.slow
 def test_it_is_written_with_its_pictures(tmp_path: Path) -> None:
     own = tmp_path / "own.j2"
     own.write_text("((( answer )))", encoding="utf-8")
     d = example.named()
     for template in (None, own):
-        path = d.to_lab_report(tmp_path / "out" / "lab.tex", template=template)
+        path = d.to_lab_report(tmp_path / "out" / "lab.tex", template=template, overwrite=template is not None)
         linked = set(re.findall(r"includegraphics\[.*?\]\{(.*?)\}", path.read_text(encoding="utf-8")))
         assert linked <= {p.name for p in path.parent.iterdir()}
         assert len(linked) >= (4 if template is None else 0)

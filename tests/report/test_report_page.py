@@ -20,9 +20,9 @@ from diagnosis_example import changed
 from page_text import Tags, packed
 from stepid.core.estimate import Estimate
 from stepid.core.latex import parameter_name
+from stepid.core.words import length
 from stepid.diagnosis.headline import found_sizes
 from stepid.diagnosis.result import Diagnosis, Gap, RunGap
-from stepid.diagnosis.wording import length
 from stepid.report import captions, provenance
 from stepid.report.hand import HandMethod
 from stepid.report.page import Still, _tiles

@@ -10,7 +10,7 @@ import pytest
 import stepid
 from stepid.core.estimate import Estimate
 from stepid.core.quantities import CART, quantities_of
-from stepid.diagnosis.wording import length
+from stepid.core.words import length
 from stepid.webapp import pictures, play
 from stepid.webapp.play import NONE, Bench
 

@@ -199,6 +199,44 @@ def test_names_stay_in_the_folder_of_the_session(session: Session) -> None:
         session.inbox.put({"large.csv": bytes(LARGEST_UPLOAD + 1)})
 
 
+def test_no_dropped_file_is_lost_to_another_of_its_name(session: Session) -> None:
+    session.drop(files.three())
+    before = set(session.inbox.names)
+    with pytest.raises(InputError, match=r"'run:1.csv' and 'run\?1.csv' would both be kept as 'run_1.csv'. Rename"):
+        session.drop({"run:1.csv": b"1\n", "run?1.csv": b"2\n"})
+    assert {path.name for path in session.inbox.folder.iterdir()} == before == set(session.inbox.names)
+    long = [f"{'recorded in the laboratory ' * 6}{mass} g.csv" for mass in (0, 500)]
+    session.inbox.put({name: name.encode() for name in long})
+    assert len(session.inbox.names) == 2
+    assert session.inbox.names[1].endswith("500 g.csv")
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["測" * 119 + ".csv", "🙂" * 119, "a" + "測" * 85 + ".csv", "\ud800.csv"],
+    ids=["long", "emoji", "bytes", "half"],
+)
+def test_names_of_any_letters_can_be_kept(session: Session, name: str) -> None:
+    session.inbox.put({name: b"1\n"})
+    assert len(safe_name(name).encode()) <= 255
+    session.drop(files.three())
+    assert len(session.campaign) == 3
+
+
+def test_a_full_disk_is_said_and_the_page_goes_on(session: Session, monkeypatch: pytest.MonkeyPatch) -> None:
+    session.drop(files.three())
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("stepid.webapp.inbox.shutil.move", full)
+        with pytest.raises(InputError, match="No space left"):
+            session.drop({"other.csv": b"1\n"})
+    session.drop(files.three())
+    assert len(session.campaign) == 3
+
+
 def test_sessions_share_nothing_and_leave_nothing() -> None:
     one, two = Session(), Session(stepid.datasets.lab_campaign())
     one.drop(files.three())

@@ -2,7 +2,28 @@
 
 from __future__ import annotations
 
+import math
+
+_SMALL, _LEAST = 0.095, 1e-4  # µm
+
 
 def capitalized(words: str) -> str:
     """Words as they begin a sentence: a first letter that is large, the others as they are."""
     return words[:1].upper() + words[1:]
+
+
+def length(meters: float) -> str:
+    """Write a length with three digits in µm or mm, never with an exponent: ``"637 µm"``, ``"1.20 mm"``."""
+    micro = 1e6 * meters
+    if abs(micro) >= 999.5:
+        return f"{digits(1e3 * meters)} mm"
+    if _LEAST <= abs(micro) < _SMALL:  # of fine sensors; two digits
+        return f"{micro:.{1 - math.floor(math.log10(abs(micro)))}f} µm"
+    return f"{digits(micro)} µm"
+
+
+def digits(value: float) -> str:
+    """Write three significant digits without an exponent; two decimals at most."""
+    size = abs(value)
+    places = 0 if size >= 99.95 else 1 if size >= 9.995 else 2
+    return f"{value:.{places}f}"

@@ -12,6 +12,7 @@ from stepid.core.experiment import Campaign
 from stepid.core.quantities import in_own_quantities, spoken_now
 from stepid.core.recorded import recorded
 from stepid.core.takes import a, able, each, optional, takes
+from stepid.core.words import length
 from stepid.diagnosis.answer import report
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
@@ -21,7 +22,6 @@ from stepid.diagnosis.progress import Progress, Tell, listener, telling
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.verdict import judge
-from stepid.diagnosis.wording import length
 from stepid.effects import CATALOGUE, Effect, a_catalogue, among_themselves
 from stepid.errors import UndeterminedError
 from stepid.fitting.eccentricity import find_eccentricity, without_eccentricity

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from stepid.core.base import Finite, Model, NonNegative
+from stepid.core.words import length
 from stepid.diagnosis.selection.candidate import Candidate
-from stepid.diagnosis.wording import length, whole_percent
+from stepid.diagnosis.wording import whole_percent
 from stepid.fitting.deviations import deviation_std, scatter_values
 from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.multistart import FitContext

@@ -9,7 +9,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.diagnosis.wording import length
+from stepid.core.words import length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import Simulator

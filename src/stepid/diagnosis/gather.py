@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from stepid.core.base import Array
 from stepid.core.estimate import Estimate
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
@@ -273,10 +272,6 @@ class EvidenceRecord:
     def left_out(self) -> LeftOut:
         """What candidates predict of runs that their fit did not see."""
         return LeftOut(self)
-
-    def held_out(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
-        """Residuals of runs left out, linear plant with the same conditions free and candidate."""
-        return self.left_out.residuals(found)
 
     def share(self, found: Candidate) -> tuple[float, float]:
         """Share of the misfit's repeatable power that a candidate takes on runs left out, and its steadiness."""

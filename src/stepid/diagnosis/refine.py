@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stepid.core.noise import floor_from_residual
+from stepid.core.words import length
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.multistart import FitContext
@@ -62,9 +63,9 @@ def _without_outliers(context: FitContext, best: Candidate) -> FitContext | None
             continue
         weight[piece] = np.where(mask, _UNTRUSTED, weight[piece])
         size = float(np.abs(residual[piece][mask]).max())
-        words = (
-            f"Run {run.name!r}: {int(mask.sum())} readings stand out by up to {1e6 * size:.3g} µm. They are left out."
-        )
+        one = mask.sum() == 1
+        said = "1 reading stands out by" if one else f"{int(mask.sum())} readings stand out by up to"
+        words = f"Run {run.name!r}: {said} {length(size)}. {'It is' if one else 'They are'} left out."
         faults.append(RecordFault(run=run.name, kind="outliers", size=size, unit="m", words=words))
     return _again(context, context.floor, weight, tuple(faults)) if faults else None
 

@@ -13,9 +13,9 @@ from stepid.core.experiment import Campaign
 from stepid.core.frames import make_frame, parameter_frame, rows_of
 from stepid.core.latex import parameter_table
 from stepid.core.quantities import InputUnit, Motion
+from stepid.core.words import length
 from stepid.diagnosis.differences import Scatter
 from stepid.diagnosis.text import as_html, as_text, one_line
-from stepid.diagnosis.wording import length
 from stepid.diagnosis.written import Written
 from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.model import PlantModel, parameter_unit

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 from stepid.core.estimate import Estimate
 from stepid.core.mass_offset import weight_spread
 from stepid.core.tables import Rows, html_table, text_table
+from stepid.core.words import digits, length
 from stepid.diagnosis.headline import advice_beside, answer
-from stepid.diagnosis.wording import candidate_name, chance, digits, effect_names, length, per_cent
+from stepid.diagnosis.wording import candidate_name, chance, effect_names, per_cent
 
 if TYPE_CHECKING:
     from stepid.diagnosis.result import Diagnosis, Gap, Ranked, RunGap

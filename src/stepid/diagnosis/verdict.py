@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from stepid.core.words import capitalized
+from stepid.core.words import capitalized, length
 from stepid.diagnosis.evidence import least_share, predicts
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.result import Verdict
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
-from stepid.diagnosis.wording import effect_names, length, parameter_words, per_cent, taken_in_words, whole_percent
+from stepid.diagnosis.wording import effect_names, parameter_words, per_cent, taken_in_words, whole_percent
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from stepid.core.latex import parameter_name
-from stepid.core.words import capitalized
+from stepid.core.words import capitalized, length
 from stepid.diagnosis.residual_force import CLEAR, Shape
 
 _CLEAR_TREND = 0.7  # correlation
@@ -14,21 +14,6 @@ _DIFFER = 1.5  # ratio of two RMS values that differ
 _AT_FLOOR = 1.1  # times the noise floor
 _WORTH = 0.01  # share of the misfit, below which a promise is not told
 _NEARLY = 0.95  # share, from which it is nearly all
-
-
-def length(meters: float) -> str:
-    """Write a length with three digits in µm or mm: ``"637 µm"``, ``"1.20 mm"``."""
-    micro = 1e6 * meters
-    if abs(micro) >= 999.5:
-        return f"{digits(1e3 * meters)} mm"
-    return f"{digits(micro)} µm"
-
-
-def digits(value: float) -> str:
-    """Write three significant digits without an exponent; two decimals at most."""
-    size = abs(value)
-    places = 0 if size >= 99.95 else 1 if size >= 9.995 else 2
-    return f"{value:.{places}f}"
 
 
 def whole_percent(share: float) -> str:

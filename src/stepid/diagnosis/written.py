@@ -61,7 +61,13 @@ class Written(Model):
 
         return write_markdown(cast("Diagnosis", self), path)
 
-    def to_lab_report(self, path: str | os.PathLike[str], *, template: str | os.PathLike[str] | None = None) -> Path:
+    def to_lab_report(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        template: str | os.PathLike[str] | None = None,
+        overwrite: bool = False,
+    ) -> Path:
         """Write a lab report to be finished by its authors, in Markdown or LaTeX, with its pictures beside it.
 
         Model, measurements, tables, pictures and where they come from are filled in; questions stand where the authors
@@ -73,6 +79,8 @@ class Written(Model):
             Ends in ``.md`` or ``.tex``.
         template : path-like, optional
             A jinja2 template of your own; see the page on reports.
+        overwrite : bool
+            Replace the file if there is one, with all that its authors wrote in it.
 
         Returns
         -------
@@ -82,10 +90,10 @@ class Written(Model):
         Raises
         ------
         stepid.errors.InputError
-            If the path has another ending or cannot be written, or the template is wrong.
+            If the path has another ending, exists already or cannot be written, or the template is wrong.
         stepid.errors.StepidError
             If a package that it needs is not installed.
         """
         from stepid.report.write import write_lab_report
 
-        return write_lab_report(cast("Diagnosis", self), path, template=template)
+        return write_lab_report(cast("Diagnosis", self), path, template=template, overwrite=overwrite)

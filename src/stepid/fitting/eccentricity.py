@@ -8,6 +8,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
+from stepid.core.words import length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.record_fault import ALL_RUNS, RecordFault
 from stepid.simulation.records import Records
@@ -76,7 +77,7 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
         if np.hypot(*(own - values)) > _ALIKE * amplitude + _SCATTER * error:
             return None
     words = (
-        f"All runs: the readings are off by {1e6 * amplitude:.2g} µm in turn every {1e3 * pitch:.3g} mm of travel, "
+        f"All runs: the readings are off by {length(amplitude)} in turn every {length(pitch)} of travel, "
         "whatever the mass and speed: an encoder or a pulley that sits off its axis."
     )
     fault = RecordFault(run=ALL_RUNS, kind="encoder eccentricity", size=amplitude, unit="m", words=words)

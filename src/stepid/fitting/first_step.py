@@ -9,6 +9,7 @@ import numpy as np
 
 from stepid.core.experiment import Experiment
 from stepid.core.noise import record_noise
+from stepid.core.words import length
 from stepid.simulation.starts import starts_in_motion
 
 _LIKE = 0.9  # share of an input change that another must have to be as strong
@@ -94,7 +95,7 @@ def _unusable(one: _Seen, usual: float, moving: Collection[str]) -> _Stretch | N
         return _Stretch("in which its input changes but nothing answers (was the amplifier off?)", dead)
     jump = _jump(one.run, one.quiet)
     if jump is not None:
-        what = f"up to a jump of {1e3 * jump[1]:.3g} mm from one sample to the next"
+        what = f"up to a jump of {length(jump[1])} from one sample to the next"
         return _Stretch(what, sum(a.at <= jump[0] for a in found))
     return _Stretch("in which the cart already moves", 1) if one.run.name in moving else None
 

@@ -12,6 +12,7 @@ from stepid.core.latex import parameter_name
 from stepid.core.noise import rms
 from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
+from stepid.core.words import length
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
 from stepid.fitting.candidate_fit import CandidateFit
@@ -135,7 +136,7 @@ def fit(
         names = " and ".join(parameter_name(e.name) for e in wanted)
         raise ConvergenceError(
             f"campaign {campaign.name!r}: no start of {names} leads to a stable plant; the "
-            f"linear fit leaves {context.linear.rms * 1e6:.3g} µm",
+            f"linear fit leaves {length(context.linear.rms)}",
             "Try fewer effects, or look at the records for what the model cannot say.",
         )
     found = most_likely(optimum, context.floor)

@@ -13,6 +13,7 @@ from stepid.core.frames import parameter_frame, rows_of
 from stepid.core.latex import parameter_name, parameter_table
 from stepid.core.quantities import InputUnit, Motion
 from stepid.core.tables import html_table, text_table
+from stepid.core.words import length
 from stepid.simulation.model import PlantModel
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ class Fit(Model):
 
     def __repr__(self) -> str:
         named = ", ".join(effect.name for effect in self.model.effects) or "linear"
-        return f"Fit({named}, {len(self.parameters)} parameters, rms {1e6 * self.rms:.4g} µm)"
+        return f"Fit({named}, {len(self.parameters)} parameters, rms {length(self.rms)})"
 
     __str__ = summary
 
@@ -81,7 +82,7 @@ class Fit(Model):
     def _title(self) -> str:
         named = ", ".join(parameter_name(effect.name) for effect in self.model.effects)
         plant = f"Linear plant with {named}" if named else "Linear plant"
-        return f"{plant}: {1e6 * self.rms:.4g} µm are left, the noise is {1e6 * self.noise:.4g} µm"
+        return f"{plant}: {length(self.rms)} are left, the noise is {length(self.noise)}"
 
     def _table(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
         """Header and rows; of the causes those that there are."""

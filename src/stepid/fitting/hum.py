@@ -8,6 +8,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
+from stepid.core.words import length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.record_fault import ALL_RUNS, RecordFault
 from stepid.fitting.spectrum import sharp_line
@@ -125,10 +126,9 @@ def _hum(records: Records, linear: Optimum, residual: Array, start: float, own: 
     if not _is_hum(np.abs(amplitude), spread, _answers(linear, frequency), frequency > _FAR * own):
         return None
     size = float(np.mean(np.abs(amplitude)))
-    told = f"{1e3 * size:.2g} mm" if size >= 1e-3 else f"{1e6 * size:.2g} µm"
     words = (
-        f"All runs: a hum of {told} at {frequency:.4g} Hz lies on the readings, the same whatever the mass; it is "
-        "subtracted. Check the shielding of the sensor's cable."
+        f"All runs: a hum of {length(size)} at {frequency:.4g} Hz lies on the readings, the same whatever the mass; "
+        "it is subtracted. Check the shielding of the sensor's cable."
     )
     return Hum(frequency, amplitude, RecordFault(run=ALL_RUNS, kind="hum", size=size, unit="m", words=words))
 

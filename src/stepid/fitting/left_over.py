@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from stepid.core.words import length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import least_floor, structure, succession
@@ -31,7 +32,7 @@ def left_over(optimum: Optimum, context: FitContext) -> str | None:
     if times <= _MORE and (exact or not _slow(optimum, context)):
         return None
     return (
-        f"More than noise is left, {1e6 * optimum.rms:.3g} µm where the noise is {1e6 * context.floor:.3g} µm: the "
+        f"More than noise is left, {length(optimum.rms)} where the noise is {length(context.floor)}: the "
         "intervals hold only if the model is right, and the true values may lie far outside of them; stepid.diagnose "
         "looks for the cause."
     )

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from stepid.core.base import Array, Model, NonNegative, Positive
 from stepid.core.noise import rms
+from stepid.core.words import length
 from stepid.fitting.noise_floor import noise_floor
 from stepid.fitting.spectrum import strongest_period
 from stepid.simulation.records import Records
@@ -63,7 +64,7 @@ class NoiseColor(Model):
     def words(self) -> str:
         """The same in a sentence."""
         return (
-            f"The noise of the readings is colored: {1e6 * self.colored:.3g} µm of it are correlated over "
+            f"The noise of the readings is colored: {length(self.colored)} of it are correlated over "
             f"{1e3 * self.correlation_time:.2g} ms."
         )
 

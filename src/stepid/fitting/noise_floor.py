@@ -11,6 +11,7 @@ from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.noise import STILL, clipped_spread, predicted_noise
 from stepid.core.samples import divided_differences, is_even, means_of_blocks
+from stepid.core.words import length
 from stepid.simulation.clock import clock
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import FINE
@@ -167,8 +168,8 @@ def repeat_notes(records: Records) -> tuple[str, ...]:
     spread = repeatability(records)
     if spread is not None and spread > _SCATTER * (noise := noise_floor(records)):
         out.append(
-            f"Repeated runs differ by {np.format_float_positional(1e6 * spread, 3, fractional=False, trim='-')} µm, "
-            f"{spread / noise:.2g} times the sensor's noise: no model of one plant leaves less."
+            f"Repeated runs differ by {length(spread)}, {spread / noise:.2g} times the sensor's noise: "
+            "no model of one plant leaves less."
         )
     return tuple(out)
 

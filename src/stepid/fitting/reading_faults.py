@@ -13,6 +13,7 @@ import numpy.typing as npt
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.noise import apparent_resolution, record_noise
+from stepid.core.words import length
 from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.records import Records
 
@@ -49,49 +50,49 @@ class Mended(NamedTuple):
     faults: tuple[RecordFault, ...]
 
 
-def _sides(length: int, after: int) -> npt.NDArray[np.intp]:
+def _sides(count: int, after: int) -> npt.NDArray[np.intp]:
     """Where the neighbors of a block are, counted from its begin: so many of them after it, the rest before."""
-    return np.concatenate([np.arange(after - 2 * _SIDE, 0), np.arange(length, length + after)])
+    return np.concatenate([np.arange(after - 2 * _SIDE, 0), np.arange(count, count + after)])
 
 
 @cache
-def _local(length: int, after: int = _SIDE) -> _Local:
-    at = _sides(length, after) - (length - 1) / 2
+def _local(count: int, after: int = _SIDE) -> _Local:
+    at = _sides(count, after) - (count - 1) / 2
     basis = np.vander(at.astype(np.float64), _DEGREE + 1)
     inverse = np.linalg.pinv(basis)
-    predict = np.vander(np.arange(length) - (length - 1) / 2, _DEGREE + 1) @ inverse
+    predict = np.vander(np.arange(count) - (count - 1) / 2, _DEGREE + 1) @ inverse
     misfit = np.eye(2 * _SIDE) - basis @ inverse
     return _Local(predict, misfit, np.sqrt(1.0 + np.sum(predict**2, axis=1)))
 
 
 def _stand_out(
-    y: Array, length: int, begin: npt.NDArray[np.intp], noise: float, after: int = _SIDE
+    y: Array, count: int, begin: npt.NDArray[np.intp], noise: float, after: int = _SIDE
 ) -> tuple[Array, Array]:
     """Deviation of blocks that begin at given samples from their neighbors: in standard deviations, and in m."""
-    local = _local(length, after)
-    near = y[begin[:, None] + _sides(length, after)]
-    block = y[begin[:, None] + np.arange(length)]
+    local = _local(count, after)
+    near = y[begin[:, None] + _sides(count, after)]
+    block = y[begin[:, None] + np.arange(count)]
     off = block - near @ local.predict.T
     freedom = 2 * _SIDE - _DEGREE - 1
     spread = np.sqrt(np.sum((near @ local.misfit.T) ** 2, axis=1) / freedom)
     return np.abs(off) / local.spread / np.maximum(spread, noise)[:, None], off
 
 
-def _interpolate(y: Array, begin: int, length: int) -> None:
-    after = min(_SIDE, y.size - begin - length)
-    y[begin : begin + length] = _local(length, after).predict @ y[begin + _sides(length, after)]
+def _interpolate(y: Array, begin: int, count: int) -> None:
+    after = min(_SIDE, y.size - begin - count)
+    y[begin : begin + count] = _local(count, after).predict @ y[begin + _sides(count, after)]
 
 
 def _take(y: Array, found: list[tuple[float, int, int]], wrong: Mask) -> bool:
-    """Interpolate blocks (score, begin, length), the plainest first, none near another."""
+    """Interpolate blocks (score, begin, count), the plainest first, none near another."""
     busy = np.zeros(y.size, dtype=bool)
-    for _, begin, length in sorted(found, reverse=True):
-        around = slice(begin - _SIDE, begin + length + _SIDE)
+    for _, begin, count in sorted(found, reverse=True):
+        around = slice(begin - _SIDE, begin + count + _SIDE)
         if busy[around].any():
             continue
         busy[around] = True
-        wrong[begin : begin + length] = True
-        _interpolate(y, begin, length)
+        wrong[begin : begin + count] = True
+        _interpolate(y, begin, count)
     return bool(found)
 
 
@@ -102,28 +103,28 @@ def _stuck(y: Array, noise: float, least: float) -> list[tuple[float, int, int]]
     ends = np.flatnonzero(~same[1:] & same[:-1]) + 1
     found = []
     for begin, end in zip(begins, ends, strict=True):
-        length = int(end - begin)
-        if length > _STICKS or begin < _SIDE or end > y.size - _SIDE:
+        count = int(end - begin)
+        if count > _STICKS or begin < _SIDE or end > y.size - _SIDE:
             continue
         before, after = (y[begin - 1] - y[begin - _SIDE]) / 3, (y[end + 3] - y[end]) / 3
-        speed, caught = 0.5 * (before + after), (y[end] - y[end - 1]) / (length + 1)
+        speed, caught = 0.5 * (before + after), (y[end] - y[end - 1]) / (count + 1)
         slow, fast = sorted((abs(before), abs(after)))
         if before * after <= 0 or slow < _STEADY * fast or caught / speed < _CAUGHT_UP:
             continue
-        score, off = _stand_out(y, length, np.array([begin]), noise)
+        score, off = _stand_out(y, count, np.array([begin]), noise)
         if score.max() > _STUCK and np.abs(off).max() > least:
-            found.append((float(score.max()), int(begin), length))
+            found.append((float(score.max()), int(begin), count))
     return found
 
 
 def _outliers(y: Array, noise: float, least: float) -> list[tuple[float, int, int]]:
     """Blocks of up to three samples, all of which stand out from their neighbors."""
     found = []
-    for length in range(1, _LONGEST + 1):
-        begin = np.arange(_SIDE, y.size - _SIDE - length + 1)
-        score, off = _stand_out(y, length, begin, noise)
+    for count in range(1, _LONGEST + 1):
+        begin = np.arange(_SIDE, y.size - _SIDE - count + 1)
+        score, off = _stand_out(y, count, begin, noise)
         out = (score.min(axis=1) > _OUTLIER) & (np.abs(off).min(axis=1) > least)
-        found += [(float(score[i].min()), int(begin[i]), length) for i in np.flatnonzero(out)]
+        found += [(float(score[i].min()), int(begin[i]), count) for i in np.flatnonzero(out)]
     return found + _last(y, noise, least)
 
 
@@ -191,7 +192,7 @@ def _fault(run: str, kind: str, mask: Mask, off: Array) -> RecordFault:
     size = float(off[mask].max())
     one = at.size == 1
     listed = ", ".join(map(str, at[:_NAMED])) + (", …" if at.size > _NAMED else "")
-    does = "stand" + "s" * one + f" out by {'up to ' * (not one)}{_length(size)}"
+    does = "stand" + "s" * one + f" out by {'up to ' * (not one)}{length(size)}"
     if kind == "stuck readings":
         does = f"repeat{'s' * one} the one before while the cart moves"
     words = (
@@ -199,10 +200,6 @@ def _fault(run: str, kind: str, mask: Mask, off: Array) -> RecordFault:
         f"{'it is' if one else 'they are'} left out."
     )
     return RecordFault(run=run, kind=kind, size=size, unit="m", words=words)
-
-
-def _length(meters: float) -> str:
-    return f"{1e3 * meters:.2g} mm" if meters >= 1e-3 else f"{1e6 * meters:.2g} µm"
 
 
 def trust(records: Records, wrong: Mapping[str, Mask]) -> Array:

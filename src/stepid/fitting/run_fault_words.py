@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from stepid.core.words import length
 from stepid.fitting.levenberg_marquardt import Optimum
 
 DRIFT = "sensor_drift"
@@ -48,7 +49,7 @@ def _explanation(optimum: Optimum, run: int, kind: str, size: float) -> str:
         late = size / float(records.sample_time[run])
         way = "after" if late > 0 else "before"
         return f"Its readings come {abs(late):.2g} samples {way} its input: check how the two were put together."
-    return f"With its zero drifting by {1e6 * size:.3g} µm/s it agrees."
+    return f"With its zero drifting by {length(size)}/s it agrees."
 
 
 def _label(optimum: Optimum, run: int, kind: str, size: float) -> str:

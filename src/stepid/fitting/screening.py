@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.copies import copies
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.noise import record_noise
 from stepid.core.releases import release_index, split_releases
@@ -67,7 +68,9 @@ def screen(campaign: Campaign) -> Screened:
     for run in campaign.experiments:
         if run.name in left_out:
             notes.append(f"Run {run.name!r} is left out: {_why_still(run)}")
-    kept = _without_copies(kept, notes)
+    same = copies(kept)
+    notes += dict.fromkeys(same.values())
+    kept = [run for run in kept if run.name not in same]
     kept = from_rest(kept, notes)
     if not kept:
         raise InputError(
@@ -144,32 +147,3 @@ def _why_still(run: Experiment) -> str:
     if level == 0:
         return "nothing moves in it."
     return f"nothing moves in it although {level:g} V is commanded. Was the amplifier off, or the step too small?"
-
-
-def _without_copies(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
-    """Keep the first of equal records with equal labels; none of equal records with different labels."""
-    groups: dict[bytes, list[Experiment]] = {}
-    for run in runs:
-        groups.setdefault(run.position.tobytes(), []).append(run)
-    dropped: set[str] = set()
-    for first, *others in groups.values():
-        if not others:
-            continue
-        names = ", ".join(repr(r.name) for r in (first, *others))
-        if all(_labels(r) == _labels(first) for r in others):
-            notes.append(
-                f"Runs {names} hold the same record, sample for sample: copies, no repeats; one of them is used."
-            )
-            dropped |= {r.name for r in others}
-        else:
-            notes.append(
-                f"Runs {names} hold the same record under different labels: at most one of them is what it says, "
-                "and they are left out. Check their files."
-            )
-            dropped |= {r.name for r in (first, *others)}
-    return [r for r in runs if r.name not in dropped]
-
-
-def _labels(run: Experiment) -> tuple[object, ...]:
-    known = (run.added_mass, run.spring, run.damper, run.base, run.input_before, run.sample_time, run.input_between)
-    return (*known, run.input.tobytes())

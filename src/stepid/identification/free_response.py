@@ -10,6 +10,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.noise import apparent_resolution, noise_level
+from stepid.core.words import length
 from stepid.errors import NoOvershootError, NoStepError, NotSettledError
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
 from stepid.identification.peak import Peak, SampledPeak, fit_peak, sampled_peak_spread
@@ -110,7 +111,7 @@ def release_characteristics(experiment: Experiment, *, peak: Peak) -> Characteri
         ()
         if friction is None
         else (
-            f"each swing loses about {friction * 1e3:.2g} mm beside a fixed fraction: dry friction, and the damping "
+            f"each swing loses about {length(friction)} beside a fixed fraction: dry friction, and the damping "
             "ratio holds its share",
         )
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from stepid.core.arguments import as_campaign
+from stepid.core.copies import copies
 from stepid.core.experiment import Campaign, Experiment, MassOffset
 from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
@@ -130,6 +131,9 @@ def characterize_campaign(
             used[experiment.name] = _readable(experiment, peak)
         except IdentificationError as error:
             excluded[experiment.name] = error.cause
+    for name, why in copies(run for run in campaign.experiments if run.name in used).items():
+        del used[name]
+        excluded[name] = why
     return used, excluded
 
 

@@ -13,6 +13,7 @@ from stepid.core.experiment import Experiment
 from stepid.core.noise import apparent_resolution, noise_level
 from stepid.core.releases import release_index
 from stepid.core.samples import means_of_blocks
+from stepid.core.words import length
 
 _MORE = 1.2  # times the noise, beyond which more than noise is left
 _SLOW = 6.0  # standard deviations by which means over a tenth of a period exceed those of noise
@@ -193,7 +194,7 @@ def warning(found: Iterable[Remainder | None]) -> str | None:
     if left <= _MORE * noise and slow <= _SLOW:
         return None
     return (
-        f"The best linear response of each run leaves {1e6 * left:.3g} µm, and the noise is {1e6 * noise:.3g} µm: the "
+        f"The best linear response of each run leaves {length(left)}, and the noise is {length(noise)}: the "
         "uncertainties hold for a linear plant, and the true values may lie far outside of them; a diagnosis "
         "(stepid.diagnose) looks for the cause."
     )

@@ -10,6 +10,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.noise import apparent_resolution, noise_level
+from stepid.core.words import length
 from stepid.errors import NoOvershootError, NoStepError, NotSettledError
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
 from stepid.identification.peak import Peak, PeakReading
@@ -243,7 +244,7 @@ def _rest(experiment: Experiment, step: Step, who: str, noise: float, grid: floa
     moved, drift = float(np.ptp(after)), float(np.ptp(before))
     if drift > max(9 * noise, 3 * grid, 0.04 * moved):
         raise NotSettledError(
-            f"{who}: the plant was not at rest before the step, it moved by {drift * 1e3:.3g} mm",
+            f"{who}: the plant was not at rest before the step, it moved by {length(drift)}",
             "Wait until the plant rests before each step.",
         )
     wander = drift / math.sqrt(12) if drift > 9 * noise else 0.0
@@ -279,8 +280,8 @@ def _no_overshoot(who: str, excess: float, level: float, noise: float, grid: flo
             "Check the rest position before the step and that the input was held.",
         )
     return NoOvershootError(
-        f"{who}: no overshoot to be seen ({100 * excess:.2f} % of {level * 1e3:.3g} mm, "
-        f"noise {noise * 1e6:.2g} µm, resolution {grid * 1e6:.2g} µm)",
+        f"{who}: no overshoot to be seen ({100 * excess:.2f} % of {length(level)}, "
+        f"noise {length(noise)}, resolution {length(grid)})",
         "Eqs. 7 and 8 need an overshoot: less damping, more mass or a stiffer spring; stepid.fit needs none.",
     )
 

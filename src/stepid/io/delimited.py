@@ -15,6 +15,7 @@ from stepid.core.takes import described
 from stepid.core.units import NO_COLUMN
 from stepid.errors import InputError
 from stepid.io.plain_table import Places, parse_plain
+from stepid.io.record_end import own_rows
 from stepid.io.textfile import (
     common_width,
     decode,
@@ -194,8 +195,11 @@ def _parse(lines: Sequence[str], layout: Layout, where: str) -> Table:
         raise InputError(f"{where}: its header names a column twice ({', '.join(names)})", "Rename one of them.")
     numbers = [i for i, _ in body]
     used = {i for i, name in enumerate(labels) if _any_is(layout.used, i, name)}
-    kept_rows = _own_rows(rows, [i for i, name in enumerate(labels) if _any_is(layout.used[1:], i, name)])
-    rows, numbers = rows[:kept_rows], numbers[:kept_rows]
+    own, clock = (
+        [i for i, name in enumerate(labels) if _any_is(part, i, name)] for part in (layout.used[1:], layout.used[:1])
+    )
+    last = own_rows(rows, labels, own=own, clock=clock, lines=numbers, where=where, stop=layout.stop)
+    rows, numbers = rows[:last], numbers[:last]
     rows = [
         [cell if i in used or _is_reading(cell, layout.decimal) else "0" for i, cell in enumerate(row)] for row in rows
     ]  # beside the readings there may be anything, and nothing
@@ -255,17 +259,6 @@ def join_tables(tables: Sequence[Table]) -> Table:
 
 def _any_is(used: Sequence[object], index: int, name: str) -> bool:
     return any(isinstance(column, str | int) and column in (index, name) for column in used)
-
-
-def _own_rows(rows: Sequence[Sequence[str]], own: Sequence[int]) -> int:
-    """Rows until a record has ended: beside a longer one its cells are empty from there on."""
-    last = len(rows)
-    while last and own and all(i < len(rows[last - 1]) and not rows[last - 1][i] for i in own):
-        others = [cell for i, cell in enumerate(rows[last - 1]) if i not in own]
-        if sum(map(bool, others)) < 2:  # beside its time there is no other record
-            return last
-        last -= 1
-    return last or len(rows)
 
 
 def _last_row(rows: Sequence[Sequence[str]], stop: int, decimal: str) -> int:

@@ -63,7 +63,8 @@ def read_table(
         One file, or several that continue each other, joined in order.
     position : str or int
         Column of the position, by name or by index from 0. Must be given; the error without it lists the columns.
-        Where several runs stand side by side, a run ends where its cells are empty from there on.
+        Where several runs stand side by side, a run ends where its cells are empty from there on; where time goes on
+        and no other column is called as a run's position, that is refused.
     time : str or int, optional
         Column of the time, s, uneven or not. Without it, `sample_time` says how far rows are apart.
     input : str, int, StepInput or array, shape (n,), optional

@@ -85,7 +85,9 @@ def _whole(text: str | None, default: int) -> int:
 
 
 def _text(item: ElementTree.Element) -> str:
-    return "".join(piece.text or "" for piece in item.iter(f"{_MAIN}t"))
+    """Its pieces, but those that say how the others are read aloud (furigana)."""
+    aloud = {piece for reading in item.iter(f"{_MAIN}rPh") for piece in reading.iter(f"{_MAIN}t")}
+    return "".join(piece.text or "" for piece in item.iter(f"{_MAIN}t") if piece not in aloud)
 
 
 def _opened(raw: bytes, where: str) -> zipfile.ZipFile:

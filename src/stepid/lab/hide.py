@@ -11,6 +11,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
+from stepid.core.words import length
 from stepid.effects import Effect
 from stepid.effects.base import Moment
 from stepid.errors import ConvergenceError, InputError
@@ -153,7 +154,7 @@ def sized(
         if abs(off) < _CLOSE or math.log(least / misfit) <= off < 0:
             return values(number, strength)
     raise InputError(
-        f"{effect.name} cannot be made strong enough on this rig: a linear model must miss it by {least * 1e6:.3g} µm",
+        f"{effect.name} cannot be made strong enough on this rig: a linear model must miss it by {length(least)}",
         "Ask for less visibility, take longer steps, or reduce the rig's noise.",
     )
 

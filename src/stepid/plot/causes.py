@@ -7,8 +7,9 @@ import textwrap
 from matplotlib.axes import Axes
 
 from stepid.core.takes import a, takes
+from stepid.core.words import digits
 from stepid.diagnosis.result import Diagnosis, Ranked, Where
-from stepid.diagnosis.wording import candidate_name, chance, digits, per_cent
+from stepid.diagnosis.wording import candidate_name, chance, per_cent
 from stepid.plot.gap import AFTER, BEFORE, NOISE, a_diagnosis
 from stepid.plot.panels import Force, force_jump, phase_levels, position_force, ranked_candidates, velocity_force
 from stepid.plot.scale import plain_logarithm

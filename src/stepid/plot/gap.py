@@ -10,8 +10,8 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 
 from stepid.core.takes import a, described, number, optional, takes
+from stepid.core.words import digits, length
 from stepid.diagnosis.result import Diagnosis, RunGap
-from stepid.diagnosis.wording import digits, length
 from stepid.errors import InputError
 from stepid.plot.layout import one_legend, page_of_pairs
 from stepid.plot.panels import gap_levels, linear_reach, residual, responses

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from stepid.core.latex import parameter_name
+from stepid.core.words import digits, length
 from stepid.diagnosis.result import Diagnosis
-from stepid.diagnosis.wording import candidate_name, digits, length
+from stepid.diagnosis.wording import candidate_name
 from stepid.identification.transfer.verification import Verification
 from stepid.plot.ring_down import zoomed_ring_down
 from stepid.report.chapter import Picture

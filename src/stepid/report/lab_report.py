@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
+from urllib.parse import quote
 
 from jinja2 import StrictUndefined, TemplateError
 from jinja2.loaders import DictLoader, PackageLoader
@@ -55,7 +56,7 @@ def lab_report(
     provenance : Provenance
     kind : ".md" or ".tex"
     files : mapping
-        Name of a still picture to its file, as the text shall link it.
+        Name of a still picture to its file beside the text; for LaTeX without spaces and signs.
     template : str, optional
         A jinja2 template in place of stepid's own. In LaTeX it writes ``((* … *))`` for blocks and ``((( … )))`` for
         values.
@@ -81,8 +82,9 @@ def lab_report(
         **(_LATEX if latex else {}),
     )
     environment.filters["table"] = _latex_table if latex else lambda table: _Typeset(markdown_table(table))
+    linked = files if latex else {picture: quote(file) for picture, file in files.items()}
     try:
-        return environment.get_template(name).render(_values(d, hand, provenance, files))
+        return environment.get_template(name).render(_values(d, hand, provenance, linked))
     except (TemplateError, TypeError) as error:
         where = f", line {line}" if (line := getattr(error, "lineno", None)) else ""
         raise InputError(f"the template of the lab report{where}: {error}", "Correct the template.") from None

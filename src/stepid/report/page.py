@@ -15,11 +15,11 @@ from markupsafe import Markup, escape
 from plotly.offline import get_plotlyjs
 
 from stepid.core.quantities import quantities_of
-from stepid.core.words import capitalized
+from stepid.core.words import capitalized, digits, length
 from stepid.diagnosis.headline import advice_beside, answer, found_sizes
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.text import standing
-from stepid.diagnosis.wording import digits, effect_names, length
+from stepid.diagnosis.wording import effect_names
 from stepid.report.axes import run_line
 from stepid.report.equation import equation, numbers
 from stepid.report.hand import Hand, pictured

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from stepid.core.latex import parameter_name
 from stepid.core.quantities import quantities_of
-from stepid.core.words import capitalized
+from stepid.core.words import capitalized, digits, length
 from stepid.diagnosis.headline import answer, found_sizes
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.text import (
@@ -19,7 +19,7 @@ from stepid.diagnosis.text import (
     ranking_rows,
     standing,
 )
-from stepid.diagnosis.wording import digits, effect_names, length
+from stepid.diagnosis.wording import effect_names
 from stepid.errors import IdentificationError
 from stepid.report import captions
 from stepid.report.chapter import Chapter, Table

@@ -6,8 +6,8 @@ import numpy as np
 
 from stepid.core.estimate import format_value
 from stepid.core.experiment import Experiment
+from stepid.core.words import digits
 from stepid.diagnosis.result import Diagnosis
-from stepid.diagnosis.wording import digits
 from stepid.identification.parameters import IdentifiedParameters, StackedSystem, shared_rows
 from stepid.identification.transfer.verification import Verification
 from stepid.report.chapter import Table

@@ -10,9 +10,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from stepid.core.atomic_write import staged
+from stepid.core.takes import described
 from stepid.diagnosis.result import Diagnosis
 from stepid.errors import InputError, StepidError
 from stepid.io.textfile import as_path, decode, read_bytes
+from stepid.report.file_names import file_names
 from stepid.report.hand import Hand, by_hand, pictured
 from stepid.report.markdown import markdown
 from stepid.report.provenance import Provenance, of_diagnosis
@@ -38,12 +40,21 @@ def write_markdown(diagnosis: Diagnosis, path: str | os.PathLike[str]) -> Path:
 
 
 def write_lab_report(
-    diagnosis: Diagnosis, path: str | os.PathLike[str], *, template: str | os.PathLike[str] | None = None
+    diagnosis: Diagnosis,
+    path: str | os.PathLike[str],
+    *,
+    template: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
 ) -> Path:
     """Write a lab report with pictures beside it; see `stepid.Diagnosis.to_lab_report`."""
     target = as_path(path)
     if target.suffix not in _KINDS:
         raise InputError(f"{target}: a lab report ends in .md or .tex", "Choose by the ending: Markdown or LaTeX.")
+    if not isinstance(overwrite, bool):
+        raise InputError(f"overwrite is {described(overwrite)}", "Give True or False.")
+    if not overwrite and os.path.lexists(target):
+        remedy = "Choose another name, or give overwrite=True, which loses what its authors wrote in it."
+        raise InputError(f"{target}: exists already", remedy)
     own = None if template is None else (file := as_path(template), decode(read_bytes(file), str(file)))[1]
     with staged(target.parent) as folder, _installed():
         from stepid.plot.book import save_all
@@ -52,7 +63,9 @@ def write_lab_report(
 
         hand = hand_of(diagnosis)
         drawn = stills(diagnosis, pictured(diagnosis, hand))
-        files = {name: f"{target.stem}-{name}.png" for name in drawn}
+        # LaTeX reads # and % in a path as its own
+        stem = file_names((target.stem,))[target.stem] if target.suffix == ".tex" else target.stem
+        files = {name: f"{stem}-{name}.png" for name in drawn}
         told = of_diagnosis(diagnosis)
         text = lab_report(diagnosis, hand, told, kind=target.suffix, files=files, template=own)
         with TemporaryDirectory() as scratch:

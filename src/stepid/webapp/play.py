@@ -13,8 +13,9 @@ from stepid.core.base import Array
 from stepid.core.estimate import prefixed
 from stepid.core.experiment import Campaign
 from stepid.core.quantities import quantities_of
+from stepid.core.words import length
 from stepid.diagnosis.result import Diagnosis
-from stepid.diagnosis.wording import effect_names, length
+from stepid.diagnosis.wording import effect_names
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.effects.base import Parameter
 from stepid.errors import StepidError

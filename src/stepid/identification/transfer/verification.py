@@ -13,6 +13,7 @@ from stepid.core.frames import make_frame
 from stepid.core.quantities import InputUnit, Motion
 from stepid.core.tables import html_table, text_table
 from stepid.core.takes import described
+from stepid.core.words import length
 from stepid.errors import InputError
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ class VerificationRun(Model):
         return make_frame({field: np.array(getattr(self, field)) for field in ("time", "measured", "simulated")})
 
     def __repr__(self) -> str:
-        return f"VerificationRun({self.name!r}, fit {self.fit_percent:.1f} %, RMS {self.rms * 1e6:.0f} µm)"
+        return f"VerificationRun({self.name!r}, fit {self.fit_percent:.1f} %, RMS {length(self.rms)})"
 
 
 class Verification(Model):

@@ -65,6 +65,8 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
     if block.unread:
         layout = {**layout, "stop": block.values.shape[0]}
         doubts.append(f"{block.unread} line(s) below the rows are left out")
+    elif several and (ends := _ends(columns)) < block.values.shape[0]:
+        layout = {**layout, "stop": ends}  # not all names of columns tell the reader that another run goes on
     draft = Draft(
         file=file,
         name=_label(group, file) if several else plain_name(file.stem),
@@ -85,7 +87,7 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
 
 def _readings(columns: Mapping[str, Column]) -> tuple[dict[str, Array], list[str]]:
     """Readings of each column, up to the first that is no number, and what that leaves in doubt."""
-    rows = _rows(list(columns.values()), own=[c for role, c in columns.items() if role != "time"])
+    rows = _ends(columns)
     doubts, end = [], rows
     for role, column in columns.items():
         missing = np.flatnonzero(~np.isfinite(column.values[:rows]))
@@ -126,10 +128,10 @@ def _counted(draft: Draft, told: tuple[float, bool] | None) -> Draft:
     return draft.having(turn=found) if told[1] else draft.having(scales={**draft.scales, "position": found})
 
 
-def _rows(columns: Sequence[Column], own: Sequence[Column]) -> int:
+def _ends(columns: Mapping[str, Column]) -> int:
     """Rows until the record ends; beside a longer one its cells are empty from there on."""
-    ends = [int(np.flatnonzero(np.isfinite(c.values))[-1]) + 1 for c in own or columns]
-    return max(ends, default=0)
+    own = [column for role, column in columns.items() if role != "time"] or list(columns.values())
+    return max((int(np.flatnonzero(np.isfinite(c.values))[-1]) + 1 for c in own), default=0)
 
 
 def _label(group: Group, file: Path) -> str:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from stepid.diagnosis.selection.proposal import (
     Node,
     Proposal,
@@ -87,9 +85,3 @@ class Add:
 def _overshadowed(scored: list[Scored]) -> set[Effect]:
     hidden = overshadowed([((s.effect,), s.left) for s in scored])
     return {s.effect for s in scored if frozenset([s.effect.name]) in hidden}
-
-
-def inside(values: tuple[float, ...], effect: Effect) -> tuple[float, ...]:
-    """Values within the effect's bounds."""
-    low, high = (np.array([getattr(q, side) for q in effect.parameters]) for side in ("lower", "upper"))
-    return tuple(float(v) for v in np.clip(values, low, high))
