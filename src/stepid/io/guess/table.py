@@ -40,9 +40,10 @@ def from_table(
     Raises
     ------
     stepid.errors.InputError
-        If the lines hold no table of numbers.
+        If the lines hold no table of numbers, or one that breaks off at a line in it.
     """
-    block = find_block(lines, str(file), workbook=workbook)
+    where = f"{file}, sheet {layout['sheet']!r}" if "sheet" in layout else str(file)
+    block = find_block(lines, where, workbook=workbook)
     if block.separator is not None and not workbook and needs_delimiter(block, _last_line(lines).strip(" ")):
         layout = {**layout, "delimiter": block.separator}
     if block.decimal != ".":
