@@ -108,6 +108,23 @@ def test_diagnose_needs_no_manifest(
     assert not (tmp_path / "campaign.toml").exists()
 
 
+def test_diagnose_says_what_it_leaves_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stop(*_: object, **__: object) -> None:
+        raise stepid.errors.InputError("stopped", "by the test")
+
+    monkeypatch.setattr(stepid, "diagnose", stop)
+    first, *_ = three_runs(tmp_path)
+    rows = Path(first).read_text().splitlines()
+    Path(first).write_text("\n".join([*rows, "measured by hand"]) + "\n")
+    (tmp_path / "d_1.5kg.csv").write_text("\n".join(rows[:7]) + "\n")
+    assert run(["diagnose", str(tmp_path), "--added-mass", "0,0.5,1.5", "-q"]) == 2
+    told = capsys.readouterr().err
+    assert "d_1.5kg.csv: holds no table of numbers that stepid finds; left out" in told
+    assert "case_1.csv, case 1: 1 line(s) below the rows are left out" in told
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

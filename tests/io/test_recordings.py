@@ -81,12 +81,22 @@ def test_names_say_masses_and_notes_are_left_out(tmp_path: Path) -> None:
     folder = recordings(tmp_path / "lab", named=True)
     (folder / "notes.txt").write_text("dear diary\nnothing was measured\n")
     draft = stepid.draft_campaign(folder)
-    assert [e.added_mass for e in draft.campaign()] == [0.0, 0.5, 1.0]
-    assert [e.spring for e in draft.campaign()] == ["medium"] * 3
+    with pytest.warns(UserWarning, match=r"notes\.txt: holds no table of numbers that stepid finds; left out"):
+        campaign = draft.campaign()
+    assert [e.added_mass for e in campaign] == [0.0, 0.5, 1.0]
+    assert [e.spring for e in campaign] == ["medium"] * 3
     assert len(draft.left_out) == 1
     assert "notes.txt" in draft.summary().splitlines()[-1]
     one = stepid.draft_campaign(Path(folder / "medium_0.5kg.csv"), added_mass=2).campaign()
     assert [e.added_mass for e in one] == [2.0]  # what is said goes before what a name says
+
+
+def test_a_campaign_warns_of_what_is_left_out_of_its_files(tmp_path: Path) -> None:
+    folder = recordings(tmp_path / "lab", named=True)
+    file = folder / "medium_0.5kg.csv"
+    file.write_bytes(file.read_bytes() + b"measured by hand\n")
+    with pytest.warns(UserWarning, match=r"medium_0\.5kg.*: 1 line\(s\) below the rows are left out"):
+        assert len(stepid.draft_campaign(folder).campaign()) == 3
 
 
 def test_values_go_to_files_in_the_order_in_which_they_are_named(tmp_path: Path) -> None:

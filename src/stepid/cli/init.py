@@ -50,9 +50,7 @@ def init(
     found, refused = _files(files, said)
     target = _target(found, out, force=force)
     drafts = _drafts(found, said)
-    show(console(), drafts)
-    for refusal in refused:
-        console().print(f"{refusal}; left out", markup=False)
+    show(console(), drafts, refused)
     if ask and sys.stdin.isatty():
         drafts = _ask(found, said, drafts)
     text = manifest_text(drafts, name or target.parent.resolve().name or "campaign", target.parent)
@@ -76,6 +74,7 @@ def read_records(paths: Sequence[Path], said: Said, *, allow_outside: bool = Fal
     """Read a campaign from its manifest, or from recordings without one; InputError where something is not known."""
     from stepid.io.guess.files import looks_like_records
     from stepid.io.guess.read import campaign_of_drafts
+    from stepid.io.guess.sources import doubts_of
 
     first = paths[0]
     manifest = len(paths) == 1 and (first.suffix == ".toml" or (first / "campaign.toml").is_file())
@@ -83,8 +82,11 @@ def read_records(paths: Sequence[Path], said: Said, *, allow_outside: bool = Fal
         if said.given:
             raise InputError(f"{flag(said.given[0])} is for recordings", f"Say it in {first}.")
         return stepid.read_campaign(first, allow_outside=allow_outside)
-    files, _ = _files(paths, said)
-    return campaign_of_drafts(_drafts(files, said), call=flag, otherwise="let stepid init write a campaign.toml")
+    files, refused = _files(paths, said)
+    drafts = _drafts(files, said)
+    for line in doubts_of(drafts, refused):  # also where progress is not wanted: the answer rests on it
+        console(stderr=True).print(line, markup=False)
+    return campaign_of_drafts(drafts, call=flag, otherwise="let stepid init write a campaign.toml")
 
 
 def flag(key: str) -> str:

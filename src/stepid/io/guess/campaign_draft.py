@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -14,7 +15,7 @@ from stepid.io.guess.draft import Draft
 from stepid.io.guess.manifest_text import manifest_text
 from stepid.io.guess.questions import open_questions
 from stepid.io.guess.read import campaign_of_drafts, folder_of
-from stepid.io.guess.sources import is_unsure, understood
+from stepid.io.guess.sources import doubts_of, is_unsure, understood
 from stepid.io.textfile import as_path
 
 MANIFEST = "campaign.toml"
@@ -61,10 +62,18 @@ class CampaignDraft:
         stepid.errors.InputError
             Naming all that the recordings do not say, with the arguments that say it; or the file, row and column
             that cannot be read.
+
+        Warns
+        -----
+        UserWarning
+            Where something of the recordings is in doubt, or files were left out.
         """
-        return campaign_of_drafts(
+        campaign = campaign_of_drafts(
             self.runs, call=argument, name=self.name, otherwise="fill in the campaign.toml that write() makes"
         )
+        if doubts := doubts_of(self.runs, self.left_out):
+            warnings.warn(". ".join(doubts), UserWarning, stacklevel=2)
+        return campaign
 
     def write(self, path: str | os.PathLike[str] | None = None) -> Path:
         """Write a commented ``campaign.toml``, as `stepid init` does; what is not known is marked ``"?"`` in it.
@@ -118,6 +127,5 @@ class CampaignDraft:
         return list(columns), list(zip(*columns.values(), strict=True))
 
     def _remarks(self) -> list[str]:
-        doubts = [f"{draft.named}: {doubt}" for draft in self.runs for doubt in draft.doubts]
-        gone = [f"{refusal}; left out" for refusal in self.left_out]
-        return [*([UNSURE] if is_unsure(self.runs) else []), *doubts, *gone, *self.questions]
+        doubts = doubts_of(self.runs, self.left_out)
+        return [*([UNSURE] if is_unsure(self.runs) else []), *doubts, *self.questions]
