@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,8 +12,12 @@ from stepid.io.guess.draft import TURNS
 from stepid.io.guess.words import SCALES, unit_for
 
 _NUMBER = r"(?P<number>\d+(?:[.,p]\d+)?|[.,]\d+)"
-_KG = re.compile(rf"(?<![\d.,]){_NUMBER}[\s_-]*(?:kg|kilo(?:gram(?:me)?)?s?)(?![a-z])", re.IGNORECASE)
-_GRAM = re.compile(rf"(?<![\d.,]){_NUMBER}[\s_-]*(?:g|gr|gramm?e?s?|gramos|grammi)(?![a-z])", re.IGNORECASE)
+_MASS = re.compile(
+    rf"(?<![\d.,])(?:(?P<times>\d{{1,2}})\s*[x×*]\s*)?{_NUMBER}[\s_-]*"
+    r"(?:(?P<kilo>kg|kilo(?:gram(?:me)?)?s?)|g|gr|gramm?e?s?|gramos|grammi)(?![a-z])",
+    re.IGNORECASE,
+)
+_JOINED = re.compile(r"\d\s*(?:kg|g)?\s*[+&]\s*[.,]?\d|\d\s*[x×*]\s*$", re.IGNORECASE)
 _WEIGHTS = re.compile(
     r"(?<![\d.,])(?P<number>\d{1,2}|no|without|ohne|sans|zero|one|two|three|four)[\s_-]*(?:extra[\s_-]*)?"
     r"(?:mass(?:es|en)?|weights?|wts?|gewichte?|poids|pesi|pesas|bricks?|brass|lod(?:der)?)(?![a-z])",
@@ -78,15 +83,16 @@ class FileName:
 def read_name(name: str) -> FileName:
     """Read a name: ``"soft_0.5kg"``, ``"2mass"``, ``"case_5"``."""
     text = name.replace("_", " ")
-    mass, weights = None, None
-    if found := _KG.search(text):
-        mass = _float(found["number"])
-    elif (found := _WEIGHTS.search(text)) is not None:
+    masses, mass, weights = list(_MASS.finditer(text)), None, None
+    if found := _WEIGHTS.search(text):
         word = found["number"].lower()
         weights = _SPELLED[word] if word in _SPELLED else int(word)
-    elif found := _GRAM.search(text):
-        mass = _float(found["number"]) / 1000
-    elif _EMPTY.search(text):
+        masses = [one for one in masses if one["kilo"]]  # what is in g may be anything beside a number of weights
+    if masses:
+        mass, weights = _one_mass(masses, text, 1 if weights is None else weights), None
+    elif weights is not None and _JOINED.search(text):
+        weights = None
+    elif weights is None and _EMPTY.search(text):
         weights = 0
     if weights == 0:
         mass = 0.0
@@ -98,6 +104,14 @@ def read_name(name: str) -> FileName:
         None if damper is None else re.sub(r"[\s_-]+", " ", damper[0].lower()),
         bool(_RELEASE.search(text)),
     )
+
+
+def _one_mass(masses: Sequence[re.Match[str]], text: str, weights: int) -> float | None:
+    """The mass in kg that a name tells; None, so that it is asked, where it may be a sum or one of several."""
+    found = masses[0]
+    if len(masses) > 1 or weights > 1 or _JOINED.search(text) or _JOINED.search(text[: found.start()]):
+        return None
+    return int(found["times"] or 1) * _float(found["number"]) / (1 if found["kilo"] else 1000)
 
 
 def mass_above(lines: tuple[str, ...]) -> float | None:
