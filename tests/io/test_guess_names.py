@@ -51,8 +51,44 @@ def test_masses_above_the_rows() -> None:
 
 
 @pytest.mark.parametrize(
+    ("line", "mass"),
+    [
+        ("Cart mass: 0.77 kg", None),
+        ("Total mass = 1.27 kg", None),
+        ("Moving mass; 0.77 kg", None),
+        ("mass of the cart: 0.77 kg", None),
+        ("Proof mass: 0.77 kg", None),
+        ("load cell range: 5 kg", None),
+        ("added mass: 1,500 g", None),  # or one and a half
+        ("Added mass: 1.500 kg", 1.5),
+        ("Extra load = 0.500 kg", 0.5),
+        ("weight: 500 g", 0.5),
+        ("mass in kg: 0.5 kg", 0.5),
+        ("Cart mass: 0.77 kg; added mass: 0.5 kg", None),
+    ],
+)
+def test_only_added_masses_are_taken_from_the_lines_above(line: str, mass: float | None) -> None:
+    assert mass_above(("Lab 3", line)) == mass
+
+
+@pytest.mark.parametrize(
     ("line", "period"),
-    [("Sample rate: 200 Hz", 0.005), ("dt = 10 ms", 0.01), ("Abtastzeit 0,02 s", 0.02), ("Interval,0.01", None)],
+    [
+        ("Sample rate: 200 Hz", 0.005),
+        ("dt = 10 ms", 0.01),
+        ("Abtastzeit 0,02 s", 0.02),
+        ("Interval,0.01", None),
+        ("Sampling frequency = 1 kHz", 0.001),
+        ("sample time: 0.005 s", 0.005),
+        ("Sample rate: 200 Hz, filter: 20 Hz", 0.005),
+        ("Sample rate: 1,000 Hz", None),  # one, or a thousand
+        ("Abtastrate: 1.000 Hz", None),
+        ("Filter frequency: 20 Hz", None),
+        ("Low-pass cutoff freq: 50 Hz", None),
+        ("Sampled with a low-pass filter of 50 Hz", None),
+        ("Square wave generated at 2 Hz", None),
+        ("period of the square wave: 2 s", None),
+    ],
 )
 def test_sample_times_above_the_rows(line: str, period: float | None) -> None:
     assert sample_time_above((line,)) == pytest.approx(period)
