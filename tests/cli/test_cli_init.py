@@ -63,6 +63,17 @@ def test_a_folder_is_its_files(tmp_path: Path) -> None:
     assert [e.added_mass for e in stepid.read_campaign(tmp_path / "mine.toml").experiments] == [0.0, 0.5, 1.0]
 
 
+def test_a_pattern_that_no_shell_expanded_is_its_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    three_runs(tmp_path)
+    pattern = str(tmp_path / "case_*.csv")
+    assert run(["init", pattern, "--added-mass", "0,0.5,1"]) == 0
+    assert [e.name for e in stepid.read_campaign(tmp_path).experiments] == ["case 1", "case 2", "case 3"]
+    assert run(["diagnose", pattern]) == 2
+    assert "Which masses were added, in kg (case 1, case 2, case 3)?" in capsys.readouterr().err
+    assert run(["init", str(tmp_path / "nope*.csv")]) == 2
+    assert "nope*.csv: no file is called so" in capsys.readouterr().err
+
+
 def test_values_go_to_files_in_the_order_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     files = three_runs(tmp_path)
     renamed = [str(Path(file).rename(tmp_path / f"load_{n}.csv")) for file, n in zip(files, (2, 10, 30), strict=True)]

@@ -46,8 +46,9 @@ def init(
     from stepid.cli.understood import show
     from stepid.io.guess.manifest_text import manifest_text
     from stepid.io.guess.questions import open_questions
+    from stepid.io.recordings import paths_of
 
-    found, refused = _files(files, said)
+    found, refused = _files(paths_of(files), said)
     target = _target(found, out, force=force)
     drafts = _drafts(found, said)
     show(console(), drafts, refused)
@@ -75,7 +76,9 @@ def read_records(paths: Sequence[Path], said: Said, *, allow_outside: bool = Fal
     from stepid.io.guess.files import looks_like_records
     from stepid.io.guess.read import campaign_of_drafts
     from stepid.io.guess.sources import doubts_of
+    from stepid.io.recordings import paths_of
 
+    paths = paths_of(paths)
     first = paths[0]
     manifest = len(paths) == 1 and (first.suffix == ".toml" or (first / "campaign.toml").is_file())
     if manifest or (len(paths) == 1 and not first.is_dir() and not looks_like_records(first)):
