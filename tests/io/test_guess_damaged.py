@@ -32,6 +32,10 @@ def drafted(folder: Path, lines: list[str]):
         (0, ["NaN,0.0,0.00"], 2),
         (150, ["0.750,0.005"], 152),
         (250, ["1.250,0.005"], 252),
+        (50, ["#N/A,0.001,1.00"], 52),
+        (50, ["########,0.001,1.00"], 52),
+        (0, ["#VALUE!,0.001,0.00"], 2),
+        (399, ["#DIV/0!,0.001,1.00"], 401),
         (50, [HEAD, ROWS[50]], 52),
         (250, [HEAD, ROWS[250]], 252),
         (50, ["END", ROWS[50]], 52),
@@ -73,3 +77,6 @@ def test_a_sheet_is_named_by_its_row(tmp_path: Path) -> None:
     write_workbook(tmp_path / "book.xlsx", [], ["t [s]", "x [mm]"], None, [t, x])
     with pytest.raises(InputError, match=r"book\.xlsx, line 12: is no row"):
         draft_runs([tmp_path / "book.xlsx"])
+    write_workbook(tmp_path / "error.xlsx", [], ["t [s]", "x [mm]"], None, [[*t[:9], "#SPILL!", *t[10:]], np.sin(t)])
+    with pytest.raises(InputError, match=r"error\.xlsx, line 11: is no row"):
+        draft_runs([tmp_path / "error.xlsx"])
