@@ -12,9 +12,9 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.takes import described
 from stepid.errors import InputError
-from stepid.io.delimited import Layout
 from stepid.io.guess.rows import broken_row, cells, find_marks, longest_rows, numbers
 from stepid.io.guess.titles import find_titles, labeled_units
+from stepid.io.table_layout import Layout
 from stepid.io.textfile import is_comment, split_lines
 
 _CLOCK = re.compile(r"(?:^|[ T])(\d{1,2}):(\d\d):(\d\d(?:[.,]\d+)?)$")
@@ -128,9 +128,11 @@ def _skipped(lines: Sequence[str], top: int) -> int:
     return 0 if all(not line.strip() or is_comment(line) for line in lines[:top]) else top
 
 
-def needs_delimiter(block: Block, line: str) -> bool:
-    """Say whether the reader would split a row otherwise unless the delimiter is given."""
-    return Layout(None, block.decimal, 0, ()).separator(line) != block.separator
+def needs_delimiter(block: Block, lines: Sequence[str]) -> bool:
+    """Say whether the reader may split rows otherwise unless the delimiter is given."""
+    layout = Layout(None, block.decimal, 0, ())
+    body = [line.strip(" ") for line in lines if line.strip() and not is_comment(line)]
+    return {layout.separator(body[-1]), layout.separator_of(body)} != {block.separator}
 
 
 def text_lines(raw: bytes, file: Path) -> tuple[list[str], str | None]:
