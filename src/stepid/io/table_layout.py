@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import csv
 import re
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from stepid.core.takes import described
@@ -13,6 +15,8 @@ from stepid.io.textfile import common_width, decode_as, is_name, is_number, spli
 from stepid.io.workbook import is_workbook, workbook_lines
 
 _WITH_COMMA = re.compile(r"[+-]?\d+(,\d+)?(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+_QUOTED = re.compile(r'"[^"]*"')
+_BETWEEN_QUOTES = re.compile(r'"",|,""')
 _TAIL = 9  # last lines, most of which tell the separator: one of them may be a remark
 
 
@@ -39,7 +43,10 @@ class Layout:
             return workbook_lines(raw, where, self.sheet)
         if self.sheet is not None:
             raise InputError(f"{where}: is no workbook, so it has no sheet {self.sheet!r}", "Leave sheet out.")
-        return split_lines(decode_as(raw, where, self.encoding))
+        text = decode_as(raw, where, self.encoding)
+        if self.decimal == self.delimiter and '"' not in text:  # in quotes a comma may be both
+            raise InputError(f"{where}: delimiter and decimal are both {self.decimal!r}", "Correct one of them.")
+        return split_lines(text)
 
     def check(self, where: str) -> None:
         """Refuse a layout that cannot be; InputError names the argument."""
@@ -49,8 +56,6 @@ class Layout:
             )
         if not isinstance(self.decimal, str) or self.decimal not in (".", ","):
             raise InputError(f"{where}: decimal is {described(self.decimal)}", 'Give "." or ",".')
-        if self.decimal == self.delimiter:
-            raise InputError(f"{where}: delimiter and decimal are both {self.decimal!r}", "Correct one of them.")
         for label, text in (("encoding", self.encoding), ("sheet", self.sheet)):
             if text is not None and (not isinstance(text, str) or not text or "\0" in text):
                 raise InputError(f"{where}: {label} is {described(text)}", "Give its name as text.")
@@ -63,7 +68,10 @@ class Layout:
         """Return what separates the columns of a line, None for blanks."""
         if self.delimiter is not None:
             return self.delimiter
-        mark = next((mark for mark in "\t;," if mark in text and mark != self.decimal), None)
+        if quoted := text.count('"') > 0:
+            text = _QUOTED.sub('""', text)
+        between = quoted and _BETWEEN_QUOTES.search(text)  # then a comma is no decimal one
+        mark = next((mark for mark in "\t;," if mark in text and (mark != self.decimal or between)), None)
         words = text.split()
         by_blanks = mark == "," and len(words) > 1 and all(map(_WITH_COMMA.fullmatch, words))
         return None if by_blanks else mark
@@ -74,8 +82,12 @@ class Layout:
 
 
 def cells(text: str, separator: str | None) -> list[str]:
-    """Split a line into cells, without quotation marks."""
-    return [cell.strip().strip("\"'") for cell in text.split(None if separator in (None, " ") else separator)]
+    """Split a line into cells, without quotation marks; what separates them may stand between two of these."""
+    split = text.split(None if separator in (None, " ") else separator)
+    if separator in ("\t", ";", ",") and text.count('"') and text.count('"') % 2 == 0:
+        with suppress(csv.Error):  # a cell that is too long: it is refused as it stands
+            split = next(csv.reader([text], delimiter=separator, skipinitialspace=True))
+    return [cell.strip().strip("\"'") for cell in split]
 
 
 def is_header(row: Sequence[str], below: Sequence[str] = ()) -> bool:

@@ -11,9 +11,11 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.io.ecp import FEWEST
+from stepid.io.table_layout import cells as split_cells
 from stepid.io.textfile import is_name, is_number
 
 _CANDIDATES = (("\t", "."), (";", "."), (",", "."), (None, "."), ("\t", ","), (";", ","), (None, ","))
+_QUOTED = (*_CANDIDATES, (",", ","))  # in quotation marks a comma may be both
 _MOST = 0.9  # of a column's cells are numbers where it holds readings
 _PROBED = 600  # lines from which delimiter and decimal mark are told
 _SOME = 0.05  # of a column's cells; beside longer records the rest is empty
@@ -41,7 +43,8 @@ def find_marks(lines: Sequence[str], *, workbook: bool = False) -> tuple[str | N
         Whether the lines come from a workbook: tabs and points then, whatever its texts look like.
     """
     best: tuple[tuple[int, int, int], str | None, str] | None = None
-    for rank, (separator, decimal) in enumerate(_CANDIDATES[:1] if workbook else _CANDIDATES):
+    quoted = any('"' in line for line in lines[:_PROBED])
+    for rank, (separator, decimal) in enumerate(_CANDIDATES[:1] if workbook else _QUOTED if quoted else _CANDIDATES):
         found = longest_rows([cells(line, separator) for line in lines[:_PROBED]], decimal)
         if found.last - found.first < FEWEST:
             continue
@@ -53,7 +56,7 @@ def find_marks(lines: Sequence[str], *, workbook: bool = False) -> tuple[str | N
 
 def cells(line: str, separator: str | None) -> list[str]:
     """Split a line as the table's reader does."""
-    return [cell.strip().strip("\"'") for cell in line.strip(" ").split(separator)]
+    return split_cells(line.strip(" "), separator)
 
 
 def numbers(rows: Sequence[Sequence[str]], decimal: str) -> Array:
