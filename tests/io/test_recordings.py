@@ -77,6 +77,15 @@ def test_what_is_open_is_marked_in_the_manifest(tmp_path: Path) -> None:
     assert written.read_text().count('added_mass = "?"') == 3
 
 
+def test_control_characters_in_names_of_columns_are_shown_in_comments(tmp_path: Path) -> None:
+    rows = "".join(f"{0.01 * n:.2f};{n % 7};{n % 5};0.5\n" for n in range(60))
+    (tmp_path / "a.csv").write_text("t_s;x\x01_mm;y\x7f_mm;u_V\n" + rows)
+    text = stepid.draft_campaign(tmp_path / "a.csv", added_mass=0.0).write().read_text()
+    assert "x\\x01_mm" in text
+    with pytest.raises(InputError, match=r"has no column '[?]' for position"):  # and not: is not TOML
+        stepid.read_campaign(tmp_path)
+
+
 def test_names_say_masses_and_notes_are_left_out(tmp_path: Path) -> None:
     folder = recordings(tmp_path / "lab", named=True)
     (folder / "notes.txt").write_text("dear diary\nnothing was measured\n")

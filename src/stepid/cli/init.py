@@ -44,21 +44,19 @@ def init(
 ) -> None:
     """Look at recordings, ask for what they do not say, and write a commented campaign.toml."""
     from stepid.cli.understood import show
-    from stepid.io.guess.manifest_text import manifest_text
     from stepid.io.guess.questions import open_questions
+    from stepid.io.guess.write import manifest_bytes, write_draft
     from stepid.io.recordings import paths_of
 
     found, refused = _files(paths_of(files), said)
     target = _target(found, out, force=force)
     drafts = _drafts(found, said)
+    name = name or target.parent.resolve().name or "campaign"
+    manifest_bytes(drafts, name, target.parent)  # what cannot be written is refused before anybody is asked
     show(console(), drafts, refused)
     if ask and sys.stdin.isatty():
         drafts = _ask(found, said, drafts)
-    text = manifest_text(drafts, name or target.parent.resolve().name or "campaign", target.parent)
-    try:
-        target.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{target}: cannot be written ({error.strerror})", "Give another place by --out.") from None
+    write_draft(drafts, name, target)
     screen = console()
     screen.print(f"wrote {target}", style="dim", markup=False)
     if questions := open_questions(drafts):

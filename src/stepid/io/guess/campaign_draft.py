@@ -12,10 +12,10 @@ from stepid.core.experiment import Campaign
 from stepid.core.tables import html_table, text_table
 from stepid.errors import InputError
 from stepid.io.guess.draft import Draft
-from stepid.io.guess.manifest_text import manifest_text
 from stepid.io.guess.questions import open_questions
 from stepid.io.guess.read import campaign_of_drafts, folder_of
 from stepid.io.guess.sources import doubts_of, is_unsure, understood
+from stepid.io.guess.write import write_draft
 from stepid.io.textfile import as_path
 
 MANIFEST = "campaign.toml"
@@ -92,17 +92,13 @@ class CampaignDraft:
         Raises
         ------
         stepid.errors.InputError
-            If there is such a file already, or it cannot be written.
+            If there is such a file already, it cannot be written, or a name is not text.
         """
         target = folder_of(self.runs) if path is None else as_path(path)
         target = target / MANIFEST if target.is_dir() else target
-        try:
-            with target.open("x", encoding="utf-8") as file:
-                file.write(manifest_text(self.runs, self.name, target.parent))
-        except FileExistsError:
-            raise InputError(f"{target}: exists already", "Give another path, or remove it first.") from None
-        except OSError as error:
-            raise InputError(f"{target}: cannot be written ({error.strerror})", "Give another path.") from None
+        if os.path.lexists(target):
+            raise InputError(f"{target}: exists already", "Give another path, or remove it first.")
+        write_draft(self.runs, self.name, target)
         return target
 
     def summary(self) -> str:
