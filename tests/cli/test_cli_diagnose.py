@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -219,6 +220,42 @@ def test_a_report_that_fails_does_not_lose_the_answer(
     printed = capsys.readouterr().out
     assert json.loads(printed)["verdict"] == "named" if options else example.named().summary() in printed
     assert stages
+
+
+@pytest.mark.parametrize("under", ["file", "file/results"])
+@pytest.mark.parametrize("command", ["diagnose", "identify"])
+def test_out_is_looked_at_before_the_search(
+    command: str,
+    under: str,
+    manifest: Path,
+    stages: list[str],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(stepid, "identify", lambda _: stages.append("identified"))
+    (tmp_path / "file").write_text("mine")
+    assert run([command, str(manifest), "--out", str(tmp_path / under)]) == 2
+    assert str(tmp_path / under) in capsys.readouterr().err
+    assert not stages
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+@pytest.mark.parametrize(("package", "extra"), [("jinja2", "report"), ("plotly", "report"), ("matplotlib", "plot")])
+def test_packages_are_looked_for_before_the_search(
+    package: str,
+    extra: str,
+    manifest: Path,
+    stages: list[str],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    assert run(["diagnose", str(manifest), "--out", str(tmp_path / "out")]) == 2
+    assert f"needs the package {package!r}. Install it with: pip install 'stepid[{extra}]'" in capsys.readouterr().err
+    assert not stages
+    assert [path.name for path in tmp_path.iterdir()] == ["lab"]
 
 
 def test_a_diagnosis_that_fails_is_status_2(

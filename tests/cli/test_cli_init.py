@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +65,17 @@ def test_a_folder_is_its_files(tmp_path: Path) -> None:
     assert [e.added_mass for e in stepid.read_campaign(tmp_path / "mine.toml").experiments] == [0.0, 0.5, 1.0]
 
 
+def test_a_pattern_that_no_shell_expanded_is_its_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    three_runs(tmp_path)
+    pattern = str(tmp_path / "case_*.csv")
+    assert run(["init", pattern, "--added-mass", "0,0.5,1"]) == 0
+    assert [e.name for e in stepid.read_campaign(tmp_path).experiments] == ["case 1", "case 2", "case 3"]
+    assert run(["diagnose", pattern]) == 2
+    assert "Which masses were added, in kg (case 1, case 2, case 3)?" in capsys.readouterr().err
+    assert run(["init", str(tmp_path / "nope*.csv")]) == 2
+    assert "nope*.csv: no file is called so" in capsys.readouterr().err
+
+
 def test_values_go_to_files_in_the_order_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     files = three_runs(tmp_path)
     renamed = [str(Path(file).rename(tmp_path / f"load_{n}.csv")) for file, n in zip(files, (2, 10, 30), strict=True)]
@@ -108,6 +121,23 @@ def test_diagnose_needs_no_manifest(
     assert not (tmp_path / "campaign.toml").exists()
 
 
+def test_diagnose_says_what_it_leaves_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stop(*_: object, **__: object) -> None:
+        raise stepid.errors.InputError("stopped", "by the test")
+
+    monkeypatch.setattr(stepid, "diagnose", stop)
+    first, *_ = three_runs(tmp_path)
+    rows = Path(first).read_text().splitlines()
+    Path(first).write_text("\n".join([*rows, "measured by hand"]) + "\n")
+    (tmp_path / "d_1.5kg.csv").write_text("\n".join(rows[:7]) + "\n")
+    assert run(["diagnose", str(tmp_path), "--added-mass", "0,0.5,1.5", "-q"]) == 2
+    told = capsys.readouterr().err
+    assert "d_1.5kg.csv: holds no table of numbers that stepid finds; left out" in told
+    assert "case_1.csv, case 1: 1 line(s) below the rows are left out" in told
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -123,6 +153,45 @@ def test_bad_answers(arguments: list[str], words: str, tmp_path: Path, capsys: p
     assert run(["init", *three_runs(tmp_path), *arguments]) == 2
     assert words in capsys.readouterr().err
     assert not (tmp_path / "campaign.toml").exists()
+
+
+def test_force_replaces_a_manifest_whole_or_not_at_all(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    files = three_runs(tmp_path)
+    target = tmp_path / "campaign.toml"
+    target.write_text("mine")
+    said = ["--added-mass", "0,0.5,1", "--force"]
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_bytes", full)
+        assert run(["init", *files, *said]) == 2
+    assert "cannot be written (No space left on device)" in capsys.readouterr().err
+    assert target.read_text() == "mine"
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".csv", ".csv", ".csv", ".toml"]
+    assert run(["init", *files, *said]) == 0
+    assert len(stepid.read_campaign(target)) == 3
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems refuse such names")
+def test_a_name_that_is_no_text_is_refused_before_anything_is_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (first, *_) = three_runs(tmp_path)
+    odd = os.fsdecode(os.fsencode(tmp_path) + b"/Federd\xe4mpfer_1kg.csv")
+    Path(first).rename(odd)
+    (tmp_path / "campaign.toml").write_text("mine")
+    assert run(["init", odd, "--force"]) == 2
+    told = capsys.readouterr().err
+    assert "mpfer_1kg.csv': a name is not text" in told
+    assert "Rename it." in told
+    assert (tmp_path / "campaign.toml").read_text() == "mine"
+    with pytest.raises(stepid.errors.InputError, match="a name is not text"):
+        stepid.draft_campaign(odd).write(tmp_path / "other.toml")
+    assert not (tmp_path / "other.toml").exists()
 
 
 def test_options_for_recordings_are_refused_beside_a_manifest(

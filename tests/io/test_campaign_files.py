@@ -203,7 +203,19 @@ BAD = {
         "added_mass = 0.5\nweight_uncertainty = 0.01",
         r"run 'case 5': 'weight_uncertainty' is a key of the campaign. Move it above the first",
     ),
-    "no runs": ("[[experiment]]", "[[experiments]]", "lists no experiments"),
+    "no runs": ("[[experiment]]", "[[experiments]]", "lists no experiments but 'experiments'. Write .*experiment"),
+    "no run in small letters": ("[[experiment]]", "[[Experiment]]", "lists no experiments but 'Experiment'. Write"),
+    "a backslash and a letter": (
+        '"sub/case5.txt"',
+        '"sub\\run5.txt"',
+        r"run 'case 5': there is no file .*holds the control character '\\r'. Correct it: .* write \"/\" in its place",
+    ),
+    "backslashes": ('"sub/case5.txt"', '"C:\\Users\\x.txt"', r"is not TOML .*in \"…\" a backslash begins an escape"),
+    "a backslash in single quotes": (
+        '"sub/case5.txt"',
+        "'sub\\nope5.txt'",
+        r"there is no file 'sub.*nope5.txt' beside the manifest. Correct its name, with \"/\" between folders",
+    ),
     "one table of runs": ("[[experiment]]", "[experiment]", "not TOML|lists no experiments"),
     "deep": ("name =", "deep = " + "[" * 5000 + "]" * 5000 + "\nname =", "not TOML|unknown key"),
 }
@@ -213,12 +225,19 @@ BAD = {
 def test_wrong_manifests_name_run_and_key(folder, case):
     old, new, message = BAD[case]
     assert old in MANIFEST
-    every = case in ("no runs", "one table of runs")
+    every = case in ("no runs", "no run in small letters", "one table of runs")
     write(folder / "campaign.toml", MANIFEST.replace(old, new, -1 if every else 1))
     with pytest.raises(InputError, match=message) as caught:
         read_campaign(folder / "campaign.toml")
     assert "campaign.toml" in caught.value.cause
     assert caught.value.remedy
+
+
+def test_a_run_in_single_brackets_is_named(folder):
+    one = MANIFEST[: MANIFEST.index("[[experiment]]", MANIFEST.index("[[experiment]]") + 1)]
+    write(folder / "campaign.toml", one.replace("[[experiment]]", "[experiment]"))
+    with pytest.raises(InputError, match=r"lists no experiments but one \[experiment\]. Write two brackets"):
+        read_campaign(folder)
 
 
 def test_damage_in_a_record_names_run_file_and_line(folder):

@@ -13,7 +13,6 @@ from folder_score import asked_by, judge
 from lab_folders import make_folder, write_workbook
 from stepid.errors import InputError
 from stepid.io.guess.answers import Answers, with_answers
-from stepid.io.guess.file_names import mass_above, read_name, sample_time_above
 from stepid.io.guess.manifest_text import manifest_text
 from stepid.io.guess.questions import open_questions
 from stepid.io.guess.sizes import position_unit, time_unit
@@ -93,44 +92,6 @@ def test_thirty_folders_are_understood(tmp_path: Path) -> None:
 )
 def test_titles_of_columns(name: str, role: str | None, unit: str | None) -> None:
     assert read_title(name)[:2] == (role, unit)
-
-
-@pytest.mark.parametrize(
-    ("name", "mass", "weights"),
-    [
-        ("2mass", None, 2),
-        ("no_mass", 0.0, 0),
-        ("0.5kg", 0.5, None),
-        ("soft_1,5kg_2", 1.5, None),
-        ("0p5kg", 0.5, None),
-        ("run2_500g", 0.5, None),
-        ("case_5", None, None),
-        ("three weights", None, 3),
-        ("20210305_run1", None, None),
-        ("unloaded", 0.0, 0),
-    ],
-)
-def test_masses_in_names(name: str, mass: float | None, weights: int | None) -> None:
-    assert (read_name(name).mass, read_name(name).weights) == (mass, weights)
-
-
-def test_springs_dampers_and_releases_in_names() -> None:
-    said = read_name("stiff_spring_half-turn_free_release")
-    assert (said.spring, said.damper, said.release) == ("stiff", "half turn", True)
-    assert read_name("softball_freezer").spring is None
-
-
-def test_masses_above_the_rows() -> None:
-    assert mass_above(("Lab 3", "Zusatzmasse: 0,5 kg")) == 0.5
-    assert mass_above(("mass = 500 g", "mass: 1 kg")) is None
-
-
-@pytest.mark.parametrize(
-    ("line", "period"),
-    [("Sample rate: 200 Hz", 0.005), ("dt = 10 ms", 0.01), ("Abtastzeit 0,02 s", 0.02), ("Interval,0.01", None)],
-)
-def test_sample_times_above_the_rows(line: str, period: float | None) -> None:
-    assert sample_time_above((line,)) == pytest.approx(period)
 
 
 def test_a_unit_that_two_sizes_fit_is_not_guessed(tmp_path: Path) -> None:

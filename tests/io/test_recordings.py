@@ -77,16 +77,35 @@ def test_what_is_open_is_marked_in_the_manifest(tmp_path: Path) -> None:
     assert written.read_text().count('added_mass = "?"') == 3
 
 
+def test_control_characters_in_names_of_columns_are_shown_in_comments(tmp_path: Path) -> None:
+    rows = "".join(f"{0.01 * n:.2f};{n % 7};{n % 5};0.5\n" for n in range(60))
+    (tmp_path / "a.csv").write_text("t_s;x\x01_mm;y\x7f_mm;u_V\n" + rows)
+    text = stepid.draft_campaign(tmp_path / "a.csv", added_mass=0.0).write().read_text()
+    assert "x\\x01_mm" in text
+    with pytest.raises(InputError, match=r"has no column '[?]' for position"):  # and not: is not TOML
+        stepid.read_campaign(tmp_path)
+
+
 def test_names_say_masses_and_notes_are_left_out(tmp_path: Path) -> None:
     folder = recordings(tmp_path / "lab", named=True)
     (folder / "notes.txt").write_text("dear diary\nnothing was measured\n")
     draft = stepid.draft_campaign(folder)
-    assert [e.added_mass for e in draft.campaign()] == [0.0, 0.5, 1.0]
-    assert [e.spring for e in draft.campaign()] == ["medium"] * 3
+    with pytest.warns(UserWarning, match=r"notes\.txt: holds no table of numbers that stepid finds; left out"):
+        campaign = draft.campaign()
+    assert [e.added_mass for e in campaign] == [0.0, 0.5, 1.0]
+    assert [e.spring for e in campaign] == ["medium"] * 3
     assert len(draft.left_out) == 1
     assert "notes.txt" in draft.summary().splitlines()[-1]
     one = stepid.draft_campaign(Path(folder / "medium_0.5kg.csv"), added_mass=2).campaign()
     assert [e.added_mass for e in one] == [2.0]  # what is said goes before what a name says
+
+
+def test_a_campaign_warns_of_what_is_left_out_of_its_files(tmp_path: Path) -> None:
+    folder = recordings(tmp_path / "lab", named=True)
+    file = folder / "medium_0.5kg.csv"
+    file.write_bytes(file.read_bytes() + b"measured by hand\n")
+    with pytest.warns(UserWarning, match=r"medium_0\.5kg.*: 1 line\(s\) below the rows are left out"):
+        assert len(stepid.draft_campaign(folder).campaign()) == 3
 
 
 def test_values_go_to_files_in_the_order_in_which_they_are_named(tmp_path: Path) -> None:

@@ -102,6 +102,9 @@ def replaced(number, old, new):
         (replaced(50, ",0.5", ",-inf"), r"line 50, column 'u': -inf is not a measurement"),
         (replaced(50, ",0.5", ",1e999"), r"line 50, column 'u': '1e999' is too large"),
         (replaced(50, ",0.5", ",1_0"), r"line 50, column 'u': '1_0' is not a number"),
+        (replaced(50, "0.24,", "#N/A,"), r"line 50, column 't': '#N/A' is not a number"),
+        (GOOD.replace("0.0,", "#VALUE!,", 1), r"line 2, column 't': '#VALUE!' is not a number"),
+        (replaced(101, "0.495,", "########,"), r"line 101, column 't': '########' is not a number"),
         (replaced(50, "0.24,", "0.2,"), r"line 50: 0.2 s after 0.235 s: time does not increase"),
         (replaced(1, "t,x,u", "t,x,x"), "names a column twice"),
         (replaced(1, "t,x,u", "t,x"), r"line 2: rows hold 3 values under a header of 2 names"),
@@ -118,6 +121,13 @@ def test_damaged_tables_name_line_and_column(tmp_path, content, message):
         read_table(file, time="t", position="x", input="u")
     assert "run.csv" in caught.value.cause
     assert caught.value.remedy
+
+
+@pytest.mark.parametrize("comment", ["#", "## t, x", "#### rows 1, 2 ####", "########", "#TODO: 5", "% 0,1,0"])
+def test_comments_among_the_rows_are_left_out(tmp_path, comment):
+    rows = GOOD.splitlines()
+    file = write(tmp_path / "run.csv", "\n".join([*rows[:50], comment, *rows[50:]]))
+    assert read_table(file, time="t", position="x", input="u").time.size == 100
 
 
 def test_a_damaged_first_row_is_not_taken_for_a_header(tmp_path):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exports import write
-from stepid import read_campaign, read_table
+from stepid import draft_campaign, read_campaign, read_table
 from stepid.errors import InputError
 from table_text import CM, T, U, text
 
@@ -26,6 +26,36 @@ def test_decimal_commas(tmp_path, mark, head):
     with pytest.raises(InputError, match=r"a.csv, line 2, column 't': '0,0' has a decimal comma") as caught:
         read_table(file, **NAMED)
     assert 'Give decimal = ","' in caught.value.remedy
+
+
+def quoted(head="t,x,u", index=False):
+    """As pandas writes a frame with decimal="," and commas between its cells."""
+    rows = (
+        [*([str(i)] if index else []), f'"{t}"', f'"{x}"', f'"{u}"']
+        for i, (t, x, u) in enumerate(zip(T, CM, U, strict=True))
+    )
+    return head + "\n" + "\n".join(",".join(cell.replace(".", ",") for cell in row) for row in rows) + "\n"
+
+
+@pytest.mark.parametrize("index", [False, True])
+def test_quoted_decimal_commas_between_commas(tmp_path, index):
+    file = write(tmp_path / "a.csv", quoted(",t,x,u" if index else "t,x,u", index=index))
+    for options in ({}, {"delimiter": ","}):
+        run = read_table(file, **NAMED, decimal=",", position_scale=0.01, **options)
+        np.testing.assert_array_equal(run.position, 0.01 * CM)
+    with pytest.raises(InputError, match=r"line 2, column 't': '0,0' has a decimal comma. Give decimal = \",\""):
+        read_table(file, **NAMED)
+    draft = draft_campaign(write(tmp_path / "b.csv", quoted("t [s],x [cm],u [V]")), added_mass=0.0)
+    assert draft.runs[0].layout == {"decimal": ","}
+    np.testing.assert_allclose(draft.campaign()[0].position, 0.01 * CM)
+
+
+def test_quoted_names_may_hold_the_separator(tmp_path):
+    rows = text(T, CM, U, mark=",", head='"t, s","x, cm",u')
+    run = read_table(write(tmp_path / "a.csv", rows), time="t, s", position="x, cm", input="u", position_scale=0.01)
+    np.testing.assert_array_equal(run.position, 0.01 * CM)
+    odd = text(T, CM, U, mark=",", head='"t,x,u')  # a mark too many
+    assert read_table(write(tmp_path / "b.csv", odd), **NAMED, position_scale=0.01).time.size == T.size
 
 
 def test_a_single_column_with_decimal_commas(tmp_path):

@@ -16,7 +16,7 @@ from stepid.cli.init import init, read_records
 from stepid.cli.page import app as page
 from stepid.cli.plan import EXAMPLES, plan
 from stepid.cli.said import Said, taking_answers
-from stepid.cli.terminal import console, examples, showing_a_manifest
+from stepid.cli.terminal import check_out, console, examples, showing_a_manifest
 from stepid.errors import IdentificationError, StepidError
 
 if TYPE_CHECKING:
@@ -119,6 +119,7 @@ def identify(campaign: CampaignFile, out: Out = None, allow_outside: Outside = F
     from stepid.report.file_names import file_names
     from stepid.report.json_values import identify_values
 
+    check_out(out, "matplotlib")
     read = stepid.read_campaign(campaign, allow_outside=allow_outside)
     parameters = stepid.identify(read)
     verified = stepid.verify(parameters, read)
@@ -170,6 +171,7 @@ def diagnose(
     from stepid.report.provenance import of_campaign
     from stepid.report.write import write_all
 
+    check_out(out, "matplotlib", "jinja2", "plotly")
     read = read_records(campaign, said, allow_outside=allow_outside)
     if not (quiet or as_json):
         console(stderr=True).print(_runs(read), markup=False)

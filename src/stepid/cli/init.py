@@ -44,22 +44,19 @@ def init(
 ) -> None:
     """Look at recordings, ask for what they do not say, and write a commented campaign.toml."""
     from stepid.cli.understood import show
-    from stepid.io.guess.manifest_text import manifest_text
     from stepid.io.guess.questions import open_questions
+    from stepid.io.guess.write import manifest_bytes, write_draft
+    from stepid.io.recordings import paths_of
 
-    found, refused = _files(files, said)
+    found, refused = _files(paths_of(files), said)
     target = _target(found, out, force=force)
     drafts = _drafts(found, said)
-    show(console(), drafts)
-    for refusal in refused:
-        console().print(f"{refusal}; left out", markup=False)
+    name = name or target.parent.resolve().name or "campaign"
+    manifest_bytes(drafts, name, target.parent)  # what cannot be written is refused before anybody is asked
+    show(console(), drafts, refused)
     if ask and sys.stdin.isatty():
         drafts = _ask(found, said, drafts)
-    text = manifest_text(drafts, name or target.parent.resolve().name or "campaign", target.parent)
-    try:
-        target.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{target}: cannot be written ({error.strerror})", "Give another place by --out.") from None
+    write_draft(drafts, name, target)
     screen = console()
     screen.print(f"wrote {target}", style="dim", markup=False)
     if questions := open_questions(drafts):
@@ -76,15 +73,21 @@ def read_records(paths: Sequence[Path], said: Said, *, allow_outside: bool = Fal
     """Read a campaign from its manifest, or from recordings without one; InputError where something is not known."""
     from stepid.io.guess.files import looks_like_records
     from stepid.io.guess.read import campaign_of_drafts
+    from stepid.io.guess.sources import doubts_of
+    from stepid.io.recordings import paths_of
 
+    paths = paths_of(paths)
     first = paths[0]
     manifest = len(paths) == 1 and (first.suffix == ".toml" or (first / "campaign.toml").is_file())
     if manifest or (len(paths) == 1 and not first.is_dir() and not looks_like_records(first)):
         if said.given:
             raise InputError(f"{flag(said.given[0])} is for recordings", f"Say it in {first}.")
         return stepid.read_campaign(first, allow_outside=allow_outside)
-    files, _ = _files(paths, said)
-    return campaign_of_drafts(_drafts(files, said), call=flag, otherwise="let stepid init write a campaign.toml")
+    files, refused = _files(paths, said)
+    drafts = _drafts(files, said)
+    for line in doubts_of(drafts, refused):  # also where progress is not wanted: the answer rests on it
+        console(stderr=True).print(line, markup=False)
+    return campaign_of_drafts(drafts, call=flag, otherwise="let stepid init write a campaign.toml")
 
 
 def flag(key: str) -> str:

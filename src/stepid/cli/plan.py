@@ -10,6 +10,7 @@ from typing import Annotated, Any, TypeVar, cast
 import typer
 
 import stepid
+from stepid.cli.terminal import check_out
 from stepid.errors import InputError
 
 _Value = TypeVar("_Value", int, float)
@@ -56,6 +57,7 @@ def plan(
     as_json: Annotated[bool, typer.Option("--json", metavar="", help="Print JSON instead of text.")] = False,
 ) -> None:
     """Say which runs to make: masses, how many, sample time, size and direction of the steps."""
+    check_out(out, "matplotlib")
     found = stepid.plan(
         {"base_mass": base_mass, "stiffness": stiffness, "damping": damping, "force_gain": force_gain},
         noise=noise,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import Literal, TypeVar
 
 from rich.console import Console
@@ -49,3 +50,13 @@ def console(*, stderr: bool = False) -> Console:
     # soft_wrap: tables keep their lines, also in a pipe; NO_COLOR: no bold either
     colors: Literal["auto"] | None = None if os.environ.get("NO_COLOR") else "auto"
     return Console(stderr=stderr, color_system=colors, highlight=False, soft_wrap=True)
+
+
+def check_out(out: Path | None, *packages: str) -> None:
+    """Refuse a folder that cannot be written, and say what to install to write into it: before a long search."""
+    if out is not None:
+        from stepid.core.atomic_write import check_writable
+        from stepid.report.write import check_installed
+
+        check_writable(out)
+        check_installed(*packages)

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from stepid.io.guess.campaign_draft import UNSURE
 from stepid.io.guess.draft import quantities_of_drafts
-from stepid.io.guess.sources import is_unsure, understood
+from stepid.io.guess.sources import doubts_of, is_unsure, understood
 
 if TYPE_CHECKING:
     from stepid.io.guess.draft import Draft
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _WORD = 24  # letters; a longer name may be broken
 
 
-def show(screen: Console, drafts: Sequence[Draft]) -> None:
+def show(screen: Console, drafts: Sequence[Draft], left_out: Sequence[str]) -> None:
     """Print what was understood; what is not known is ``?``, what is taken by its size alone ends in ``?``."""
     columns = understood(drafts)
     table = Table(box=None, pad_edge=False, header_style="bold")
@@ -32,6 +32,5 @@ def show(screen: Console, drafts: Sequence[Draft]) -> None:
     screen.print(table, soft_wrap=False)
     if is_unsure(drafts):
         screen.print(UNSURE, markup=False)
-    for draft in drafts:
-        for doubt in draft.doubts:
-            screen.print(f"{draft.named}: {doubt}", markup=False)
+    for line in doubts_of(drafts, left_out):
+        screen.print(line, markup=False)

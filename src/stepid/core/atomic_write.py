@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 from collections.abc import Iterator
@@ -35,14 +36,7 @@ def staged(out: Path) -> Iterator[Path]:
     stepid.errors.InputError
         If `out` is a file or cannot be written.
     """
-    try:
-        blocked = not stat.S_ISDIR(os.stat(out).st_mode)
-    except (FileNotFoundError, NotADirectoryError):
-        blocked = False
-    except (OSError, ValueError) as error:  # a name that the system refuses
-        raise _refused(out, error) from None
-    if blocked:
-        raise InputError(f"{out} is a file, not a folder", "Name a folder, on the command line with --out.")
+    _check_folder(out)
     made = [path for path in (out, *out.parents) if not path.exists()]
     done = False
     try:
@@ -58,6 +52,38 @@ def staged(out: Path) -> Iterator[Path]:
         for path in () if done else made:
             with suppress(OSError):
                 path.rmdir()
+
+
+def check_writable(out: Path) -> None:
+    """Refuse what `staged` would, as far as it can be told without writing: before long work whose result goes there.
+
+    Parameters
+    ----------
+    out : pathlib.Path
+        A folder, or one that can be made.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        If `out`, or the folder that it would be made in, is a file or cannot be written.
+    """
+    _check_folder(out)
+    there = next((path for path in (out, *out.absolute().parents) if path.exists()), out)
+    if not there.is_dir():
+        raise _refused(out, NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR)))
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise _refused(out, PermissionError(errno.EACCES, os.strerror(errno.EACCES)))
+
+
+def _check_folder(out: Path) -> None:
+    try:
+        blocked = not stat.S_ISDIR(os.stat(out).st_mode)
+    except (FileNotFoundError, NotADirectoryError):
+        blocked = False
+    except (OSError, ValueError) as error:  # a name that the system refuses
+        raise _refused(out, error) from None
+    if blocked:
+        raise InputError(f"{out} is a file, not a folder", "Name a folder, on the command line with --out.")
 
 
 @contextmanager

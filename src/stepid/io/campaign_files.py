@@ -17,12 +17,13 @@ from stepid.core.recorded import recorded
 from stepid.core.takes import described
 from stepid.errors import InputError, naming
 from stepid.io.ecp_write import render_export
-from stepid.io.manifest import parse_manifest, quantities_in, render_manifest
+from stepid.io.manifest import BACKSLASH, parse_manifest, quantities_in, render_manifest
 from stepid.io.readers import EcpReader, Reader, TableReader
 from stepid.io.safe_read import inside
 from stepid.io.textfile import as_path, decode, read_bytes
 
 MANIFEST = "campaign.toml"
+_ESCAPED = "\a\b\t\n\v\f\r\x1b"
 LARGEST_MANIFEST = 1_000_000
 """Bytes of a manifest: more than 3,000 runs."""
 READERS: dict[str, Reader] = {"ecp": EcpReader(), "table": TableReader()}
@@ -104,14 +105,28 @@ def _read_run(kind: str, run: dict[str, Any], manifest: Path, *, allow_outside: 
     keys = {key: value for key, value in run.items() if key not in ("file", "files")}
     if "step" in keys:
         keys["input"] = keys.pop("step")
+    for name in names:
+        _check_escapes(manifest.parent, name, who)
     paths = [inside(manifest.parent, name, who, allow_outside=allow_outside) for name in names]
     for name, path in zip(names, paths, strict=True):
         if not os.path.exists(path):
+            slash = ', with "/" between folders' * ("\\" in name)
             raise InputError(
-                f"{who}: there is no file {name!r} beside the manifest", "Correct its name, or put the file there."
+                f"{who}: there is no file {name!r} beside the manifest",
+                f"Correct its name{slash}, or put the file there.",
             )
     with naming(who):
         return READERS[kind].read(paths, **keys)
+
+
+def _check_escapes(folder: Path, name: str, who: str) -> None:
+    r"""Refuse what a backslash makes of a name: in TOML ``"lab\run1.csv"`` holds a carriage return."""
+    odd = next((letter for letter in name if letter in _ESCAPED), None)
+    if odd is not None and not os.path.exists(folder / name):
+        raise InputError(
+            f"{who}: there is no file {name!r}, whose name holds the control character {odd!r}",
+            f"Correct it: {BACKSLASH}.",
+        )
 
 
 @in_own_quantities

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,18 +15,17 @@ from stepid.core.units import NO_COLUMN
 from stepid.errors import InputError
 from stepid.io.plain_table import Places, parse_plain
 from stepid.io.record_end import own_rows
+from stepid.io.table_layout import Layout, cells, is_header, named_columns
 from stepid.io.textfile import (
     common_width,
     decode,
-    decode_as,
     is_comment,
-    is_name,
     is_number,
     parse_numbers,
     read_bytes,
     split_lines,
 )
-from stepid.io.workbook import is_workbook, workbook_lines
+from stepid.io.workbook import is_workbook
 
 _REPAIR = (
     "Restore the line, or remove it if it holds no readings: one line of names may come first, skiprows = … leaves out "
@@ -38,60 +36,6 @@ _OTHER_MARK = {
     ",": 'Leave out decimal = "," if its numbers have decimal points.',
 }
 _HEAD = 64  # lines above which a file is large: from there on it may be read as plain numbers
-_WITH_COMMA = re.compile(r"[+-]?\d+(,\d+)?(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
-
-
-@dataclass(frozen=True)
-class Layout:
-    """How delimited text is laid out.
-
-    `delimiter` None is the first found of tab, semicolon, comma and blanks; `decimal` is the decimal mark, `skiprows`
-    the number of lines to leave out above the header, `used` the columns that are read, by name or index; `encoding`
-    None is UTF-8, `sheet` None the first of a workbook; what stands below row `stop` is not looked at.
-    """
-
-    delimiter: str | None
-    decimal: str
-    skiprows: int
-    used: Sequence[object]
-    encoding: str | None = None
-    sheet: str | None = None
-    stop: int | None = None
-
-    def lines(self, raw: bytes, where: str) -> list[str]:
-        """Lines of a file's bytes; the rows of a workbook come with tabs between their cells."""
-        if is_workbook(raw):
-            return workbook_lines(raw, where, self.sheet)
-        if self.sheet is not None:
-            raise InputError(f"{where}: is no workbook, so it has no sheet {self.sheet!r}", "Leave sheet out.")
-        return split_lines(decode_as(raw, where, self.encoding))
-
-    def check(self, where: str) -> None:
-        """Refuse a layout that cannot be; InputError names the argument."""
-        if self.delimiter is not None and (not isinstance(self.delimiter, str) or not self.delimiter):
-            raise InputError(
-                f"{where}: delimiter is {described(self.delimiter)}", "Give the text that separates columns."
-            )
-        if not isinstance(self.decimal, str) or self.decimal not in (".", ","):
-            raise InputError(f"{where}: decimal is {described(self.decimal)}", 'Give "." or ",".')
-        if self.decimal == self.delimiter:
-            raise InputError(f"{where}: delimiter and decimal are both {self.decimal!r}", "Correct one of them.")
-        for label, text in (("encoding", self.encoding), ("sheet", self.sheet)):
-            if text is not None and (not isinstance(text, str) or not text or "\0" in text):
-                raise InputError(f"{where}: {label} is {described(text)}", "Give its name as text.")
-        if type(self.skiprows) is not int or not 0 <= self.skiprows < 10**9:
-            raise InputError(
-                f"{where}: skiprows is {described(self.skiprows)}", "Give the number of lines above the header."
-            )
-
-    def separator(self, text: str) -> str | None:
-        """Return what separates the columns of a line, None for blanks."""
-        if self.delimiter is not None:
-            return self.delimiter
-        mark = next((mark for mark in "\t;," if mark in text and mark != self.decimal), None)
-        words = text.split()
-        by_blanks = mark == "," and len(words) > 1 and all(map(_WITH_COMMA.fullmatch, words))
-        return None if by_blanks else mark
 
 
 @dataclass(frozen=True)
@@ -106,12 +50,16 @@ class Table:
     def listed(self) -> str:
         """The columns in words."""
         width = self.values.shape[1]
-        return ", ".join(self.names) if self.names else f"no header; columns count from 0 to {width - 1}"
+        return (
+            ", ".join(name or "(no name)" for name in self.names)
+            if self.names
+            else f"no header; columns count from 0 to {width - 1}"
+        )
 
     def column(self, which: object, role: str, where: str) -> Array:
         """Return a column by name or index; InputError lists those there are."""
         width = self.values.shape[1]
-        if isinstance(which, str) and which in self.names:
+        if isinstance(which, str) and which and which in self.names:
             index = self.names.index(which)
         elif isinstance(which, int) and not isinstance(which, bool) and 0 <= which < width:
             index = which
@@ -158,7 +106,7 @@ def _plain(raw: bytes, layout: Layout, where: str) -> Table | None:
     while raw[last - 1] in b" \r\n":
         last -= 1
     width = head.values.shape[1]
-    separator = layout.separator(body[-1][1])
+    separator = layout.separator_of([text for _, text in body])
     values = parse_plain(memoryview(raw)[end:last], width=width, separator=separator, decimal=layout.decimal)
     if values is None:
         return None
@@ -178,21 +126,20 @@ def _parse(lines: Sequence[str], layout: Layout, where: str) -> Table:
     if not body:
         below = f" below line {layout.skiprows}" if layout.skiprows else ""
         raise InputError(f"{where}: holds no rows of numbers{below}", "Export the record again.")
-    separator = layout.separator(body[-1][1])
-    rows = [_cells(text, separator) for _, text in body]
+    separator = layout.separator_of([text for _, text in body])
+    rows = [cells(text, separator) for _, text in body]
     _check_above(rows, [i for i, _ in body], layout, where)
     names: tuple[str, ...] = ()
-    if _is_header(rows[0]):
-        names, rows, body = tuple(rows[0]), rows[1:], body[1:]
+    if is_header(*rows[:2]):
+        names, rows, body = named_columns(rows), rows[1:], body[1:]
     if not rows:
         raise InputError(f"{where}: holds a header and no rows", "Export the record again.")
     if layout.stop is not None and layout.stop > 0:
         last = _last_row(rows, layout.stop, layout.decimal)
         rows, body = rows[:last], body[:last]
+    _check_names(names, lines[: body[0][0] - 1], layout, separator, where)
     mistaken = separator == "," and layout.delimiter is None
     labels = _labels(names, rows, f"{where}, line {body[0][0]}", decimal_commas=mistaken)
-    if len(set(names)) < len(names):
-        raise InputError(f"{where}: its header names a column twice ({', '.join(names)})", "Rename one of them.")
     numbers = [i for i, _ in body]
     used = {i for i, name in enumerate(labels) if _any_is(layout.used, i, name)}
     own, clock = (
@@ -223,7 +170,7 @@ def _labels(
     Where delimiters may be decimal commas, rows of twice as many values as names say that they are.
     """
     if names and any(len(row) == len(names) for row in rows):
-        return names
+        return tuple(name or str(i) for i, name in enumerate(names))
     width = common_width(rows)
     if not names:
         return tuple(str(i) for i in range(width))
@@ -239,8 +186,9 @@ def header(file: Path, layout: Layout) -> tuple[str, ...]:
     body = [line.strip(" ") for line in lines if not is_comment(line)]
     if not body:
         raise InputError(f"{file}: holds no rows of numbers", "Export the record again.")
-    cells = _cells(body[0], layout.separator(body[-1]))
-    return tuple(cells) if _is_header(cells) else ()
+    separator = layout.separator_of(body)
+    rows = [cells(line, separator) for line in (*body[:2], *body[-1:])]
+    return named_columns(rows) if is_header(*rows[:2]) else ()
 
 
 def join_tables(tables: Sequence[Table]) -> Table:
@@ -268,17 +216,8 @@ def _last_row(rows: Sequence[Sequence[str]], stop: int, decimal: str) -> int:
     return next((i for i in below if len(rows[i]) != width or not _is_reading(rows[i][0], decimal)), len(rows))
 
 
-def _cells(text: str, separator: str | None) -> list[str]:
-    return [cell.strip().strip("\"'") for cell in text.split(None if separator in (None, " ") else separator)]
-
-
 def _is_reading(cell: str, decimal: str) -> bool:
     return is_number(cell, decimal=decimal) and math.isfinite(float(cell.replace(decimal, ".")))
-
-
-def _is_header(cells: Sequence[str]) -> bool:
-    *most, last = cells
-    return all(map(is_name, most)) and (is_name(last) or bool(most and not last))  # lines may end with the delimiter
 
 
 def _check_above(rows: Sequence[Sequence[str]], lines: Sequence[int], layout: Layout, where: str) -> None:
@@ -290,3 +229,20 @@ def _check_above(rows: Sequence[Sequence[str]], lines: Sequence[int], layout: La
             f"{where}, line {lines[0]}: is not the header, which comes in line {found}",
             f"Give skiprows = {found - 1} to leave out the lines above it.",
         )
+
+
+def _check_names(
+    names: tuple[str, ...], above: Sequence[str], layout: Layout, separator: str | None, where: str
+) -> None:
+    """Refuse a header that names a column twice, and names of columns that stand in a comment."""
+    filled = [name for name in names if name]
+    if len(set(filled)) < len(filled):
+        raise InputError(f"{where}: its header names a column twice ({', '.join(names)})", "Rename one of them.")
+    lost = {name for name in layout.used if isinstance(name, str)}.difference(names)
+    for number, line in enumerate(above, 1):
+        if lost and is_comment(line) and (there := lost.intersection(cells(line.lstrip(" #%"), separator))):
+            name = next(name for name in layout.used if name in there)
+            raise InputError(
+                f"{where}, line {number}: names the column {name!r} in a comment, so that it is no header",
+                "Remove the mark of the comment, or give the columns by index from 0.",
+            )

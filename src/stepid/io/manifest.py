@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
@@ -54,6 +55,7 @@ SHARED: Mapping[str, Check] = {
 """Keys that a run of every format may have; its reader has more."""
 OWN = ("name", "file", "files")  # never the same for all runs
 _WORK = 10_000_000  # sum of the squared numbers of points a line; 3,000 files on one line are below it
+BACKSLASH = """in "…" a backslash begins an escape; write "/" in its place, or single quotes: '…'"""
 _DEEPEST = 16  # points in the name of a table
 REQUIRED = ("name", "added_mass", "spring", "damper")
 
@@ -92,6 +94,8 @@ def parse_manifest(text: str, where: str, readers: Readers) -> tuple[dict[str, A
                 "Give a campaign.toml that names this file under an [[experiment]]; stepid diagnose --help shows one.",
             ) from None
         remedy = "Correct it; texts need quotation marks, numbers points, and runs two brackets: [[experiment]]."
+        if (at := re.search(r"at line (\d+)", str(error))) and "\\" in text.split("\n")[int(at[1]) - 1]:
+            remedy = f"Correct it: {BACKSLASH}."
         raise InputError(f"{where}: is not TOML ({error})", remedy) from None
     with quantities_in(document, where).spoken():
         return _parsed(document, where, readers)
@@ -116,7 +120,7 @@ def _parsed(
     """Check what stands in a manifest; see `parse_manifest`."""
     runs = document.pop("experiment", None)
     if not isinstance(runs, list) or not runs or not all(isinstance(run, dict) for run in runs):
-        raise InputError(f"{where}: lists no experiments", "Add a [[experiment]] table for each run.")
+        raise _no_runs(document, runs, where)
     if own := [key for key in document if key in OWN and key not in CAMPAIGN]:
         raise InputError(
             f"{where}: the key {own[0]!r} stands above the runs", "Move it below the [[experiment]] of its run."
@@ -131,6 +135,16 @@ def _parsed(
         only, remedy = _owner(idle[0], readers)
         raise InputError(f"{where}: the key {idle[0]!r} is for {only}, and no run is one", remedy)
     return {key: above[key] for key in CAMPAIGN if key in above}, parsed
+
+
+def _no_runs(document: Mapping[str, object], runs: object, where: str) -> InputError:
+    """Say that no run is listed, and what may have been meant for one."""
+    if isinstance(runs, Mapping):
+        return InputError(f"{where}: lists no experiments but one [experiment]", "Write two brackets: [[experiment]].")
+    near = [key for key in document if get_close_matches(key.lower(), ["experiment", "run", "runs"], cutoff=0.7)]
+    if near:
+        return InputError(f"{where}: lists no experiments but {near[0]!r}", "Write [[experiment]] above each run.")
+    return InputError(f"{where}: lists no experiments", "Add a [[experiment]] table for each run.")
 
 
 def _check_depth(text: str, where: str) -> None:

@@ -106,13 +106,13 @@ def draft_campaign(
     }
     taken(own, "name", name, optional(text()))
     differing = [key for key in _EACH if len(set(answers[key] or ())) > 1]
-    found, left_out = files_of(_paths(files), differing, call=argument)
+    found, left_out = files_of(paths_of(files), differing, call=argument)
     drafts = with_answers(draft_runs(found, chosen), Answers(**answers))
     return CampaignDraft(name=name or name_of(drafts), runs=drafts, left_out=left_out)
 
 
-def _paths(files: object) -> list[Path]:
-    """Files and folders; a pattern stands for what it matches."""
+def paths_of(files: object) -> list[Path]:
+    """Files and folders; a pattern stands for what it matches, as not every shell expands it."""
     if isinstance(files, str | os.PathLike):
         files = [files]
     if isinstance(files, bytes | Mapping) or not isinstance(files, Iterable):

@@ -16,9 +16,10 @@ from stepid.core.samples import InputBetween, Starts
 from stepid.core.takes import described
 from stepid.core.units import check_numbers, check_release, check_scales, in_si
 from stepid.errors import InputError, naming
-from stepid.io.delimited import Layout, Table, join_tables, parse_table
+from stepid.io.delimited import Table, join_tables, parse_table
 from stepid.io.ecp import FEWEST
 from stepid.io.step_input import InputValues, sample_input
+from stepid.io.table_layout import Layout
 from stepid.io.textfile import as_path
 from stepid.io.unsaid import check_said
 

@@ -10,10 +10,11 @@ from stepid.core.experiment import Experiment
 from stepid.core.recorded import recorded
 from stepid.core.takes import described, each, taken, text
 from stepid.errors import InputError
-from stepid.io.delimited import Layout, header
+from stepid.io.delimited import header
 from stepid.io.side_by_side import columns_of_runs, run_name
 from stepid.io.step_input import InputValues
 from stepid.io.table import as_files, read_table
+from stepid.io.table_layout import Layout
 
 T = TypeVar("T")
 

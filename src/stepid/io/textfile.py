@@ -22,6 +22,10 @@ _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+", re.ASCII)
 _SWAPPED = str.maketrans(".,", ",.")
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)|-?1\.#\w+", re.IGNORECASE)
 
+_SHEET_ERROR = re.compile(  # in the first cell of a row, as a spreadsheet writes it; ##### is a number too wide for it
+    r"#(?:(?:N/A|N/D|NV|DIV/0!|GETTING_DATA|[A-ZÄÖÜ]+[!?])(?= *(?:[\t;,]|$)| +[+\-.\d])|##+(?= *[\t;,] *[\"+\-.\d]))"
+)
+
 
 def as_path(path: object) -> Path:
     """Return `path` as a `Path`; InputError where it is neither text nor path-like."""
@@ -115,8 +119,9 @@ def decode(raw: bytes, where: str) -> str:
 
 
 def is_comment(line: str) -> bool:
-    """Tell whether a line is a comment."""
-    return line.lstrip().startswith(("#", "%"))
+    """Tell whether a line is a comment; a row whose first cell is the error of a spreadsheet is none."""
+    text = line.lstrip()
+    return text.startswith(("#", "%")) and _SHEET_ERROR.match(text) is None
 
 
 def is_number(token: str, *, decimal: str = ".") -> bool:

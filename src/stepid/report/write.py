@@ -6,6 +6,7 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -99,6 +100,13 @@ def write_all(diagnosis: Diagnosis, provenance: Provenance, folder: Path) -> Non
             note=folder / "report.md",
             pages=folder / "report-pictures.pdf",
         )
+
+
+def check_installed(*packages: str) -> None:
+    """Import what a report will need; StepidError says what to install where that cannot be."""
+    with _installed():
+        for package in packages:
+            import_module(package)
 
 
 def hand_of(diagnosis: Diagnosis) -> Hand:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -11,10 +12,10 @@ from stepid.core.experiment import Campaign
 from stepid.core.tables import html_table, text_table
 from stepid.errors import InputError
 from stepid.io.guess.draft import Draft
-from stepid.io.guess.manifest_text import manifest_text
 from stepid.io.guess.questions import open_questions
 from stepid.io.guess.read import campaign_of_drafts, folder_of
-from stepid.io.guess.sources import is_unsure, understood
+from stepid.io.guess.sources import doubts_of, is_unsure, understood
+from stepid.io.guess.write import write_draft
 from stepid.io.textfile import as_path
 
 MANIFEST = "campaign.toml"
@@ -61,10 +62,18 @@ class CampaignDraft:
         stepid.errors.InputError
             Naming all that the recordings do not say, with the arguments that say it; or the file, row and column
             that cannot be read.
+
+        Warns
+        -----
+        UserWarning
+            Where something of the recordings is in doubt, or files were left out.
         """
-        return campaign_of_drafts(
+        campaign = campaign_of_drafts(
             self.runs, call=argument, name=self.name, otherwise="fill in the campaign.toml that write() makes"
         )
+        if doubts := doubts_of(self.runs, self.left_out):
+            warnings.warn(". ".join(doubts), UserWarning, stacklevel=2)
+        return campaign
 
     def write(self, path: str | os.PathLike[str] | None = None) -> Path:
         """Write a commented ``campaign.toml``, as `stepid init` does; what is not known is marked ``"?"`` in it.
@@ -83,17 +92,13 @@ class CampaignDraft:
         Raises
         ------
         stepid.errors.InputError
-            If there is such a file already, or it cannot be written.
+            If there is such a file already, it cannot be written, or a name is not text.
         """
         target = folder_of(self.runs) if path is None else as_path(path)
         target = target / MANIFEST if target.is_dir() else target
-        try:
-            with target.open("x", encoding="utf-8") as file:
-                file.write(manifest_text(self.runs, self.name, target.parent))
-        except FileExistsError:
-            raise InputError(f"{target}: exists already", "Give another path, or remove it first.") from None
-        except OSError as error:
-            raise InputError(f"{target}: cannot be written ({error.strerror})", "Give another path.") from None
+        if os.path.lexists(target):
+            raise InputError(f"{target}: exists already", "Give another path, or remove it first.")
+        write_draft(self.runs, self.name, target)
         return target
 
     def summary(self) -> str:
@@ -118,6 +123,5 @@ class CampaignDraft:
         return list(columns), list(zip(*columns.values(), strict=True))
 
     def _remarks(self) -> list[str]:
-        doubts = [f"{draft.named}: {doubt}" for draft in self.runs for doubt in draft.doubts]
-        gone = [f"{refusal}; left out" for refusal in self.left_out]
-        return [*([UNSURE] if is_unsure(self.runs) else []), *doubts, *gone, *self.questions]
+        doubts = doubts_of(self.runs, self.left_out)
+        return [*([UNSURE] if is_unsure(self.runs) else []), *doubts, *self.questions]

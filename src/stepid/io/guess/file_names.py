@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,8 +12,12 @@ from stepid.io.guess.draft import TURNS
 from stepid.io.guess.words import SCALES, unit_for
 
 _NUMBER = r"(?P<number>\d+(?:[.,p]\d+)?|[.,]\d+)"
-_KG = re.compile(rf"(?<![\d.,]){_NUMBER}[\s_-]*(?:kg|kilo(?:gram(?:me)?)?s?)(?![a-z])", re.IGNORECASE)
-_GRAM = re.compile(rf"(?<![\d.,]){_NUMBER}[\s_-]*(?:g|gr|gramm?e?s?|gramos|grammi)(?![a-z])", re.IGNORECASE)
+_MASS = re.compile(
+    rf"(?<![\d.,])(?:(?P<times>\d{{1,2}})\s*[x×*]\s*)?{_NUMBER}[\s_-]*"
+    r"(?:(?P<kilo>kg|kilo(?:gram(?:me)?)?s?)|g|gr|gramm?e?s?|gramos|grammi)(?![a-z])",
+    re.IGNORECASE,
+)
+_JOINED = re.compile(r"\d\s*(?:kg|g)?\s*[+&]\s*[.,]?\d|\d\s*[x×*]\s*$", re.IGNORECASE)
 _WEIGHTS = re.compile(
     r"(?<![\d.,])(?P<number>\d{1,2}|no|without|ohne|sans|zero|one|two|three|four)[\s_-]*(?:extra[\s_-]*)?"
     r"(?:mass(?:es|en)?|weights?|wts?|gewichte?|poids|pesi|pesas|bricks?|brass|lod(?:der)?)(?![a-z])",
@@ -24,13 +29,24 @@ _MASS_LINE = re.compile(
     r"(?i)(?:mass|load|weight|gewicht|last|poids|peso|carico|charge|massa)[^\d:=;,]*[:=;,\s]\s*"
     r"(?P<number>[+-]?\d+(?:[.,]\d+)?)\s*(?P<unit>kg|g)\b"
 )
+_ADDED = re.compile(
+    r"(?i)add|extra|zus|suppl|ajout|aggiun|añad|adicion|load|last|charge|carico|weight|gewicht|poids|peso"
+)
+_OTHER_MASS = re.compile(
+    r"(?i)cart\b|carriage|trolley|sled|slid|wagen|schlitten|chariot|carr[eio]|total|tot\b|gesamt|moving|mobile|bewegt|"
+    r"base|basis|empty|leer|tare|cell|sensor|range|own|eigen|unload|equiv|effectiv"
+)
+_PLAIN_MASS = re.compile(r"(?i)\W*(?:the\W*)?mass[ea]?\W*(?:(?:in\W*)?k?g\W*)?")
 _RATE = re.compile(
-    r"(?i)(?:sampl\w*|abtast\w*|rate|freq\w*)[^\d]*(?P<number>[1-9]\d*(?:[.,]\d+)?|0[.,]0*[1-9]\d*)\s*(?P<unit>k?hz)\b"
+    r"(?i)(?:sampl\w*|abtast\w*|(?<![a-z])(?:data|mess|scan|frame|update)?[\s_-]*rate(?![a-z]))[^\d]*"
+    r"(?P<number>[1-9]\d*(?:[.,]\d+)?|0[.,]0*[1-9]\d*)\s*(?P<unit>k?hz)\b"
 )
 _PERIOD = re.compile(
-    r"(?:(?i:interval|sampl\w*|abtast\w*|period)|\bdt|\bTs)[^\d]*"
+    r"(?:(?i:interval|sampl\w*|abtast\w*)|\bdt|\bTs)[^\d]*"
     r"(?P<number>[1-9]\d*(?:[.,]\d+)?|0[.,]0*[1-9]\d*)\s*(?P<unit>s|ms|us|µs)\b"
 )
+_FILTER = re.compile(r"(?i)filter|cut-?\s?off|pass|corner|grenz|tiefpass|band-?width|alias")
+_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 _TURN = ("rev", "turn", "umdrehung", "tour")
 _PER_COUNT = ("m", "meter", "mm", "cm", "in", "inch", "rad", "deg", *_TURN)  # what an encoder may have counts of
 _COUNTS_OF = (
@@ -41,7 +57,8 @@ _ENCODER = re.compile(
     rf"(?i)(?:(?<![\d.,])(?<!\d\s)(?P<before>\d+(?:[.,]\d+)?)\s*{_COUNTS_OF}|"
     rf"{_COUNTS_OF.replace('unit', 'of')}\W*[:=;,\s]\s*(?P<after>\d+(?:[.,]\d+)?)(?!\s?\d))"
 )
-_THOUSANDS = re.compile(r"\d{1,3}[.,]\d{3}")  # or three decimals
+_SLOW = 1.0  # s, that no readings of a cart are apart
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")  # or three decimals
 _LABVIEW_STEP = re.compile(r"Delta_X\s+(?P<number>\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?)\b")
 _LABVIEW_TIME = re.compile(r"X_Dimension\s+Time\b")
 _STIFFNESS = r"soft|medium|stiff|hard|weak|strong|weich|mittel|hart"
@@ -78,15 +95,16 @@ class FileName:
 def read_name(name: str) -> FileName:
     """Read a name: ``"soft_0.5kg"``, ``"2mass"``, ``"case_5"``."""
     text = name.replace("_", " ")
-    mass, weights = None, None
-    if found := _KG.search(text):
-        mass = _float(found["number"])
-    elif (found := _WEIGHTS.search(text)) is not None:
+    masses, mass, weights = list(_MASS.finditer(text)), None, None
+    if found := _WEIGHTS.search(text):
         word = found["number"].lower()
         weights = _SPELLED[word] if word in _SPELLED else int(word)
-    elif found := _GRAM.search(text):
-        mass = _float(found["number"]) / 1000
-    elif _EMPTY.search(text):
+        masses = [one for one in masses if one["kilo"]]  # what is in g may be anything beside a number of weights
+    if masses:
+        mass, weights = _one_mass(masses, text, 1 if weights is None else weights), None
+    elif weights is not None and _JOINED.search(text):
+        weights = None
+    elif weights is None and _EMPTY.search(text):
         weights = 0
     if weights == 0:
         mass = 0.0
@@ -100,13 +118,35 @@ def read_name(name: str) -> FileName:
     )
 
 
+def _one_mass(masses: Sequence[re.Match[str]], text: str, weights: int) -> float | None:
+    """The mass in kg that a name tells; None, so that it is asked, where it may be a sum or one of several."""
+    found = masses[0]
+    if len(masses) > 1 or weights > 1 or _JOINED.search(text) or _JOINED.search(text[: found.start()]):
+        return None
+    return int(found["times"] or 1) * _float(found["number"]) / (1 if found["kilo"] else 1000)
+
+
 def mass_above(lines: tuple[str, ...]) -> float | None:
     """Return the mass in kg that a line above a table tells, None where none does, or two differ."""
     told = set()
     for line in lines:
-        if (found := _MASS_LINE.search(line)) is not None:
+        if (found := _MASS_LINE.search(line)) is not None and _is_added(line, found):
             told.add(_float(found["number"]) / (1000 if found["unit"].lower() == "g" else 1))
     return told.pop() if len(told) == 1 and min(told, default=0.0) >= 0 else None
+
+
+def _is_added(line: str, found: re.Match[str]) -> bool:
+    """Tell an added mass from that of the cart, and from a number that may be thousands of grams."""
+    label = _label(line, found)
+    if found["unit"].lower() == "g" and _may_be_thousands(found["number"]):
+        return False
+    added = _ADDED.search(label) is not None or _PLAIN_MASS.fullmatch(label) is not None
+    return added and _OTHER_MASS.search(label) is None
+
+
+def _label(line: str, found: re.Match[str]) -> str:
+    """What stands before a number, from the mark that parts it from what is told before."""
+    return re.split(r"[;,|\t]", line[: found.start()])[-1] + line[found.start() : found.start("number")]
 
 
 def sample_time_above(lines: tuple[str, ...]) -> float | None:
@@ -119,10 +159,15 @@ def sample_time_above(lines: tuple[str, ...]) -> float | None:
     for line in lines:
         if labview and (found := _LABVIEW_STEP.match(line)) is not None:
             told.add(_float(found["number"]))
-        elif (found := _RATE.search(line)) is not None:
-            told.add(1 / (_float(found["number"]) * (1000 if found["unit"].lower() == "khz" else 1)))
-        elif (found := _PERIOD.search(line)) is not None:
-            told.add(_float(found["number"]) * {"s": 1, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}[found["unit"]])
+            continue
+        found = _RATE.search(line) or _PERIOD.search(line)
+        if found is None or _FILTER.search(_label(line, found)):
+            continue
+        number, unit = _float(found["number"]), found["unit"]
+        period = number * _SECONDS[unit] if unit in _SECONDS else 1 / (number * (1000 if unit.lower() == "khz" else 1))
+        thousands = _may_be_thousands(found["number"]) and (unit not in _SECONDS or 1000 * period < _SLOW)
+        if not thousands:
+            told.add(period)
     return told.pop() if len(told) == 1 else None
 
 
@@ -138,9 +183,13 @@ def encoder_above(lines: tuple[str, ...]) -> tuple[float, bool] | None:
             number = found["before"] or found["after"]
             unit = "rad" if word in _TURN else unit_for(word, "position") or ""
             size = SCALES["position"][unit] * (math.tau if word in _TURN else 1.0)
-            if _THOUSANDS.fullmatch(number) is None and _float(number) > 0:
+            if not _may_be_thousands(number) and _float(number) > 0:
                 told.add((size / _float(number), unit in TURNS))
     return told.pop() if len(told) == 1 else None
+
+
+def _may_be_thousands(number: str) -> bool:
+    return _THOUSANDS.fullmatch(number) is not None
 
 
 def plain_name(stem: str) -> str:

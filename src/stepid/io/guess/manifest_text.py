@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from stepid.io.guess.draft import ROLES, TURNS, Draft, quantities_of_drafts
 from stepid.io.guess.words import COUNTS
 from stepid.io.manifest import toml_value
 
+_CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 _SI = {"time": "s", "position": "m", "input": "V"}
 
 
@@ -46,7 +48,7 @@ def manifest_text(drafts: Sequence[Draft], name: str, folder: Path) -> str:
     top |= {key: (value, own.text(comment)) for key, (value, comment) in runs[0].items() if key in shared}
     blocks = [_block(top)]
     for draft, run in zip(drafts, runs, strict=True):
-        notes = "".join(f"# {doubt}\n" for doubt in draft.doubts)
+        notes = "".join(f"# {_plain(doubt)}\n" for doubt in draft.doubts)
         rest = {key: (value, own.text(comment)) for key, (value, comment) in run.items() if key not in shared}
         blocks.append(f"[[experiment]]\n{notes}" + _block(rest))
     open_lines = sum(text.count(f'"{MARK}"') for text in blocks)
@@ -179,5 +181,10 @@ def _block(keys: Mapping[str, tuple[object, str]]) -> str:
     lines = []
     for key, (value, comment) in keys.items():
         line = f"{key} = {toml_value(value)}"
-        lines.append(f"{line:<28}  # {comment}\n" if comment else f"{line}\n")
+        lines.append(f"{line:<28}  # {_plain(comment)}\n" if comment else f"{line}\n")
     return "".join(lines)
+
+
+def _plain(comment: str) -> str:
+    """Show control characters, as of a column's name, which TOML refuses in comments."""
+    return _CONTROL.sub(lambda found: f"\\x{ord(found[0]):02x}", comment)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -10,21 +11,25 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.io.ecp import FEWEST
-from stepid.io.textfile import is_number
+from stepid.io.table_layout import cells as split_cells
+from stepid.io.textfile import is_name, is_number
 
 _CANDIDATES = (("\t", "."), (";", "."), (",", "."), (None, "."), ("\t", ","), (";", ","), (None, ","))
+_QUOTED = (*_CANDIDATES, (",", ","))  # in quotation marks a comma may be both
 _MOST = 0.9  # of a column's cells are numbers where it holds readings
 _PROBED = 600  # lines from which delimiter and decimal mark are told
 _SOME = 0.05  # of a column's cells; beside longer records the rest is empty
+_LOST = re.compile(r"|-+|[+-]?(nan|inf|infinity)|-?1\.#\w+|#.+|n/?a|null", re.IGNORECASE)  # in place of a reading
 
 
 class Rows(NamedTuple):
-    """Rows of numbers: the first and the one after the last, how wide they are, and how many readings they hold."""
+    """Rows of numbers: the first and the one after the last, their width, readings, and which columns hold those."""
 
     first: int
     last: int
     width: int
     readings: int
+    columns: tuple[int, ...] = ()
 
 
 def find_marks(lines: Sequence[str], *, workbook: bool = False) -> tuple[str | None, str] | None:
@@ -38,7 +43,8 @@ def find_marks(lines: Sequence[str], *, workbook: bool = False) -> tuple[str | N
         Whether the lines come from a workbook: tabs and points then, whatever its texts look like.
     """
     best: tuple[tuple[int, int, int], str | None, str] | None = None
-    for rank, (separator, decimal) in enumerate(_CANDIDATES[:1] if workbook else _CANDIDATES):
+    quoted = any('"' in line for line in lines[:_PROBED])
+    for rank, (separator, decimal) in enumerate(_CANDIDATES[:1] if workbook else _QUOTED if quoted else _CANDIDATES):
         found = longest_rows([cells(line, separator) for line in lines[:_PROBED]], decimal)
         if found.last - found.first < FEWEST:
             continue
@@ -50,7 +56,7 @@ def find_marks(lines: Sequence[str], *, workbook: bool = False) -> tuple[str | N
 
 def cells(line: str, separator: str | None) -> list[str]:
     """Split a line as the table's reader does."""
-    return [cell.strip().strip("\"'") for cell in line.strip(" ").split(separator)]
+    return split_cells(line.strip(" "), separator)
 
 
 def numbers(rows: Sequence[Sequence[str]], decimal: str) -> Array:
@@ -79,7 +85,41 @@ def longest_rows(rows: Sequence[Sequence[str]], decimal: str) -> Rows:
     first, last = max(runs, key=lambda run: run[1] - run[0])
     readings = sum(is_number(row[j], decimal=decimal) for row in rows[first:last] for j in columns)
     # a column of texts may be what a wrong decimal mark makes of numbers: rather all columns of numbers
-    return Rows(first, last, width, readings)
+    return Rows(first, last, width, readings, tuple(columns))
+
+
+def broken_row(rows: Sequence[Sequence[str]], found: Rows, decimal: str) -> int | None:
+    """Find the row at which a table breaks off, though readings stand beyond it; None where all of them are `found`."""
+    if found.first == found.last:
+        return None
+    labeled = _is_label(rows[found.first][0])
+    outside = [i for i in (*range(found.first), *range(found.last, len(rows))) if labeled or not _is_label(rows[i][0])]
+    beyond = [i for i in outside if _holds_readings(rows[i], found, decimal, short=i >= found.last)]
+    if not beyond:
+        return None
+    at = found.first - 1 if beyond[0] < found.first else found.last
+    return next((i for i in beyond if not _is_whole(rows[i], found, decimal)), at)
+
+
+def _is_label(cell: str) -> bool:
+    return is_name(cell) and _LOST.fullmatch(cell) is None
+
+
+def _is_whole(row: Sequence[str], found: Rows, decimal: str) -> bool:
+    return len(row) == found.width and _is_row([row[j] for j in found.columns], decimal)
+
+
+def _holds_readings(row: Sequence[str], found: Rows, decimal: str, *, short: bool) -> bool:
+    """Tell a row of readings, damaged or whole, from titles and remarks.
+
+    A `short` one, of which nothing but readings is left, is one below the rows; above them it may be a count.
+    """
+    cut = [row[j] if j < len(row) else "" for j in found.columns]
+    read = [is_number(cell, decimal=decimal) for cell in cut]
+    if read[0] and 2 * sum(read) > len(read):
+        return True
+    no_words = all(ok or _LOST.fullmatch(cell) for ok, cell in zip(read, cut, strict=True))
+    return any(read) and no_words and (short or len(row) == found.width)
 
 
 def _columns_of_numbers(rows: Sequence[Sequence[str]], width: int, decimal: str) -> list[int]:

@@ -38,6 +38,12 @@ def is_unsure(drafts: Sequence[Draft]) -> bool:
     return any(found.assumed for draft in drafts for found in (*draft.units.values(), draft.mass) if found is not None)
 
 
+def doubts_of(drafts: Sequence[Draft], left_out: Sequence[str] = ()) -> list[str]:
+    """What stepid doubts of each run, and which files it does not take, a sentence each."""
+    doubts = [f"{draft.named}: {doubt}" for draft in drafts for doubt in draft.doubts]
+    return [*doubts, *(f"{refusal}; left out" for refusal in left_out)]
+
+
 def sparkline(values: Array, *, width: int = _WIDE) -> str:
     """Draw readings, shape (n,), as a line of bars."""
     if values.size == 0:

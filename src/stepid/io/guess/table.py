@@ -16,7 +16,6 @@ from stepid.io.guess.sizes import input_unit, odd_units, position_unit, time_uni
 from stepid.io.guess.text import Block, find_block, needs_delimiter
 from stepid.io.guess.words import COUNTS
 from stepid.io.side_by_side import run_name
-from stepid.io.textfile import is_comment
 
 ALL = "all"
 
@@ -40,10 +39,11 @@ def from_table(
     Raises
     ------
     stepid.errors.InputError
-        If the lines hold no table of numbers.
+        If the lines hold no table of numbers, or one that breaks off at a line in it.
     """
-    block = find_block(lines, str(file), workbook=workbook)
-    if block.separator is not None and not workbook and needs_delimiter(block, _last_line(lines).strip(" ")):
+    where = f"{file}, sheet {layout['sheet']!r}" if "sheet" in layout else str(file)
+    block = find_block(lines, where, workbook=workbook)
+    if block.separator is not None and not workbook and needs_delimiter(block, lines):
         layout = {**layout, "delimiter": block.separator}
     if block.decimal != ".":
         layout = {**layout, "decimal": block.decimal}
@@ -51,11 +51,6 @@ def from_table(
         layout = {**layout, "skiprows": block.skiprows}
     groups = group_columns(find_columns(block, chosen), block, all_runs=chosen.get("position") == ALL)
     return [_from_group(group, block, file, layout, several=len(groups) > 1) for group in groups]
-
-
-def _last_line(lines: Sequence[str]) -> str:
-    """The line by which the table's reader tells the delimiter."""
-    return next(line for line in reversed(lines) if line.strip() and not is_comment(line))
 
 
 def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object], *, several: bool) -> Draft:

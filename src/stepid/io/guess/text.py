@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.takes import described
 from stepid.errors import InputError
-from stepid.io.delimited import Layout
-from stepid.io.guess.rows import cells, find_marks, longest_rows, numbers
+from stepid.io.guess.rows import broken_row, cells, find_marks, longest_rows, numbers
 from stepid.io.guess.titles import find_titles, labeled_units
+from stepid.io.table_layout import Layout
 from stepid.io.textfile import is_comment, split_lines
 
 _CLOCK = re.compile(r"(?:^|[ T])(\d{1,2}):(\d\d):(\d\d(?:[.,]\d+)?)$")
@@ -85,7 +86,7 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
     Raises
     ------
     stepid.errors.InputError
-        If there are fewer than 8 rows of numbers.
+        If there are fewer than 8 rows of numbers, or readings stand beyond a line that is none of them.
     """
     body = [(i, line) for i, line in enumerate(lines) if line.strip() and not is_comment(line)]
     marks = find_marks([line for _, line in body], workbook=workbook)
@@ -95,7 +96,14 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
         )
     separator, decimal = marks
     rows = [cells(line, separator) for _, line in body]
-    first, last, width, _ = longest_rows(rows, decimal)
+    found = longest_rows(rows, decimal)
+    if (broken := broken_row(rows, found, decimal)) is not None:
+        number, text = body[broken][0] + 1, body[broken][1].strip()
+        raise InputError(
+            f"{where}, line {number}: is no row like the others ({described(text)}), and the table breaks off there",
+            "Restore the line, or remove it if it holds no readings; keep one table a file, # before other numbers.",
+        )
+    first, last, width = found.first, found.last, found.width
     top = body[first][0]
     titles = find_titles(lines[:top], separator, width)
     header = titles.header(lines, separator)
@@ -120,9 +128,11 @@ def _skipped(lines: Sequence[str], top: int) -> int:
     return 0 if all(not line.strip() or is_comment(line) for line in lines[:top]) else top
 
 
-def needs_delimiter(block: Block, line: str) -> bool:
-    """Say whether the reader would split a row otherwise unless the delimiter is given."""
-    return Layout(None, block.decimal, 0, ()).separator(line) != block.separator
+def needs_delimiter(block: Block, lines: Sequence[str]) -> bool:
+    """Say whether the reader may split rows otherwise unless the delimiter is given."""
+    layout = Layout(None, block.decimal, 0, ())
+    body = [line.strip(" ") for line in lines if line.strip() and not is_comment(line)]
+    return {layout.separator(body[-1]), layout.separator_of(body)} != {block.separator}
 
 
 def text_lines(raw: bytes, file: Path) -> tuple[list[str], str | None]:
