@@ -64,7 +64,7 @@ def printed(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> dict[st
 @pytest.mark.parametrize("command", ["identify", "diagnose", "paper"])
 def test_json_has_the_keys_of_the_page(command: str, lab: Path, capsys: pytest.CaptureFixture[str]) -> None:
     values = printed([command] + [str(lab)] * (command != "paper"), capsys)
-    assert values.keys() == keys_after("All three begin with:") | keys_after(f"`stepid {command}` adds")
+    assert values.keys() == keys_after("All four begin with:") | keys_after(f"`stepid {command}` adds")
 
 
 def test_json_of_the_results_comes_back(lab: Path, capsys: pytest.CaptureFixture[str]) -> None:

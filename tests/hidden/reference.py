@@ -223,7 +223,7 @@ class _Scalar:
                 events=events or None,
                 dense_output=True,
                 max_step=self.fineness**0.125
-                * (self.longest if events else 0.02),  # no mode comes and goes inside a step
+                * (self.longest if events or self.exponent else 0.02),  # no mode comes and goes inside a step, nor a rest
             )
             if out.status < 0:
                 raise RuntimeError(f"the reference stops at {out.t[-1]:.6f} s: {out.message}")

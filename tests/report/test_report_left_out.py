@@ -30,8 +30,9 @@ def with_a_copy() -> Diagnosis:
     """The example's campaign with two more runs, which the diagnosis leaves out and the peak method uses."""
     d = example.named()
     assert d.data is not None
-    first, second = (
-        run.model_copy(update={"name": f"copy of {run.name}", "added_mass": 3.0}) for run in d.data.experiments[:2]
+    first, second = (  # not copies to the last digit: those the peak method leaves out, too
+        run.model_copy(update={"name": f"copy of {run.name}", "added_mass": 3.0, "position": run.position * 1.000001})
+        for run in d.data.experiments[:2]
     )
     data = d.data.model_copy(update={"experiments": (first, *d.data.experiments, second)})
     notes = tuple(
