@@ -223,7 +223,7 @@ class _Scalar:
                 events=events or None,
                 dense_output=True,
                 max_step=self.fineness**0.125
-                * (self.longest if events or self.exponent else 0.02),  # no mode comes and goes inside a step, nor a rest
+                * (self.longest if events or self.exponent else 0.02),  # no mode, nor a rest, is within a step
             )
             if out.status < 0:
                 raise RuntimeError(f"the reference stops at {out.t[-1]:.6f} s: {out.message}")
