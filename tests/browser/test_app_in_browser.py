@@ -18,7 +18,7 @@ from webapp_files import three
 
 pytestmark = pytest.mark.slow
 WAIT = 180_000  # ms, for what computes: the first diagnosis of an installation compiles
-STILL = 6  # looks at the page, between which it keeps its height
+STILL = 6  # looks at a button, between which it keeps its place
 
 
 @pytest.fixture(scope="module")
@@ -53,15 +53,19 @@ def diagnosed(page: Any) -> None:
     page.get_by_text(re.compile(r"Done in \d")).wait_for(timeout=WAIT)
     page.get_by_text("The whole answer as text").wait_for(timeout=WAIT)
     page.get_by_text("Fitting the linear plant").wait_for(state="hidden", timeout=WAIT)
-    at_rest(page)
 
 
-def at_rest(page: Any) -> None:
-    """Wait until nothing arrives: it moves all that is below it, and a click that it comes between is lost."""
-    heights: list[int] = []
-    while len(heights) < STILL or len(set(heights[-STILL:])) > 1:
-        heights.append(page.evaluate("document.documentElement.scrollHeight"))
-        page.wait_for_timeout(200)
+def at_rest(button: Any) -> Any:
+    """Scroll to a button and wait until it keeps its place: a picture that is drawn as it comes into view moves it.
+
+    A click during which its button is moved away is none.
+    """
+    button.scroll_into_view_if_needed()
+    places: list[object] = []
+    while len(places) < STILL or any(place != places[-1] for place in places[-STILL:]):
+        places.append(button.bounding_box())
+        button.page.wait_for_timeout(200)
+    return button
 
 
 def test_from_dropped_files_to_a_report(there: Callable[..., Visit], tmp_path: Path) -> None:
@@ -73,7 +77,7 @@ def test_from_dropped_files_to_a_report(there: Callable[..., Visit], tmp_path: P
     saved = {}
     for name in ("Report", "Campaign", "Tables"):
         with page.expect_download(timeout=WAIT) as downloading:
-            page.get_by_text(name, exact=True).last.click()
+            at_rest(page.get_by_text(name, exact=True).last).click()
         saved[name] = tmp_path / downloading.value.suggested_filename
         downloading.value.save_as(saved[name])
     report = saved["Report"].read_text(encoding="utf-8")

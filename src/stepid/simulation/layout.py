@@ -23,7 +23,7 @@ DEVIATIONS: tuple[Parameter, ...] = (
 )
 """By how much a run differs from the plant: later by, relative change of force gain, damping, dry friction (what an
 effect holds the cart with, in N) and stiffness, mass beside what its record says."""
-LEAST_MASS = 1e-3  # of the largest difference of added masses
+LEAST_MASS = 1e-3  # of the largest difference of added masses, or of 1 kg if that is less
 
 
 @dataclass(frozen=True)

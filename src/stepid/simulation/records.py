@@ -76,9 +76,9 @@ class Records:
 
     @cached_property
     def mass_scale(self) -> float:
-        """Largest difference of added masses on one base, kg; 1 kg where none differ, as the mass is assumed then."""
+        """Largest difference of added masses on one base, 1 kg at most; 1 kg where none differ: it is assumed then."""
         spans = [float(np.ptp(self.added_mass[self.base == base])) for base in np.unique(self.base)]
-        return max(spans, default=0.0) or 1.0
+        return min(max(spans, default=0.0) or 1.0, 1.0)
 
     @property
     def driven(self) -> npt.NDArray[np.bool_]:
