@@ -34,7 +34,7 @@ asked of more cases than were run, it is met where the share is. [Earlier runs](
 """
 
 
-def markdown(lines: str, records: Sequence[Record], commit: str, plants: str = "") -> str:
+def markdown(lines: str, records: Sequence[Record], commit: str, plants: str = "", note: str = "") -> str:
     """The whole page: clean, perturbed and real side by side.
 
     Parameters
@@ -47,6 +47,8 @@ def markdown(lines: str, records: Sequence[Record], commit: str, plants: str = "
         That the salt was the hash of.
     plants : str
         The documentation's page of real plants.
+    note : str
+        What is to be known of the run.
     """
     run = [r for r in records if "error" not in r]
     one = [r for r in run if r["set"] == "single-all" and r["r0"] >= 1.1]
@@ -54,7 +56,7 @@ def markdown(lines: str, records: Sequence[Record], commit: str, plants: str = "
     outside = [r for r in run if r["set"] in ("outside-all", "perturbed-outside")]
     parts = [
         HEAD,
-        f"This run is of {commit}: {len(records):,} campaigns, {_sets(records)}.",
+        f"This run is of {commit}: {len(records):,} campaigns, {_sets(records)}. {note}",
         "## Lines",
         lines,
         "## One effect, r0 at least 1.1",

@@ -218,6 +218,7 @@ def main() -> None:
     parser.add_argument("--failures", action="store_true", help="list every case that missed a line")
     parser.add_argument("--page", type=Path, help="write the documentation's page here")
     parser.add_argument("--commit", default="the salt's commit", help="that froze the code, for the page")
+    parser.add_argument("--note", default="", help="what is to be known of the run, for the page")
     args = parser.parse_args()
     records = [r for file in args.files for r in read(file)]
     print(report(records, failures=args.failures))
@@ -225,7 +226,7 @@ def main() -> None:
         from page import markdown
 
         plants = (Path(__file__).parents[1] / "docs" / "real-plants.md").read_text(encoding="utf-8")
-        args.page.write_text(markdown(report(records), records, args.commit, plants), encoding="utf-8")
+        args.page.write_text(markdown(report(records), records, args.commit, plants, args.note), encoding="utf-8")
     if args.json:
         figures = [
             {"name": x.name, "asked": x.asked, "value": x.value, "count": x.count, "met": x.met} for x in score(records)
