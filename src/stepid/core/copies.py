@@ -27,7 +27,7 @@ def copies(runs: Iterable[Experiment]) -> dict[str, str]:
         if not others:
             continue
         names = ", ".join(repr(run.name) for run in (first, *others))
-        if all(_labels(run) == _labels(first) for run in others):
+        if all(conditions(run) == conditions(first) for run in others):
             why = f"Runs {names} hold the same record, sample for sample: copies, no repeats; one of them is used."
             left_out |= {run.name: why for run in others}
         else:
@@ -39,6 +39,7 @@ def copies(runs: Iterable[Experiment]) -> dict[str, str]:
     return left_out
 
 
-def _labels(run: Experiment) -> tuple[object, ...]:
+def conditions(run: Experiment) -> tuple[object, ...]:
+    """What repeated runs have in common: labels, added mass, clock and input."""
     known = (run.added_mass, run.spring, run.damper, run.base, run.input_before, run.sample_time, run.input_between)
     return (*known, run.input.tobytes())

@@ -150,6 +150,7 @@ def _runs(
     out = []
     for i, (run, piece) in enumerate(zip(records.runs, records.pieces(), strict=True)):
         y, trusted = records.position[piece], records.trusted[piece]
+        linear_rest, final_rest = before[piece][trusted], after[piece][trusted]
         out.append(
             RunGap(
                 name=run.name,
@@ -157,12 +158,12 @@ def _runs(
                 measured=y,
                 linear=y - before[piece],
                 model=y - after[piece],
-                before=rms(before[piece][trusted]),
-                after=rms(after[piece][trusted]),
+                before=rms(linear_rest),
+                after=rms(final_rest),
                 held_out_before=rms(seen_before[i]) if i in seen_before else None,
                 held_out_after=rms(seen_after[i]) if i in seen_after else None,
                 phases=phases[run.name],
-                explained=_taken(before[piece][trusted], after[piece][trusted]),
+                explained=_taken(linear_rest, final_rest),
             )
         )
     return tuple(out)

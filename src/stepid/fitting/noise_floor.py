@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array
+from stepid.core.copies import conditions
 from stepid.core.experiment import Experiment
 from stepid.core.noise import STILL, clipped_spread, predicted_noise
 from stepid.core.samples import divided_differences, is_even, means_of_blocks
@@ -124,9 +125,7 @@ def repeats(records: Records) -> list[tuple[int, ...]]:
     for i, run in enumerate(records.runs):
         if records.moving[i]:
             continue
-        how = (run.input_before, run.input_between, run.sample_time, run.time.size, run.input.tobytes())
-        key = (run.spring, run.damper, run.base, run.added_mass, *how)
-        groups.setdefault(key, []).append(i)
+        groups.setdefault(conditions(run), []).append(i)
     return [tuple(group) for group in groups.values() if len(group) > 1]
 
 
