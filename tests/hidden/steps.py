@@ -32,6 +32,7 @@ EDGE = 1e-13  # m past the edge of the play or the stop, where a mode begins
 CLOSE = 1e-13  # of a guard, and of a step: near enough to an event
 SHARP = 32  # parts of a micro-step in which a cart under a power law may stop
 FADED, UNRESOLVED = 40.0, 6.0  # lags after which a change of the drive is over; lags to a micro-step that is too long
+MOST = 100  # tries to find an event
 EVENTS = 12  # in a micro-step; more is chatter
 
 
@@ -98,25 +99,24 @@ def _to_event(cart: Cart, now: np.ndarray, y: Motion, left: float) -> tuple[Moti
     if not g_high < 0:
         _accept(now, left, drive)
         return end, 0.0
-    low, high, guess = 0.0, left, left
+    low, high = 0.0, left
     g_low = max(min(guards(cart, now, y, now[T], now[DRIVE])), 0.0)
-    for _ in range(40):
-        guess = low + (high - low) * g_low / (g_low - g_high)
-        if not np.isfinite(guess):
-            guess = low
+    for i in range(MOST):  # every other one in the middle: the nearest mode at one end need not be the one that ends
+        guess = low + (high - low) * (g_low / (g_low - g_high) if g_low > 0 and i % 2 == 0 else 0.5)
         end, drive = _stepped(cart, now, y, guess)
         g = min(guards(cart, now, end, now[T] + guess, drive))
         if g < 0:
             high, g_high, g_low = guess, g, g_low / 2
-        else:
+        else:  # however small: a mode that has just begun is no event
             low, g_low, g_high = guess, g, g_high / 2
-        if abs(g) <= CLOSE or high - low <= CLOSE * left:
+        if -CLOSE <= g < 0 or high - low <= CLOSE * left:
             break
-    turn, slip, play, stop = guards(cart, now, end, now[T] + guess, drive)
-    least = min(abs(turn), abs(slip), abs(play), abs(stop))
-    which = 0 if abs(turn) == least else 1 if abs(slip) == least else 2 if abs(play) == least else 3
-    _accept(now, guess, drive)
-    return _switch(cart, now, end, which), left - guess
+    end, drive = _stepped(cart, now, y, high)
+    turn, slip, play, stop = guards(cart, now, end, now[T] + high, drive)
+    least = min(turn, slip, play, stop)
+    which = 0 if turn == least else 1 if slip == least else 2 if play == least else 3
+    _accept(now, high, drive)
+    return _switch(cart, now, end, which), left - high
 
 
 @compiled

@@ -17,7 +17,7 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.score_test import responses_along
 from stepid.simulation.records import Index, Records
-from stepid.simulation.simulator import COARSE, Simulator
+from stepid.simulation.simulator import COARSE, Simulator, Solved
 
 _OPEN = 1e-6  # singular value of a direction that the data leave open
 
@@ -79,14 +79,13 @@ def free_laws(context: FitContext, optimum: Optimum, records: Records | None = N
 
 def _free_laws(context: FitContext, optimum: Optimum, records: Records) -> tuple[FreeLaw, ...]:
     problem = optimum.problem
-    coarse = replace(problem, simulator=Simulator(records, problem.simulator.effects, COARSE))
-    solved = coarse.solve(optimum.shared, optimum.local)
-    nothing = (FreeLaw("position", 0.0, 0.0),)
-    if solved is None:
-        return nothing
-    jacobian, residual = coarse.jacobian(solved), coarse.residual(solved)
-    if not np.isfinite(jacobian).all():
-        return nothing
+    solved: Solved | None = optimum.solved
+    if records is not problem.records:  # all of them show the error of a coarse simulation
+        problem = replace(problem, simulator=Simulator(records, problem.simulator.effects, COARSE))
+        solved = problem.solve(optimum.shared, optimum.local)
+    if solved is None or not np.isfinite(jacobian := problem.jacobian(solved)).all():
+        return (FreeLaw("position", 0.0, 0.0),)
+    residual = problem.residual(solved)
     free = ~at_bound(optimum)
     jacobian, place = jacobian[:, free], np.flatnonzero(problem.free)
     place = place[free[: place.size]]
@@ -97,7 +96,7 @@ def _free_laws(context: FitContext, optimum: Optimum, records: Records) -> tuple
     count = float(effective_samples(records, residual).sum()) - own.shape[1]
     laws, found = free_forces(context, optimum), []
     forces = [force for _, some, _ in laws for force in some]
-    responses = responses_along(replace(optimum, problem=coarse), records, forces)
+    responses = responses_along(replace(optimum, problem=problem), records, forces)
     ends = np.cumsum([len(some) for _, some, _ in laws])
     parts = np.split(records.weighted(responses.T).T, ends[:-1], axis=1)
     for (state, _, overtones), part in zip(laws, parts, strict=True):

@@ -61,7 +61,7 @@ _LOCATE = 60  # tries to locate an event
 _FAR = 1e3  # positions this many times larger than the scale are a runaway
 _UNSEEN = 100.0  # radians of a plant's swing between two samples, of which no more are worth a step
 _CREDIT = 1000.0  # steps that a plant may take beside its patience, where something is narrow
-_SWING = 1.0  # (ω h)², up to which an affine plant may leap: it cannot reverse twice on the way
+_SWING = 1.0  # (ω h)², up to which an affine plant may leap: it cannot turn back twice on the way
 _SAME = 1e-9  # relative, lengths of steps that differ by the rounding of times only
 _TERMS = 16  # of the exponential's series, for a matrix of norm 1/2
 
@@ -102,6 +102,7 @@ WORK = np.dtype(
         ("chain", np.float64, (MOST_EFFECTS, 4)),  # volts that reach each effect of the drive in a step, a cubic
         ("begins", np.float64, 1 + MOST_SWITCHES),  # the same where a step begins
         ("ends", np.float64, 1 + MOST_SWITCHES),  # and where it ends
+        ("turn", np.float64, MOST_STATES),  # the state where the cart turns back within a step
         ("allowed", np.float64, MOST_STATES),  # error of each state that a step may make; below 0 relative to its size
         ("matrix", np.float64, (MOST_STATES, MOST_STATES)),  # of a linear law, and its constant
         ("constant", np.float64, MOST_STATES),
@@ -473,6 +474,35 @@ def _first_event(w: Work, t: float, h: float) -> tuple[int, float, float]:
 
 
 @compiled
+def _turned_beyond(w: Work, t: float, h: float) -> float:
+    """Share of a step at which the cart turns back beyond a switch that both ends lie before; 1 where it does not.
+
+    Between two turns the position is monotonic: no other switch of it can be passed twice within a step. The turn is
+    that of the cubic through both ends.
+    """
+    y, z, turn = w.y, w.stage, w.turn
+    if w.switches == 0 or not y[1] * z[1] < 0.0:
+        return 1.0
+    pace = (z[0] - y[0]) / h
+    bend, twist = 3.0 * pace - 2.0 * y[1] - z[1], y[1] + z[1] - 2.0 * pace
+    root = np.sqrt(max(bend * bend - 3.0 * twist * y[1], 0.0))
+    share = y[1] / (-bend + (root if y[1] > 0.0 else -root))
+    if not 0.0 < share < 1.0:
+        return 1.0
+    for j in range(w.states):
+        turn[j] = y[j] + share * (z[j] - y[j])
+    turn[0] = y[0] + share * h * (y[1] + share * (bend + share * twist))
+    turn[1] = 0.0
+    _margins(w, t + h, z)
+    _copy(w.margin, w.ends, 1 + w.switches)
+    _margins(w, t + share * h, turn)
+    for j in range(1, 1 + w.switches):
+        if w.margin[j] < -_CROSSED and w.ends[j] >= -_CROSSED:
+            return share
+    return 1.0
+
+
+@compiled
 def _happen(w: Work, which: int, t: float) -> None:
     """Change the law as an event says."""
     if which > 0:
@@ -588,6 +618,8 @@ def _leaps(w: Work, t: float, until: float) -> bool:
         for j in range(1 + w.switches):
             if w.margin[j] < -_CROSSED:
                 return False
+        if _turned_beyond(w, t, length) < 1.0:
+            return False
     _copy(w.stage, w.y, w.states)
     return True
 
@@ -628,8 +660,9 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
             _evaluate(w, t, w.y, w.k[0])
             fresh = True
         error = _step(w, t, length)
-        if error > 1.0 and length > shortest:
-            h = length * _stretch(error)
+        again = _stretch(error) if error > 1.0 else _turned_beyond(w, t, length)
+        if again < 1.0 and length > shortest:
+            h = length * again
             continue
         which, share, missed = -1, 1.0, 0.0
         if events < _EVENTS and (w.reverses or w.switches > 0):
