@@ -56,7 +56,7 @@ class Attempts(Fits):
         return self._takes_enough(least)
 
     def _try_beside(self) -> bool:
-        """Where no set is enough, fit further effects beside the best of each size: a step promises too little of some.
+        """Where no set is enough, fit further effects beside the best that may lead: a step promises too little of some.
 
         Only where a fit is as short as most are: of long records with fast laws these would take a minute. True where
         one takes enough, as in `_try_larger`.
@@ -65,11 +65,10 @@ class Attempts(Fits):
         work = sum(node.fitted.work for node in self.nodes.values())
         if least <= self.noise_limit or not is_short(work / len(self.nodes)):
             return False
-        for size in range(1, LEADING + 1):
-            for base in by.apart(self.nodes.values(), size, self.effort.beam):
-                if self._least().cost > self.noise_limit:
-                    self._expand(base, EXPLORING)
-                    self._fit_beside(base)
+        for base in by.apart(self.nodes.values(), LEADING, self.effort.beam):
+            if self._least().cost > self.noise_limit:
+                self._expand(base, EXPLORING)
+                self._fit_beside(base)
         promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
         return self._takes_enough(least)
 

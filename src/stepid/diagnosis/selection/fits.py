@@ -60,12 +60,21 @@ class Fits(Standings):
         self._keep(fitted, proposal.key)
 
     def _fit_beside(self, base: Node) -> None:
-        """Fit sets of one effect more than a base, each from its own starts, whatever the others promise."""
-        keep, laps = self.effort.keep, self.effort.polishing
+        """Fit sets of one effect more than a base a few steps, each from its own starts; the best few run on.
+
+        What is missing shows in these steps, where a linearized one foresees nothing.
+        """
+        racing: list[tuple[CandidateFit, Key]] = []
         for proposal in by.beside(self.proposals, base.key):
             fitted = self._told(proposal)
-            fitted.begin(list(proposal.starts), like=proposal.like, keep=keep, laps=laps, patient=True)
-            self._keep(fitted, proposal.key)
+            starts, laps = list(proposal.starts), self.effort.begin
+            fitted.begin(starts, like=proposal.like, keep=self.effort.keep, laps=laps, patient=True)
+            racing.append((fitted, proposal.key))
+        racing.sort(key=lambda pair: pair[0].cost)
+        for place, (fitted, key) in enumerate(racing):
+            if place < self.effort.share:
+                fitted.run(laps=self.effort.polishing)
+            self._keep(fitted, key)
 
     def _told(self, proposal: Proposal) -> CandidateFit:
         """Count and tell a proposal that is about to be fitted; its fit, not begun."""
