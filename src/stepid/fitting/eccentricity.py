@@ -20,6 +20,8 @@ _LEAST_SLOPE = 0.2  # of the reading over the position, in these: where it hardl
 _PASSES = 2  # from where the readings are to where the cart is
 _EVIDENCE = 50.0  # n ln(RSS / RSS) of the line
 _MOST = 0.7  # share of what is left above the noise that the line must take
+_AT_ONCE = 16  # pitches, that are tried together
+_SAME = 1e-12  # of the product of two squares, by which sine and cosine differ at least
 _ALIKE = 0.3  # of the amplitude, by which runs may differ
 _SCATTER = 4.0  # standard deviations, the same
 
@@ -129,14 +131,29 @@ class _Line:
 
     def strongest(self, near: float | None = None) -> float:
         """Turns of the line that takes most of the residual, of all or of those near some."""
-        first = near or max(np.arange(_TURNS[0], _TURNS[1], _FINE), key=self._gain)
+        every = np.arange(_TURNS[0], _TURNS[1], _FINE)
+        first = near or float(every[np.argmax(self._gains(every))])
         from scipy.optimize import minimize_scalar  # slow to import, seldom needed
 
         ends = (max(first - _FINE, _TURNS[0]), min(first + _FINE, _TURNS[1]))
-        return float(minimize_scalar(lambda turns: -self._gain(turns), bounds=ends, options={"xatol": 1e-4}).x)
+        found = minimize_scalar(lambda turns: -self._gains(np.array([turns]))[0], bounds=ends, options={"xatol": 1e-4})
+        return float(found.x)
 
-    def _gain(self, turns: float) -> float:
-        return _fitted(self.waves(turns), self._residual)[1]
+    def _gains(self, turns: Array) -> Array:
+        """What sine and cosine of so many turns take of the residual, by their normal equations, m²; shape (n,)."""
+        out = []
+        rest = self._residual - self._own @ (self._own.T @ self._residual)
+        for some in np.split(turns, range(_AT_ONCE, turns.size, _AT_ONCE)):
+            angle = 2 * np.pi * some[:, None] * self.position / self.travel
+            waves = self._records.weighted(np.stack([np.sin(angle), np.cos(angle)], axis=1))
+            along, taken = waves @ rest, waves @ self._own
+            square = waves @ waves.swapaxes(1, 2) - taken @ taken.swapaxes(1, 2)
+            (a, b), (_, d) = square[:, 0].T, square[:, 1].T
+            product, determinant = np.maximum(a * d, 1e-300), a * d - b * b
+            y, z = along.T
+            both = (d * y * y - 2 * b * y * z + a * z * z) / np.maximum(determinant, _SAME * product)
+            out.append(np.where(determinant > _SAME * product, both, 0.0))  # one wave is no line
+        return np.concatenate(out)
 
 
 def _fitted(waves: Array, residual: Array) -> tuple[Array, float]:

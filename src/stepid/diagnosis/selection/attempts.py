@@ -56,7 +56,7 @@ class Attempts(Fits):
         return self._takes_enough(least)
 
     def _try_beside(self) -> bool:
-        """Where no set is enough, fit further effects beside the best that may lead: a step promises too little of some.
+        """Where no set is enough, fit further effects beside the best that may lead: a step promises little of some.
 
         Only where a fit is as short as most are: of long records with fast laws these would take a minute. True where
         one takes enough, as in `_try_larger`.

@@ -68,7 +68,7 @@ class Fits(Standings):
         for proposal in by.beside(self.proposals, base.key):
             fitted = self._told(proposal)
             starts, laps = list(proposal.starts), self.effort.begin
-            fitted.begin(starts, like=proposal.like, keep=self.effort.keep, laps=laps, patient=True)
+            fitted.begin(starts, like=proposal.like, keep=1, laps=laps, patient=True)
             racing.append((fitted, proposal.key))
         racing.sort(key=lambda pair: pair[0].cost)
         for place, (fitted, key) in enumerate(racing):
