@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from made_up_search import PAIR, a_search, node, nothing_imitates
+from made_up_search import PAIR, a_search, node, nothing_imitates, proposed
 
 FITTED_IN = 1e5  # steps times states
 
@@ -39,8 +40,36 @@ def tried(
     return search._try_beside(), bases
 
 
-def test_effects_are_fitted_beside_the_best_single_effects_and_the_best_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert tried(monkeypatch, lead=9.0) == (False, [{"coulomb_friction"}, set(PAIR)])
+def test_effects_are_fitted_beside_the_best_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert tried(monkeypatch, lead=9.0) == (False, [set(PAIR)])
+
+
+def test_all_go_a_few_steps_from_one_start_and_the_best_few_run_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    search: Any = a_search(lead=9.0)
+    base = search.nodes[frozenset(PAIR), frozenset()]
+    costs = {"end_stop": 8.0, "free_play": 7.0, "sensor_drift": 6.0, "input_delay": 5.0, "actuator_lag": 8.5}
+    search.proposals = [proposed(base, *PAIR, name, move="add", left=9.0) for name in costs]
+    begun: list[dict[str, Any]] = []
+    ran: list[tuple[str, int]] = []
+
+    def told(proposal: Any) -> Any:
+        (name,) = proposal.key[0] - set(PAIR)
+        return SimpleNamespace(
+            cost=costs[name],
+            best=object(),
+            begin=lambda starts, **how: begun.append(how),
+            run=lambda laps: ran.append((name, laps)),
+        )
+
+    monkeypatch.setattr(search, "_told", told)
+    monkeypatch.setattr("stepid.diagnosis.selection.fits.Node", lambda fitted, made: fitted)
+    for p in search.proposals:
+        p.starts, p.deviations = (), frozenset()
+    search._fit_beside(base)
+    assert len(begun) == 5
+    assert all(how["keep"] == 1 and how["laps"] == search.effort.begin and how["patient"] for how in begun)
+    assert ran == [(name, search.effort.polishing) for name in ("input_delay", "sensor_drift", "free_play")]
+    assert {key[0] - set(PAIR) for key in search.nodes if len(key[0]) == 3} == {frozenset({name}) for name in costs}
 
 
 @pytest.mark.parametrize(("left", "enough"), [(0.5, True), (1.3, True), (4.0, False)])  # noise; most of it; not most
