@@ -63,6 +63,8 @@ _UNSEEN = 100.0  # radians of a plant's swing between two samples, of which no m
 _CREDIT = 1000.0  # steps that a plant may take beside its patience, where something is narrow
 _SWING = 1.0  # (ω h)², up to which an affine plant may leap: it cannot turn back twice on the way
 _SAME = 1e-9  # relative, lengths of steps that differ by the rounding of times only
+_OFF = 0.01  # of the change of a slope within a step, that a cubic through its ends may be off
+_AT_END = 0.999  # of a step, beyond which what happens is its end
 _TERMS = 16  # of the exponential's series, for a matrix of norm 1/2
 
 
@@ -478,7 +480,7 @@ def _turned_beyond(w: Work, t: float, h: float) -> float:
     """Share of a step at which the cart turns back beyond a switch that both ends lie before; 1 where it does not.
 
     Between two turns the position is monotonic: no other switch of it can be passed twice within a step. The turn is
-    that of the cubic through both ends.
+    that of the cubic through both ends; where it comes as near as that may be off, it is looked at, too.
     """
     y, z, turn = w.y, w.stage, w.turn
     if w.switches == 0 or not y[1] * z[1] < 0.0:
@@ -487,7 +489,7 @@ def _turned_beyond(w: Work, t: float, h: float) -> float:
     bend, twist = 3.0 * pace - 2.0 * y[1] - z[1], y[1] + z[1] - 2.0 * pace
     root = np.sqrt(max(bend * bend - 3.0 * twist * y[1], 0.0))
     share = y[1] / (-bend + (root if y[1] > 0.0 else -root))
-    if not 0.0 < share < 1.0:
+    if not 0.0 < share < _AT_END:
         return 1.0
     for j in range(w.states):
         turn[j] = y[j] + share * (z[j] - y[j])
@@ -496,10 +498,37 @@ def _turned_beyond(w: Work, t: float, h: float) -> float:
     _margins(w, t + h, z)
     _copy(w.margin, w.ends, 1 + w.switches)
     _margins(w, t + share * h, turn)
+    near = _OFF * abs(h * (z[1] - y[1]))
     for j in range(1, 1 + w.switches):
-        if w.margin[j] < -_CROSSED and w.ends[j] >= -_CROSSED:
+        if w.margin[j] < near and w.ends[j] >= -_CROSSED:
             return share
     return 1.0
+
+
+@compiled
+def _turned_twice(w: Work, h: float) -> float:
+    """Share of a step at which a cart moves back that moves forward at both ends; 1 where it does not.
+
+    Friction would change its sign there. The velocity is that of the cubic through both ends, as near as that may be.
+    """
+    sign = w.m[SIGN]
+    before, after = sign * w.y[1], sign * w.stage[1]
+    down, up = sign * h * w.k[0, 1], sign * h * w.k[_STAGES - 1, 1]
+    if not (down < 0.0 < up) or before < 0.0 or after < 0.0:
+        return 1.0
+    rise = after - before
+    bend, twist = 3.0 * rise - 2.0 * down - up, down + up - 2.0 * rise
+    root = np.sqrt(max(bend * bend - 3.0 * twist * down, 0.0))
+    share = -down / (bend + root) if bend + root > 0.0 else 1.0
+    least = before + share * (down + share * (bend + share * twist))
+    return share if 0.0 < share < _AT_END and least < _OFF * (up - down) else 1.0
+
+
+@compiled
+def _passed_twice(w: Work, t: float, h: float) -> float:
+    """Share of a step at which an event has happened that is over at its end; 1 where none has."""
+    share = _turned_twice(w, h) if w.reverses and w.m[HELD] == 0.0 else 1.0
+    return share if share < 1.0 else _turned_beyond(w, t, h)
 
 
 @compiled
@@ -660,7 +689,7 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
             _evaluate(w, t, w.y, w.k[0])
             fresh = True
         error = _step(w, t, length)
-        again = _stretch(error) if error > 1.0 else _turned_beyond(w, t, length)
+        again = _stretch(error) if error > 1.0 else _passed_twice(w, t, length)
         if again < 1.0 and length > shortest:
             h = length * again
             continue
