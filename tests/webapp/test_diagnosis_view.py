@@ -26,7 +26,7 @@ def at_once(work: Work[Any], done: Callable[[Status[Any]], None]) -> None:
 
 
 def shown(d: Diagnosis) -> pn.Column:
-    view = DiagnosisView(Session(), lambda: None, at_once)
+    view = DiagnosisView(Session(), lambda: None, at_once, lambda: None)
     view.end(Status(stage=Progress("done"), seconds=1.0, running=False, result=d), None)
     return view._found
 
@@ -55,22 +55,32 @@ def test_the_numbers_that_were_found_are_seen_at_once() -> None:
 
 
 def test_the_answer_is_there_before_its_pictures() -> None:
-    d, waiting = example.named(), []
-    view = DiagnosisView(Session(), lambda: None, lambda work, done: waiting.append((work, done)))
+    """And what may be clicked below it when they stand: nothing moves it away any more."""
+    d, waiting, stands = example.named(), [], []
+    view = DiagnosisView(
+        Session(),
+        lambda: None,
+        lambda work, done: waiting.append((work, done)),
+        lambda: stands.append(words(view._found)),
+    )
     view.end(Status(stage=Progress("done"), seconds=1.0, running=False, result=d), None)
     assert words(view._found).strip().startswith(answer(d))
     assert words(view._found).endswith("Drawing the pictures … ")
     late = waiting[:]
+    assert not stands
     at_once(*waiting.pop())
+    assert len(stands) == 1
+    assert "The joint fit" in stands[0]
     assert "Drawing" not in words(view._found)
     assert "The joint fit" in words(view._found)
     view.clear(ready=True)
     late[0][1](late[0][0].status)  # pictures of an answer that is gone
     assert words(view._found) == ""
+    assert len(stands) == 1
 
 
 def test_an_answer_does_not_go_without_a_word() -> None:
-    view = DiagnosisView(Session(), lambda: None, at_once)
+    view = DiagnosisView(Session(), lambda: None, at_once, lambda: None)
     view.clear(ready=True)
     assert words(view._progress) == ""  # there was none
     view.end(Status(stage=Progress("done"), seconds=1.0, running=False, result=example.named()), None)
@@ -88,6 +98,6 @@ def test_what_would_close_an_open_choice_stands_beside_it() -> None:
 
 @pytest.mark.parametrize(("promise", "said"), [(0.0, "7"), (0.2, "7; the most promising may explain 20 %")])
 def test_progress_says_what_is_left_to_try(promise: float, said: str) -> None:
-    view = DiagnosisView(Session(), lambda: None, at_once)
+    view = DiagnosisView(Session(), lambda: None, at_once, lambda: None)
     view.watch(Status(stage=Progress("cogging", left=7, promise=promise), seconds=1.0, running=True))
     assert f"<dt>left to try</dt><dd>{said}" in view._progress.object

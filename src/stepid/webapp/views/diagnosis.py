@@ -38,10 +38,15 @@ Beside = Callable[[Work[Any], Callable[[Status[Any]], None]], None]
 
 
 class DiagnosisView:
-    """A button, progress, and the answer; `started` is called when a diagnosis begins, `beside` is given other work."""
+    """A button, progress, and the answer.
 
-    def __init__(self, session: Session, started: Callable[[], None], beside: Beside) -> None:
-        self._session, self._started, self._beside = session, started, beside
+    `started` is called when a diagnosis begins, `shown` when all of its answer stands; `beside` is given other work.
+    """
+
+    def __init__(
+        self, session: Session, started: Callable[[], None], beside: Beside, shown: Callable[[], None]
+    ) -> None:
+        self._session, self._started, self._beside, self._shown = session, started, beside, shown
         self._answered: Diagnosis | None = None
         self._effort = pn.widgets.Select(
             label="Effort", options=list(_EFFORTS), value="default", stylesheets=[INPUT], width=140, margin=0
@@ -122,6 +127,7 @@ class DiagnosisView:
                 html(f'<div class="scroll" tabindex="0"><pre>{escape(d.summary())}</pre></div>'),
             ),
         ]
+        self._shown()
 
 
 def _headline(d: Diagnosis) -> str:

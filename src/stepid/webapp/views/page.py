@@ -51,7 +51,7 @@ class Page:
         self._drop = DropView(session, self._records_changed)
         self._records = RecordsView(session, self._changed)
         self._by_hand = HandView()
-        self._diagnosis = DiagnosisView(session, self._tick_on, self._start)
+        self._diagnosis = DiagnosisView(session, self._tick_on, self._start, self._answered)
         self._play = PlayView(self._start)
         self._downloads = DownloadView(session, self._tables)
         self._rest = pn.Column(
@@ -125,11 +125,14 @@ class Page:
             self._diagnosis.watch(diagnosing.status)
             if self.session.take():
                 self._diagnosis.end(self.session.last, self._hand)
-                self._downloads.show(complete=True)
                 if self.session.found is not None:
                     self._play.begin(self.session.campaign, self.session.found)
         if not self._tasks and self.session.work is None:
             self._ticking.stop()
+
+    def _answered(self) -> None:
+        """Give the report when all stands above its button: what comes later would move it away from a click."""
+        self._downloads.show(complete=True)
 
     def _tables(self) -> tuple[Table, ...]:
         d = self.session.found
