@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -122,12 +123,21 @@ class _Line:
         self.travel = float(np.ptp(records.position))
         self.position = records.position
 
+    @cached_property
+    def _rest(self) -> Array:
+        """What the fit's own parameters cannot take of the residual."""
+        return self._residual - self._own @ (self._own.T @ self._residual)
+
     def waves(self, turns: float) -> Array:
         """Sine and cosine of so many turns within the travel, shape (2, S)."""
-        angle = 2 * np.pi * turns * self.position / self.travel
-        both = self._records.weighted(np.array([np.sin(angle), np.cos(angle)]))
+        (both,) = self._whole(np.array([turns]))
         out: Array = both - (both @ self._own) @ self._own.T
         return out
+
+    def _whole(self, turns: Array) -> Array:
+        """Weighted sine and cosine with all that the fit's own parameters can take of them, shape (n, 2, S)."""
+        angle = 2 * np.pi * turns[:, None] * self.position / self.travel
+        return self._records.weighted(np.stack([np.sin(angle), np.cos(angle)], axis=1))
 
     def strongest(self, near: float | None = None) -> float:
         """Turns of the line that takes most of the residual, of all or of those near some."""
@@ -142,11 +152,9 @@ class _Line:
     def _gains(self, turns: Array) -> Array:
         """What sine and cosine of so many turns take of the residual, by their normal equations, m²; shape (n,)."""
         out = []
-        rest = self._residual - self._own @ (self._own.T @ self._residual)
         for some in np.split(turns, range(_AT_ONCE, turns.size, _AT_ONCE)):
-            angle = 2 * np.pi * some[:, None] * self.position / self.travel
-            waves = self._records.weighted(np.stack([np.sin(angle), np.cos(angle)], axis=1))
-            along, taken = waves @ rest, waves @ self._own
+            waves = self._whole(some)
+            along, taken = waves @ self._rest, waves @ self._own
             square = waves @ waves.swapaxes(1, 2) - taken @ taken.swapaxes(1, 2)
             (a, b), (_, d) = square[:, 0].T, square[:, 1].T
             product, determinant = np.maximum(a * d, 1e-300), a * d - b * b

@@ -475,6 +475,18 @@ def _first_event(w: Work, t: float, h: float) -> tuple[int, float, float]:
     return first, share, error
 
 
+@inlined
+def _turning(rise: float, begin: float, end: float) -> tuple[float, float]:
+    """Share of a step at which a cubic turns back, 1 where only at its end, and by how much it has changed there.
+
+    It rises by `rise` in the step; `begin` and `end` are its slopes there times the step's length, of opposite signs.
+    """
+    bend, twist = 3.0 * rise - 2.0 * begin - end, begin + end - 2.0 * rise
+    root = np.sqrt(max(bend * bend - 3.0 * twist * begin, 0.0))
+    share = begin / (-bend + (root if begin > 0.0 else -root))
+    return (share if 0.0 < share < _AT_END else 1.0), share * (begin + share * (bend + share * twist))
+
+
 @compiled
 def _turned_beyond(w: Work, t: float, h: float) -> float:
     """Share of a step at which the cart turns back beyond a switch that both ends lie before; 1 where it does not.
@@ -485,16 +497,12 @@ def _turned_beyond(w: Work, t: float, h: float) -> float:
     y, z, turn = w.y, w.stage, w.turn
     if w.switches == 0 or not y[1] * z[1] < 0.0:
         return 1.0
-    pace = (z[0] - y[0]) / h
-    bend, twist = 3.0 * pace - 2.0 * y[1] - z[1], y[1] + z[1] - 2.0 * pace
-    root = np.sqrt(max(bend * bend - 3.0 * twist * y[1], 0.0))
-    share = y[1] / (-bend + (root if y[1] > 0.0 else -root))
-    if not 0.0 < share < _AT_END:
+    share, moved = _turning(z[0] - y[0], h * y[1], h * z[1])
+    if share == 1.0:
         return 1.0
     for j in range(w.states):
         turn[j] = y[j] + share * (z[j] - y[j])
-    turn[0] = y[0] + share * h * (y[1] + share * (bend + share * twist))
-    turn[1] = 0.0
+    turn[0], turn[1] = y[0] + moved, 0.0
     _margins(w, t + h, z)
     _copy(w.margin, w.ends, 1 + w.switches)
     _margins(w, t + share * h, turn)
@@ -516,12 +524,8 @@ def _turned_twice(w: Work, h: float) -> float:
     down, up = sign * h * w.k[0, 1], sign * h * w.k[_STAGES - 1, 1]
     if not (down < 0.0 < up) or before < 0.0 or after < 0.0:
         return 1.0
-    rise = after - before
-    bend, twist = 3.0 * rise - 2.0 * down - up, down + up - 2.0 * rise
-    root = np.sqrt(max(bend * bend - 3.0 * twist * down, 0.0))
-    share = -down / (bend + root) if bend + root > 0.0 else 1.0
-    least = before + share * (down + share * (bend + share * twist))
-    return share if 0.0 < share < _AT_END and least < _OFF * (up - down) else 1.0
+    share, gained = _turning(after - before, down, up)
+    return share if before + gained < _OFF * (up - down) else 1.0
 
 
 @compiled
