@@ -57,7 +57,7 @@ def of_old(method: str) -> type[Effect]:
 
 
 METHODS = ("force", "friction", "breakaway", "switches", "rates", "at_rest", "remember", "memory_slopes")
-METHODS += ("drive", "delay", "reading", "relax")
+METHODS += ("drive", "delay", "reading", "relax", "kink")
 
 
 @pytest.mark.parametrize("method", METHODS)

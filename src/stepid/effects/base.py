@@ -10,10 +10,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.effects.swing import Swing
 
-GRAVITY = 9.81  # m/s²
-
-Values = tuple[float, ...]
-"""Parameter values of one effect, in the order of `Effect.parameters`, those of a run last."""
+Values = tuple[float, ...]  # of one effect's parameters, in the order of `Effect.parameters`, those of a run last
 
 
 class Parameter(NamedTuple):
@@ -285,10 +282,14 @@ class Effect:
     def relax(p: Values, m: Moment, time: float) -> tuple[float, ...]:
         """Own states `time` [s] after `m` in closed form, for effects of the drive whose states follow `m.volts` alone.
 
-        The input is a cubic in time meanwhile: `m.slope`, `m.bend` and `m.jerk` are its derivatives at the start. Where
-        a law is not exact for a cubic, steps are chosen so short that its halves agree.
+        The input is a cubic meanwhile (`m.slope`, `m.bend`, `m.jerk`): a law need not be exact, steps are short then.
         """
         return ()
+
+    @staticmethod
+    def kink(p: Values, m: Moment) -> float:
+        """Time [s] after which a state of `relax` turns a corner, where that is known: a step ends there."""
+        return np.inf
 
     def holds(self, p: Values, m: Moment) -> float:
         """Largest force that friction holds at rest, N: what `breakaway` says, or `friction` where it is not given."""

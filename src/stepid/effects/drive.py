@@ -176,6 +176,13 @@ class ActuatorRateLimit(Effect):
             return (target - math.copysign(0.5 * (abs(last) - rate) ** 2 * time / abs(last - m.slope), last),)
         return (target,)
 
+    @staticmethod
+    def kink(p: Values, m: Moment) -> float:
+        behind = m.volts - m.extra[0]  # until it meets the command
+        closing = math.copysign(p[0], behind) - m.slope
+        met = abs(behind) <= 1e-12 * abs(m.volts) or behind * closing <= 0.0
+        return math.inf if met or m.bend != 0.0 or m.jerk != 0.0 else behind / closing
+
 
 def _overtones(angle: Array) -> list[Array]:
     return [wave(times * angle) for times in (2, 3) for wave in (np.sin, np.cos)]

@@ -10,8 +10,9 @@ from typing import ClassVar
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.effects.base import GRAVITY, Effect, Moment, Motion, Parameter, Regressor, Scales, Values
+from stepid.effects.base import Effect, Moment, Motion, Parameter, Regressor, Scales, Values
 
+GRAVITY = 9.81  # m/s²
 _SHARES = (0.01, 0.04, 0.12)  # of the largest spring force
 
 

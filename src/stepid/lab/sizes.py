@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from stepid.effects.base import GRAVITY
+from stepid.effects.friction import GRAVITY
 from stepid.lab.rig import Scale
 
 Values = dict[str, float]

@@ -25,13 +25,13 @@ from stepid.simulation.compiled import JIT, call, compiled, inlined
 Array = Any  # numba knows the types
 
 # what a law is asked for (`stepid.simulation.laws` writes the answers)
-EVALUATE, SWITCHES, BREAKAWAY, REMEMBER, RELAX, AT_REST, DELAY, READING = range(8)
+EVALUATE, SWITCHES, BREAKAWAY, REMEMBER, RELAX, AT_REST, DELAY, READING, KINK = range(9)
 # the moment, as laws see it beside the state
 SIGN, TIME, MASS, STIFFNESS, DAMPING, VOLTS, SLOPE, SPAN, HELD, BEND, JERK, MOMENT = range(12)
 # a plant's values: these, then the effects' parameters
 Q_MASS, Q_STIFFNESS, Q_DAMPING, Q_GAIN, Q_FIRST = range(5)
 # an effect's place: where its values, states and sides begin, how many there are, what it does
-VALUES, OWN, SIDES, N_EXTRA, N_MEMORY, N_SWITCHES, DRIVES, DRY, RELAXES, DELAYS, READS, PLACE = range(12)
+VALUES, OWN, SIDES, N_EXTRA, N_MEMORY, N_SWITCHES, DRIVES, DRY, RELAXES, DELAYS, READS, KINKS, PLACE = range(13)
 # what a law writes when it is evaluated
 FORCE, FRICTION, DRIVEN, RATES = range(4)
 
@@ -85,6 +85,7 @@ WORK = np.dtype(
         ("stale", np.int64),  # 1 where the constant of the affine law has changed, 2 where its matrix has
         ("known", np.int64),  # whether own states are known in closed form
         ("relaxing", np.int64),  # how many effects until the last one whose states follow the drive in closed form
+        ("kinked", np.int64),  # whether some of these turn a corner
         ("rated", np.int64),  # whether own states have a rate
         ("restless", np.int64),  # whether the cart may be in motion at the start of any record
         ("m", np.float64, MOMENT),
@@ -251,6 +252,24 @@ def _follow_drive(w: Work, t: float, h: float) -> float:
             c1, c2, c3 = 0.0, 0.0, 0.0
     push, force = missed * h / (q[Q_MASS] * w.allowed[1]), apart / (abs(q[Q_STIFFNESS]) * w.allowed[0])
     return abs(q[Q_GAIN]) * max(push, force)
+
+
+@compiled
+def _kink(w: Work, t: float, h: float) -> float:
+    """Time until an own state that follows the drive turns a corner next, s, by the drive of a step as long as `h`.
+
+    A step ends there: across a corner it would be as wrong as is allowed, and derivatives far more so.
+    """
+    if not w.kinked:
+        return np.inf
+    _follow_drive(w, t, h)
+    w.m[TIME] = t
+    least = np.inf
+    for e in range(w.relaxing):
+        if w.places[e, KINKS]:
+            _see(w, e, 0.0)
+            least = min(least, _ask(w, KINK, e, w.y))
+    return least
 
 
 @compiled
@@ -684,6 +703,7 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
         if unwatched == np.inf:
             return h, False
         length = min(h, unwatched)
+        length = min(length, max(_kink(w, t, length), shortest))
         last = length >= left
         if last:
             length = left

@@ -34,6 +34,7 @@ _METHODS = (
     "at_rest",
     "delay",
     "reading",
+    "kink",
 )
 _HOW = {"at_rest": "p, x, volts", "remember": "p, memory, shift, sign", "delay": "p", "reading": "p, time"}
 _HOW |= {"relax": "p, m, time"}  # arguments, where they are not p and m
@@ -95,6 +96,7 @@ def source(effect: Effect, methods: Iterable[str]) -> str:
         write("at_rest(p, y[0], m[5])", len(own)) if has["at_rest"] else [f"out[{j}] = 0.0" for j in range(len(own))],
         ["return delay(p)"] if has["delay"] else [],
         ["return reading(p, m[1])"] if has["reading"] else [],
+        ["return kink(p, moment)"] if has["kink"] else [],
     ]
     lines = [
         "def law(kind, values, m, y, own, sides, out):",

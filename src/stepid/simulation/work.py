@@ -25,8 +25,8 @@ def _structure(effects: tuple[Effect, ...]) -> Any:
     at, own, side = kernel.Q_FIRST, 2, 0
     places = []
     for e in effects:
-        does = (changes(e, "drive"), e.dry, changes(e, "relax"), changes(e, "delay"), changes(e, "reading"))
-        places.append((at, own, side, e.n_extra, e.n_memory, e.n_switches, *does))
+        last = (changes(e, name) for name in ("relax", "delay", "reading", "kink"))
+        places.append((at, own, side, e.n_extra, e.n_memory, e.n_switches, changes(e, "drive"), e.dry, *last))
         at += len(e.parameters) + len(e.run_parameters)
         own, side = own + e.n_extra + e.n_memory, side + e.n_switches
     order = sorted(range(len(effects)), key=lambda i: effects[i].drive_order)
@@ -38,6 +38,7 @@ def _structure(effects: tuple[Effect, ...]) -> Any:
     work.dry = any(e.dry for e in effects)
     work.known = any(changes(e, "relax") or e.n_memory for e in effects)
     work.relaxing = max((row + 1 for row, i in enumerate(order) if changes(effects[i], "relax")), default=0)
+    work.kinked = any(changes(e, "kink") for e in effects)
     work.rated = any(e.n_extra for e in effects)
     work.restless = any(e.never_rests for e in effects)
     return room
