@@ -30,6 +30,8 @@ def test_an_experiment_holds_what_it_was_given():
     np.testing.assert_array_equal(run.time, T)
     assert run.resolution == 1 / 226600
     assert run.sample_time == pytest.approx(0.005)
+    assert run.model_copy(update={"time": 2 * T}).sample_time == pytest.approx(0.01)  # computed anew
+    assert run.model_copy().sample_time == run.sample_time
     assert (run.base, run.input_before, run.counts_per_meter) == ("cart and damper", 0.1, -226600.0)
     assert experiment().resolution is None
     assert experiment().base == "cart"

@@ -41,9 +41,10 @@ def test_a_run_in_which_nothing_moves_is_told_with_its_command() -> None:
 
 
 def test_nothing_is_scaled_to_nothing() -> None:
-    assert scaled_to_one(np.zeros((5, 2))) is None
-    assert scaled_to_one(np.full((5, 1), np.inf)) is None
-    found = scaled_to_one(np.array([[3.0, 0.0, 1e-14], [4.0, 0.0, 0.0]]))
+    least = np.array([1e-12, 0.0, 1e-13])
+    assert scaled_to_one(np.zeros((5, 2)), least[:2]) is None
+    assert scaled_to_one(np.full((5, 1), np.inf), least[:1]) is None
+    found = scaled_to_one(np.array([[3.0, 0.0, 1e-14], [4.0, 0.0, 0.0]]), least)
     assert found is not None
     assert found[0].tolist() == [[0.6, 0.0, 0.0], [0.8, 0.0, 0.0]]
     assert found[1].tolist() == [5.0, math.inf, math.inf]

@@ -39,7 +39,7 @@ def started(names: tuple[str, ...], kind: str) -> tuple[Problem, Solved, np.ndar
 
 @pytest.mark.parametrize(("names", "kind"), CASES)
 def test_a_damped_step_is_that_of_the_whole_jacobian(names: tuple[str, ...], kind: str) -> None:
-    problem, solved, *_ = started(names, kind)
+    problem, solved, begun, _ = started(names, kind)
     r = problem.records
     residual, cost = problem.weigh(solved)
     np.testing.assert_allclose(residual, r.weighted(r.position - solved.reading), atol=1e-15)
@@ -52,7 +52,8 @@ def test_a_damped_step_is_that_of_the_whole_jacobian(names: tuple[str, ...], kin
     step = np.linalg.lstsq(whole, np.append(residual, np.zeros(size.size)), rcond=None)[0]
     decrease = cost - np.sum((residual - scaled @ step) ** 2)
 
-    linearized = _Linearized(problem, _Columns(problem), solved.derivatives, residual)
+    steps = problem.simulator.steps(begun)[: begun.size]
+    linearized = _Linearized(problem, _Columns(problem), solved.derivatives, residual, steps)
     shared, local, gain = linearized.step(damping, np.zeros(n, dtype=bool), np.zeros_like(problem.active))
     assert gain == pytest.approx(decrease, rel=1e-8)
     np.testing.assert_allclose(linearized.pull, (jacobian.T @ residual)[:n], rtol=1e-8)

@@ -233,6 +233,14 @@ class Model(BaseModel, metaclass=_Meta):
         except ValidationError as error:
             raise _complain(cls.__name__, None, error) from None
 
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Copy it, without what was computed of fields that are updated; see `pydantic.BaseModel.model_copy`."""
+        copy = super().model_copy(update=update, deep=deep)
+        if update:
+            fields = {name: value for name, value in copy.__dict__.items() if name in type(self).model_fields}
+            object.__setattr__(copy, "__dict__", fields)
+        return copy
+
     def _unit(self, field: str, key: str = "") -> str:
         """Return the unit of a field, or of the entry `key` of a mapping."""
         return field_unit(type(self).__name__, field)

@@ -14,6 +14,11 @@ from stepid.effects.swing import Swing
 _VISCOUS = (0.85, 1.2)  # exponents that no recording tells from 1, beside viscous damping
 
 
+def _least(scales: Scales) -> float:
+    """The plant's damping, or a little of what it could have, N·s/m."""
+    return scales.damping + 0.006 * math.sqrt(scales.mass * scales.stiffness)
+
+
 class QuadraticDamping(Effect):
     """−c₂ v|v|."""
 
@@ -28,7 +33,7 @@ class QuadraticDamping(Effect):
     reverses: ClassVar[bool] = True
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
-        return [(share * (scales.damping + 0.1) / scales.velocity,) for share in (0.1, 0.6)]
+        return [(share * _least(scales) / scales.velocity,) for share in (0.1, 0.6)]
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         return [Regressor((-m.v * np.abs(m.v),), lambda a: (a[0],) if a[0] > 0 else None)]
@@ -57,7 +62,7 @@ class PowerDamping(Effect):
         return [*of_level, *((inner[0] * scales.velocity ** (2.0 - p), p) for p in (1.7, 2.3))]
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
-        return [(0.3 * (scales.damping + 0.1) * scales.velocity ** (1.0 - p), p) for p in (0.5, 1.5, 2.5)]
+        return [(0.3 * _least(scales) * scales.velocity ** (1.0 - p), p) for p in (0.5, 1.5, 2.5)]
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
         def at(exponent: float) -> Regressor:

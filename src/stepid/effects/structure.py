@@ -27,8 +27,8 @@ class ViscoelasticSpring(Effect):
     n_extra: ClassVar[int] = 1
 
     def starts(self, scales: Scales) -> Sequence[tuple[float, ...]]:
-        branch = 0.15 * scales.stiffness
-        return [(branch, branch * time) for time in (0.03, 0.15, 0.6, 2.0)]
+        branch, swing = 0.15 * scales.stiffness, math.sqrt(scales.mass / scales.stiffness)
+        return [(branch, branch * times * swing) for times in (0.35, 1.75, 7.0, 23.0)]
 
     def faint(self, values: tuple[float, ...], share: float) -> tuple[float, ...]:
         return tuple(share * v for v in values)

@@ -41,6 +41,13 @@ class Coordinates:
             by_shared[p] -= self._log * by_shared[c]
         return by_shared, by_local
 
+    def steps(self, shared: Array) -> Array:
+        """Steps of these, by which derivatives of the reading are told from differences."""
+        out: Array = self._problem.simulator.steps(shared)[: shared.size]
+        for c, _ in self._powers:
+            out[c] /= shared[c]
+        return out
+
     def moved(self, shared: Array, delta: Array) -> Array:
         """Global parameters a step away, within their bounds."""
         problem, out = self._problem, shared.copy()

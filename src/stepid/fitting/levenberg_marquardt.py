@@ -24,6 +24,7 @@ _CRAWL = 5  # steps that together gain less than the tolerance: the rest is not 
 _MOST_DAMPING = 1e12
 _GROWTH = 4.0  # of the damping after a step that failed; twice as much after each further one
 _HOPE = 4.0  # times what a step promises, that each of those to come may bring: in valleys the promise grows
+_ROUNDING = 1e-13  # of the typical displacement: no larger difference of all readings is more than rounding
 
 
 @dataclass(frozen=True)
@@ -135,7 +136,9 @@ class _Columns:
 class _Linearized:
     """The fit to first order about a point, each run reduced to a triangle."""
 
-    def __init__(self, problem: Problem, columns: _Columns, slopes: tuple[Array, Array], residual: Array) -> None:
+    def __init__(
+        self, problem: Problem, columns: _Columns, slopes: tuple[Array, Array], residual: Array, steps: Array
+    ) -> None:
         from stepid.simulation.triangles import reduce_runs
 
         r, self._columns = problem.records, columns
@@ -147,11 +150,10 @@ class _Linearized:
                 *slopes, residual, r.weight, r.bounds, columns.columns, columns.own, columns.block,
                 self._triangles, size, own_size, self.pull,
             )  # fmt: skip
-        self._size, self._own_size = self._usable(np.sqrt(size)), self._usable(np.sqrt(own_size))
-
-    @staticmethod
-    def _usable(size: Array) -> Array:
-        return np.where(size > 1e-14 * size.max(initial=1e-300), size, np.inf)
+        size, own_size = np.sqrt(size), np.sqrt(own_size)
+        seen = size * steps[problem.free] > _ROUNDING * problem.simulator.scale
+        self._size = np.where(seen, size, np.inf)
+        self._own_size = np.where(own_size > 1e-14 * own_size.max(initial=1e-300), own_size, np.inf)
 
     def step(
         self, damping: float, blocked: npt.NDArray[np.bool_], held: npt.NDArray[np.bool_]
@@ -217,7 +219,7 @@ def minimize(
             break
         if linearized is None:
             inner = Coordinates(problem, shared, solved)
-            linearized = _Linearized(problem, columns, inner.slopes(shared, solved), residual)
+            linearized = _Linearized(problem, columns, inner.slopes(shared, solved), residual, inner.steps(shared))
             if not linearized.finite:  # a runaway's edge: nothing to follow
                 break
             blocked = _blocked(problem, shared, linearized.pull)

@@ -17,7 +17,8 @@ from stepid.simulation.records import Records
 from stepid.simulation.simulator import FINE, Simulator
 
 _WIDTHS = (0.6, 1.0, 1.6, 0.35)  # of the strongest period, for the weak form
-_MASSES = (1.0, 0.4, 2.5)  # kg
+_MASSES = (1.0, 0.4, 2.5)  # of the largest difference of added masses, 1 kg at most
+_TRAVEL, _SAMPLE_TIME = 0.02, 5e-3  # m and s, of a lab's rig: there bounds are as they stand in the catalogue
 _ALIKE = 1e-3  # relative difference of the costs at which two starts end in one optimum
 PHASES = 12  # tried a run where the reading is not linear in their sine and cosine
 
@@ -59,9 +60,12 @@ def build(records: Records, effects: tuple[Effect, ...], *, tolerance: float = F
 
 
 def _least_values(parameters: list[Parameter], records: Records) -> Array:
-    """Lower bounds of effects' parameters, shape (n,): those of masses, forces and springs go with the masses."""
+    """Lower bounds of effects' parameters, shape (n,): those of a lab's rig, in the units of this one's size."""
     powers = exponents(tuple(parameters))
-    out: Array = np.array([q.lower for q in parameters]) * records.mass_scale ** (powers[:, 0] + powers[:, 3])
+    travel = float(np.abs(records.centered(records.position)).max(initial=0.0)) or _TRAVEL
+    mass, length, time = records.mass_scale, travel / _TRAVEL, float(np.median(records.sample_time)) / _SAMPLE_TIME
+    units = np.log([mass * length / time**2, length, time, mass, 1.0])  # N, m, s, kg, V
+    out: Array = np.array([q.lower for q in parameters]) * np.exp(powers @ units)
     return out
 
 
@@ -171,7 +175,7 @@ def fit_linear(records: Records, *, tolerance: float = 0.0, workers: int = 1) ->
     problem = build(records, (), workers=workers)
     period, mass = strongest_period(records), fixes_mass(records)
     best: Optimum | None = None
-    for guess in (mass,) if mass is not None else (None, *_MASSES):
+    for guess in (mass,) if mass is not None else (None, *(share * records.mass_scale for share in _MASSES)):
         for width in _WIDTHS:
             weak = WeakForm(records, width * period, fixed_mass=guess).solve()
             if weak is None:

@@ -38,14 +38,18 @@ class Column(NamedTuple):
 def force_responses(context: FitContext, forces: list[Array]) -> Array:
     """Reading's response of the linear plant to added forces, shapes (S,) each to (S, n)."""
     linear, records = context.coarse_linear, context.decimated
-    free = np.append(linear.shared[:-1], 1.0)
+    plant = linear.shared.copy()
+    plant[-1] = (
+        np.abs(plant[linear.problem.layout.stiffness]).mean() * linear.problem.simulator.scale
+    )  # N, what it feels
     out = np.empty((len(forces), records.size))
-    for i in range(0, len(forces), _AT_ONCE):  # the plant driven by the forces, in N, beside each other
+    for i in range(0, len(forces), _AT_ONCE):  # the plant driven by the forces, beside each other
         some = forces[i : i + _AT_ONCE]
         pushed = records.repeated(len(some)).with_input(np.concatenate([_means(force, records) for force in some]))
         pushed = replace(pushed, before=np.zeros(len(pushed.runs)))
         still = np.zeros((1, linear.local.shape[0], len(pushed.runs)))
-        out[i : i + len(some)] = Simulator(pushed, ()).readings(free[None], still).reshape(len(some), -1)
+        out[i : i + len(some)] = Simulator(pushed, ()).readings(plant[None], still).reshape(len(some), -1)
+    out /= plant[-1]
     return out.T
 
 

@@ -10,6 +10,8 @@ from stepid.core.base import Array
 from stepid.fitting.absent import OPEN, Absent, linearized
 from stepid.fitting.levenberg_marquardt import Optimum
 
+_ROUNDING = 1e-12  # of a response, what is left of it by rounding alone
+
 
 class Tangent:
     """What a fit's own parameters can do about its residual, to first order.
@@ -55,14 +57,19 @@ def scaled_parts(beyond: Callable[[Array], Array], blocks: Sequence[Array]) -> l
     """What `beyond` leaves of blocks of responses, shape (S, k) each, all at once; each as `scaled_to_one` does."""
     if not blocks:
         return []
-    ends = np.cumsum([block.shape[1] for block in blocks])
-    return [scaled_to_one(part) for part in np.split(beyond(np.concatenate(blocks, axis=1)), ends[:-1], axis=1)]
+    ends, whole = np.cumsum([block.shape[1] for block in blocks])[:-1], np.concatenate(blocks, axis=1)
+    rounding = _ROUNDING * np.linalg.norm(whole, axis=0)
+    parts = np.split(beyond(whole), ends, axis=1), np.split(rounding, ends)
+    return [scaled_to_one(part, least) for part, least in zip(*parts, strict=True)]
 
 
-def scaled_to_one(columns: Array) -> tuple[Array, Array] | None:
-    """Columns scaled to a norm of one, and their norms, infinite where there is nothing; None where nothing is left."""
+def scaled_to_one(columns: Array, least: Array) -> tuple[Array, Array] | None:
+    """Columns scaled to a norm of one, and their norms, infinite below the `least`; None where nothing is left.
+
+    Columns of one start differ in unit: no norm says what another is worth.
+    """
     scale = np.linalg.norm(columns, axis=0)
     if not np.isfinite(scale).all() or scale.max(initial=0.0) <= 0:
         return None
-    scale[scale < 1e-12 * scale.max()] = np.inf
+    scale[scale <= least] = np.inf
     return columns / scale, scale

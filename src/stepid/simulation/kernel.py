@@ -51,7 +51,7 @@ _E = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 52
 _STAGES = 7
 _ORDER = 5.0
 
-_STILL = 1e-7  # m/s, slower than this is at rest where dry friction acts
+_STILL = 5e-7  # of a typical velocity, slower than this is at rest where dry friction acts
 _CROSSED = 1e-13  # m or m/s, by which a margin must be past zero
 _EVENTS = 64  # between two changes of the input, at most; the rest of such a sample is followed without
 _SHORTEST = 1e-7  # of a sample, to which a step may shrink
@@ -100,6 +100,7 @@ WORK = np.dtype(
         ("credit", np.float64),  # what is left of them
         ("taken", np.int64),  # steps of all replicas so far
         ("far", np.float64),  # m, from where on it is a runaway
+        ("still", np.float64),  # m/s, below which it is at rest where dry friction acts
         ("net", np.float64),  # force on a held cart, N, when it was last looked at
         ("rate", np.float64),  # its fastest change so far, N/s
         ("chain", np.float64, (MOST_EFFECTS, 4)),  # volts that reach each effect of the drive in a step, a cubic
@@ -427,7 +428,7 @@ def _choose_direction(w: Work, t: float) -> None:
     w.stale = max(w.stale, 1)
     m[HELD] = 0.0
     m[SIGN] = -1.0 if y[1] < 0.0 else 1.0
-    if not w.reverses or abs(y[1]) > (_STILL if w.dry else 0.0):
+    if not w.reverses or abs(y[1]) > (w.still if w.dry else 0.0):
         return
     y[1] = 0.0
     net = _evaluate(w, t, y, w.k[_STAGES])
@@ -913,7 +914,8 @@ def simulate(
         w.m[MASS], w.m[STIFFNESS], w.m[DAMPING] = q[Q_MASS], q[Q_STIFFNESS], q[Q_DAMPING]
         for j in range(w.states):
             allowed[j] = -tolerance / scale
-        allowed[0], allowed[1] = tolerance, tolerance * np.sqrt(abs(q[Q_STIFFNESS]) / q[Q_MASS])
+        rate = np.sqrt(abs(q[Q_STIFFNESS]) / q[Q_MASS])
+        allowed[0], allowed[1], w.still = tolerance, tolerance * rate, _STILL * scale * rate
         for e in range(w.effects):
             if w.places[e, RELAXES]:
                 for j in range(w.places[e, N_EXTRA]):

@@ -31,8 +31,8 @@ class Records:
     a parameter. `begin` is the index within the experiment at which each run's samples begin. `weight` (S,) are the
     square roots of the samples' weights. `coefficients` (S, 1), (S, 2) or (S, 4) are the polynomial of the input [V]
     from each sample to the next: held, straight or cubic. Where samples were left out, these are the samples `at` (S,).
-    `added_mass` may differ from what the experiments say, by what a fit found; `weight_uncertainty` [kg] and
-    `scale_uncertainty` are the campaign's.
+    `added_mass` may differ from what the experiments say, by what a fit found; `weight_uncertainty` [kg],
+    `scale_uncertainty` and `mass_scale` [kg], the largest difference of added masses on one base, are the campaign's.
     """
 
     runs: tuple[Experiment, ...]
@@ -57,6 +57,7 @@ class Records:
     at: Index | None = None
     weight_uncertainty: float = 0.0
     scale_uncertainty: float = 0.0
+    mass_scale: float = 1.0
 
     @property
     def size(self) -> int:
@@ -73,12 +74,6 @@ class Records:
         """Largest input of each run, that before its record among them, V, shape (R,)."""
         before: Array = np.abs(self.before)
         return np.maximum(before, np.maximum.reduceat(np.abs(self.volts), self.first)) if self.size else before
-
-    @cached_property
-    def mass_scale(self) -> float:
-        """Largest difference of added masses on one base, 1 kg at most; 1 kg where none differ: it is assumed then."""
-        spans = [float(np.ptp(self.added_mass[self.base == base])) for base in np.unique(self.base)]
-        return min(max(spans, default=0.0) or 1.0, 1.0)
 
     @property
     def driven(self) -> npt.NDArray[np.bool_]:
@@ -152,7 +147,12 @@ class Records:
 
     def _known(self, laid: Records) -> Records:
         """Give other records what is known of this campaign's weights and scale."""
-        return replace(laid, weight_uncertainty=self.weight_uncertainty, scale_uncertainty=self.scale_uncertainty)
+        return replace(
+            laid,
+            weight_uncertainty=self.weight_uncertainty,
+            scale_uncertainty=self.scale_uncertainty,
+            mass_scale=self.mass_scale,
+        )
 
     def repeated(self, count: int) -> Records:
         """Return the same records several times over, as runs of their own."""
@@ -194,7 +194,18 @@ def lay_out(campaign: Campaign) -> Records:
     moving = np.array([starts_in_motion(e) for e in runs])
     begin = np.array([release_index(e) if m else 0 for e, m in zip(runs, moving, strict=True)], dtype=np.intp)
     laid = _lay(runs, moving, (labels[0], labels[1], labels[2]), begin, None)
-    return replace(laid, weight_uncertainty=campaign.weight_uncertainty, scale_uncertainty=campaign.scale_uncertainty)
+    return replace(
+        laid,
+        weight_uncertainty=campaign.weight_uncertainty,
+        scale_uncertainty=campaign.scale_uncertainty,
+        mass_scale=_mass_scale(laid),
+    )
+
+
+def _mass_scale(records: Records) -> float:
+    """Largest difference of added masses on one base, 1 kg at most; 1 kg where none differ: it is assumed then."""
+    spans = [float(np.ptp(records.added_mass[records.base == base])) for base in np.unique(records.base)]
+    return min(max(spans, default=0.0) or 1.0, 1.0)
 
 
 def _coefficients(runs: Sequence[Experiment], begin: Index) -> Array:

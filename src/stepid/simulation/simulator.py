@@ -130,7 +130,7 @@ class Simulator:
                 self._powers, mass=mass, stiffness=stiffness, gain=float(shared[of.force_gain]), travel=self.scale
             )
             out[of.linear.stop :] = np.maximum(out[of.linear.stop :], own)  # at zero, too, there is a slope to find
-        out[of.base_mass] = max(mass, 0.1)
+        out[of.base_mass] = max(mass, 0.1 * self.records.mass_scale)
         out[of.damping] = np.sqrt(mass * stiffness)
         return out
 
