@@ -138,6 +138,7 @@ def _ask(files: Sequence[Path], said: Said, drafts: tuple[Draft, ...]) -> tuple[
         if not answer:
             skipped.add(question.key)
             continue
+        before = said
         try:
             said = _heard(question, answer, said)
             drafts = _drafts(files, said)
@@ -145,7 +146,7 @@ def _ask(files: Sequence[Path], said: Said, drafts: tuple[Draft, ...]) -> tuple[
                 screen.print("That does not answer it.", markup=False)
         except InputError as error:
             screen.print(str(error), style="red", markup=False)
-            said = said.hearing(question.key, None)
+            said = before
     return drafts
 
 

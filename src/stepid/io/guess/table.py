@@ -49,8 +49,10 @@ def from_table(
         layout = {**layout, "decimal": block.decimal}
     if block.skiprows:
         layout = {**layout, "skiprows": block.skiprows}
-    groups = group_columns(find_columns(block, chosen), block, all_runs=chosen.get("position") == ALL)
-    return [_from_group(group, block, file, layout, several=len(groups) > 1) for group in groups]
+    columns = find_columns(block, chosen)
+    every = tuple((c.name or str(c.index), c.unit) for c in columns)
+    groups = group_columns(columns, block, all_runs=chosen.get("position") == ALL)
+    return [_from_group(group, block, file, layout, several=len(groups) > 1).having(every=every) for group in groups]
 
 
 def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object], *, several: bool) -> Draft:
