@@ -18,6 +18,8 @@ T = TypeVar("T")
 TURNS = ("deg", "rad", "mrad")
 """Units of an angle."""
 ROLES = ("time", "position", "input")
+ALL = "all"
+"""In place of the position's column: each column of a position is a run."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class Draft:
     (n,), `units` its unit as in `SCALES`, or ``"counts"``. `scales` are SI units per count, `turn` is
     the angle of one, where no more is told of an encoder. `every` has what all columns of the file are called, each
     with its unit, None where it is not told. `doubts` are what no reader can make up for: a missing column, lines that
-    are no rows.
+    are no rows; `lacking` says of roles that the column is not there that somebody named for them.
     """
 
     file: Path
@@ -70,6 +72,7 @@ class Draft:
     choices: tuple[str, ...] = ()  # columns of which one is the position
     every: tuple[tuple[str, str | None], ...] = ()
     motion: Found[str] | None = None  # where somebody said it
+    lacking: Mapping[str, str] = field(default_factory=dict)
 
     def scale(self, role: str) -> float | None:
         """SI units per unit of a column, None where it is not known."""
