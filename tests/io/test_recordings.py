@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import stepid
@@ -179,6 +180,44 @@ def test_an_export_has_columns_of_its_own(tmp_path: Path) -> None:
     assert draft.titles["position"] == "Encoder 1 Pos"
     with pytest.raises(InputError, match=r"whose position is 'Encoder 1 Pos'.* takes another encoder: encoder = 2"):
         stepid.draft_campaign(tmp_path, position="Encoder 2 Pos")
+
+
+def below(file: Path, runs: int, rows: int = 200) -> Path:
+    """Write runs one below the other, whose clocks begin anew."""
+    row = "{:.2f},{:.5f},0.5\n"
+    x = [8 * (1 - 0.98**n * np.cos(0.15 * n)) for n in range(rows)]
+    file.write_text("t_s,x_mm,u_V\n" + runs * "".join(row.format(0.01 * n, x[n]) for n in range(rows)))
+    return file
+
+
+def test_runs_one_below_the_other_are_refused_by_the_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = below(tmp_path / "both.csv", 2)
+    said = f"{file}, line 202: time starts anew at 0 s after 1.99 s, so the table seems to hold two runs one below"
+    for command in (["init"], ["diagnose", "-q"]):
+        assert run([*command, str(file), "--added-mass", "0"]) == 2
+        assert f"{said} the other. Save each run as a file of its own." in capsys.readouterr().err
+    assert not (tmp_path / "campaign.toml").exists()
+    named: dict[str, Any] = {"time": "t_s", "position": "x_mm", "input": "u_V", "position_scale": 1e-3}
+    with pytest.raises(InputError, match=r"stop = 200 keeps the first run, start = 200 the second\.") as refused:
+        stepid.read_table(file, **named)
+    assert said in refused.value.cause
+    first, second = stepid.read_table(file, **named, stop=200), stepid.read_table(file, **named, start=200)
+    assert first == second
+    three = below(tmp_path / "three.csv", 3)
+    with pytest.raises(InputError, match=r"hold 3 runs .* start = 200, stop = 400 the second"):
+        stepid.read_table(three, **named, sample_time=0.01)
+    with pytest.raises(InputError, match=r"hold two runs .* stop = 200 keeps"):
+        stepid.read_table(three, **named, stop=400)
+
+
+def test_files_that_are_joined_may_have_clocks_of_their_own(tmp_path: Path) -> None:
+    files = [below(tmp_path / name, 1) for name in ("a.csv", "b.csv")]
+    with pytest.raises(InputError, match=r"b\.csv, line 2: 0 s after .* leave time out if each file starts a clock"):
+        stepid.read_table(files, time="t_s", position="x_mm", input="u_V", position_scale=1e-3)
+    late = below(tmp_path / "late.csv", 1)
+    late.write_text(late.read_text().replace("\n1.90,", "\n0.02,"))  # one stamp, and not the next ones
+    with pytest.raises(InputError, match=r"line 192: 0\.02 s after 1\.89 s: time does not increase.* leave time out\."):
+        stepid.read_table(late, time="t_s", position="x_mm", input="u_V", position_scale=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,8 @@ from stepid.io.guess.named import named
 from stepid.io.guess.sizes import input_unit, odd_units, position_unit, time_unit
 from stepid.io.guess.text import Block, find_block, needs_delimiter
 from stepid.io.guess.words import COUNTS
+from stepid.io.one_below import check_one_run
+from stepid.io.plain_table import Places
 from stepid.io.side_by_side import run_name
 
 
@@ -51,6 +53,8 @@ def from_table(
     every = tuple((c.name or str(c.index), c.unit) for c in columns)
     groups = group_columns(columns, block, all_runs=chosen.get("position") == ALL)
     drafts = [_from_group(group, block, file, layout, several=len(groups) > 1) for group in groups]
+    for draft in drafts:
+        _check_one_run(draft, block, where)
     lacking = _lacking(columns, chosen)
     return [draft.having(every=every, lacking=lacking) for draft in drafts]
 
@@ -65,6 +69,14 @@ def _lacking(columns: Sequence[Column], chosen: Mapping[str, str]) -> dict[str, 
         for role, name in chosen.items()
         if (role, name) != ("position", ALL) and not called(columns, name)
     }
+
+
+def _check_one_run(draft: Draft, block: Block, where: str) -> None:
+    """Refuse a table of several runs one below the other: as one record it could not be read."""
+    time, unit = draft.readings.get("time"), draft.units.get("time")
+    if time is not None:
+        places = Places([(where, block.lines[: time.size])])
+        check_one_run(time, places, unit="" if unit is None else f" {unit.value}")
 
 
 def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object], *, several: bool) -> Draft:
