@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 from pathlib import Path
 
@@ -59,10 +60,13 @@ def test_without_a_terminal_what_is_not_known_is_marked(tmp_path: Path, capsys: 
     assert read.name == "lab 3"
 
 
-def test_a_folder_is_its_files(tmp_path: Path) -> None:
+def test_a_folder_is_its_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     three_runs(tmp_path)
-    assert run(["init", str(tmp_path), "--added-mass", "0;0,5;1", "--out", str(tmp_path / "mine.toml")]) == 0
-    assert [e.added_mass for e in stepid.read_campaign(tmp_path / "mine.toml").experiments] == [0.0, 0.5, 1.0]
+    out = tmp_path / "mine and yours.toml"
+    assert run(["init", str(tmp_path), "--added-mass", "0;0,5;1", "--out", str(out)]) == 0
+    assert [e.added_mass for e in stepid.read_campaign(out).experiments] == [0.0, 0.5, 1.0]
+    copied = capsys.readouterr().out.rpartition("Next: ")[2]
+    assert shlex.split(copied) == ["stepid", "diagnose", str(out), "--out", "results"]
 
 
 def test_a_pattern_that_no_shell_expanded_is_its_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
