@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 from pathlib import Path
 
@@ -59,10 +60,13 @@ def test_without_a_terminal_what_is_not_known_is_marked(tmp_path: Path, capsys: 
     assert read.name == "lab 3"
 
 
-def test_a_folder_is_its_files(tmp_path: Path) -> None:
+def test_a_folder_is_its_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     three_runs(tmp_path)
-    assert run(["init", str(tmp_path), "--added-mass", "0;0,5;1", "--out", str(tmp_path / "mine.toml")]) == 0
-    assert [e.added_mass for e in stepid.read_campaign(tmp_path / "mine.toml").experiments] == [0.0, 0.5, 1.0]
+    out = tmp_path / "mine and yours.toml"
+    assert run(["init", str(tmp_path), "--added-mass", "0;0,5;1", "--out", str(out)]) == 0
+    assert [e.added_mass for e in stepid.read_campaign(out).experiments] == [0.0, 0.5, 1.0]
+    copied = capsys.readouterr().out.rpartition("Next: ")[2]
+    assert shlex.split(copied) == ["stepid", "diagnose", str(out), "--out", "results"]
 
 
 def test_a_pattern_that_no_shell_expanded_is_its_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -153,6 +157,48 @@ def test_bad_answers(arguments: list[str], words: str, tmp_path: Path, capsys: p
     assert run(["init", *three_runs(tmp_path), *arguments]) == 2
     assert words in capsys.readouterr().err
     assert not (tmp_path / "campaign.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("column", "words"),
+    [
+        (
+            ["--position", "u_V"],
+            "column 'u_V' is in V by its name, no position. Columns that can be the position: x_mm",
+        ),
+        (["--position", "0"], "column 't_s' is in s by its name, no position"),
+        (["--input", "x_mm"], "column 'x_mm' is in mm by its name, no input. Columns that can be the input: u_V."),
+        (["--time", "u_V"], "column 'u_V' is in V by its name, no time. Columns that can be the time: t_s."),
+    ],
+)
+def test_a_column_of_another_unit_is_refused(
+    column: list[str], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    files = three_runs(tmp_path)
+    for command in ("init", "diagnose"):
+        assert run([command, *files, *column, "--added-mass", "0,0.5,1"]) == 2
+        assert f"case_1.csv: {words}" in capsys.readouterr().err
+    assert not (tmp_path / "campaign.toml").exists()
+
+
+def test_a_sensor_gives_volts_whose_meters_are_said(tmp_path: Path) -> None:
+    files = three_runs(tmp_path, "t_s,AI1 (V),AI0 (V)\n")
+    said = ["--position", "AI1 (V)", "--position-unit", "0.01", "--input", "AI0 (V)", "--added-mass", "0,0.5,1"]
+    assert run(["init", *files, *said]) == 0
+    assert stepid.read_campaign(tmp_path)[0].position.max() == pytest.approx(0.15, rel=0.1)
+
+
+def test_an_answer_that_is_refused_is_asked_for_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = "".join(f"{0.01 * n:.2f};{n % 7};{n % 5};0.5\n" for n in range(60))
+    (tmp_path / "a.csv").write_text("t_s;x1_mm;x2_mm;u_V\n" + rows)
+    typed = iter(["u_V", "x2_mm"])
+    monkeypatch.setattr(sys.stdin, "isatty", lambda: True)
+    monkeypatch.setattr("builtins.input", lambda: next(typed))
+    assert run(["init", str(tmp_path / "a.csv"), "--added-mass", "0"]) == 0
+    assert "column 'u_V' is in V by its name, no position" in capsys.readouterr().out
+    assert stepid.read_campaign(tmp_path)[0].position.max() == pytest.approx(0.004)
 
 
 def test_force_replaces_a_manifest_whole_or_not_at_all(

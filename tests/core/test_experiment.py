@@ -63,6 +63,7 @@ def test_release_means_no_input_at_all():
         ({"position": T[:9]}, r"differ in length \(10, 9, 10\)"),
         ({"position": np.where(T > 0.02, np.nan, 0.0)}, "position: 5 value.* not finite, the first at index 5"),
         ({"position": np.full(N, np.inf)}, "position: 10 value"),
+        ({"input": StepInput(level=0.5)}, r"input: needs numbers, got a StepInput; .* its method values\(time\)"),
         ({"position": ["a"] * N}, "position: needs numbers"),
         ({"position": np.full(N, True)}, "position: needs numbers, got bool"),
         ({"position": np.ones(N) * 1j}, "position: needs numbers, got complex"),

@@ -87,6 +87,23 @@ def test_a_record_in_place_of_the_manifest(tables):
         read_campaign(tables / "a.csv")
 
 
+@pytest.mark.parametrize("name", ["run.json", "run.dat"])
+@pytest.mark.parametrize("text", ['[{"t": 0.5, "x": 1.5}, {"t": 1.5, "x": 2.5}]', '{"t": [0.5, 1.5]}'])
+def test_json_in_place_of_the_manifest(tmp_path, name, text):
+    for content in (text, text.replace("1.5", ", ".join(["1.5"] * 4000)), *(["0" * 2_000_000] * name.endswith("json"))):
+        write(tmp_path / name, content)
+        with pytest.raises(
+            InputError, match=r"run\.\w+: is no manifest of a campaign but JSON\. Save the record as CSV\."
+        ):
+            read_campaign(tmp_path / name)
+
+
+def test_many_points_in_place_of_the_manifest(tmp_path):
+    write(tmp_path / "wide.csv", "t" + ",x" * 4000 + "\n" + ",".join(["0.5"] * 4001) + "\n")
+    with pytest.raises(InputError, match=r"line 2: holds 4001 points.* Give a campaign\.toml that names this file"):
+        read_campaign(tmp_path / "wide.csv")
+
+
 def test_a_free_release_among_runs_with_an_input(tables):
     rows = (f"{0.005 * i:.3f},{x!r}" for i, x in enumerate(CM[::-1].tolist()))
     write(tables / "let go.csv", "t,x\n" + "\n".join(rows))

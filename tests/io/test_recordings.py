@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import stepid
 import webapp_files
+from exports import export_bytes
 from stepid.cli import run
 from stepid.errors import InputError
 
@@ -129,6 +131,93 @@ def test_columns_may_be_chosen_by_number(tmp_path: Path) -> None:
     assert read[0].position.max() == pytest.approx(0.004)
     both = stepid.draft_campaign(tmp_path / "a.csv", position="all", added_mass=[0.0, 0.5]).campaign()
     assert [e.added_mass for e in both] == [0.0, 0.5]
+
+
+def columns_of(folder: Path, name: str, head: str) -> Path:
+    file = folder / name
+    file.write_text((head + "\n" if head else "") + "".join(f"{0.01 * n:.2f};{n % 7};{n % 5};0.5\n" for n in range(60)))
+    return file
+
+
+@pytest.mark.parametrize(
+    ("role", "column", "said"),
+    [
+        ("position", "foo", "has no column 'foo' for position (t_s, x1_mm, x2_mm, u_V)"),
+        ("position", 7, "has no column 7 for position (t_s, x1_mm, x2_mm, u_V)"),
+        ("time", "clock", "has no column 'clock' for time"),
+        ("input", "u2", "has no column 'u2' for input"),
+    ],
+)
+def test_a_column_that_is_not_there_is_refused(
+    tmp_path: Path, role: str, column: Any, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = columns_of(tmp_path, "a.csv", "t_s;x1_mm;x2_mm;u_V")
+    with pytest.raises(InputError, match="by its name or its number from 0") as refused:
+        stepid.draft_campaign(file, **{"position": "x1_mm", role: column})
+    assert f"{file}: {said}" in refused.value.cause
+    for command in (["init"], ["diagnose", "-q"]):
+        assert run([*command, str(file), f"--{role}", str(column), "--added-mass", "0"]) == 2
+        assert f"a.csv: {said}" in capsys.readouterr().err
+    assert not (tmp_path / "campaign.toml").exists()
+
+
+def test_a_column_that_some_files_have_is_doubted_in_the_others(tmp_path: Path) -> None:
+    files = [
+        columns_of(tmp_path, "a.csv", "t_s;x1_mm;x2_mm;u_V"),
+        columns_of(tmp_path, "b.csv", "t_s;x_mm;set_mm;u_V"),
+    ]
+    draft = stepid.draft_campaign(files, position="x2_mm", added_mass=[0.0, 0.5])
+    with pytest.warns(UserWarning, match=r"b\.csv: has no column 'x2_mm' for position .*; 'x_mm' is taken"):
+        assert len(draft.campaign()) == 2
+    bare = columns_of(tmp_path, "c.csv", "")
+    with pytest.raises(InputError, match=r"no column .x2_mm. for position \(no header; columns count from 0 to 3\)"):
+        stepid.draft_campaign(bare, position="x2_mm")
+
+
+def test_an_export_has_columns_of_its_own(tmp_path: Path) -> None:
+    (tmp_path / "run.txt").write_bytes(export_bytes())
+    (draft,) = stepid.draft_campaign(tmp_path, position="Encoder 1 Pos").runs
+    assert draft.titles["position"] == "Encoder 1 Pos"
+    with pytest.raises(InputError, match=r"whose position is 'Encoder 1 Pos'.* takes another encoder: encoder = 2"):
+        stepid.draft_campaign(tmp_path, position="Encoder 2 Pos")
+
+
+def below(file: Path, runs: int, rows: int = 200) -> Path:
+    """Write runs one below the other, whose clocks begin anew."""
+    row = "{:.2f},{:.5f},0.5\n"
+    x = [8 * (1 - 0.98**n * np.cos(0.15 * n)) for n in range(rows)]
+    file.write_text("t_s,x_mm,u_V\n" + runs * "".join(row.format(0.01 * n, x[n]) for n in range(rows)))
+    return file
+
+
+def test_runs_one_below_the_other_are_refused_by_the_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = below(tmp_path / "both.csv", 2)
+    said = f"{file}, line 202: time starts anew at 0 s after 1.99 s, so the table seems to hold two runs one below"
+    for command in (["init"], ["diagnose", "-q"]):
+        assert run([*command, str(file), "--added-mass", "0"]) == 2
+        assert f"{said} the other. Save each run as a file of its own." in capsys.readouterr().err
+    assert not (tmp_path / "campaign.toml").exists()
+    named: dict[str, Any] = {"time": "t_s", "position": "x_mm", "input": "u_V", "position_scale": 1e-3}
+    with pytest.raises(InputError, match=r"stop = 200 keeps the first run, start = 200 the second\.") as refused:
+        stepid.read_table(file, **named)
+    assert said in refused.value.cause
+    first, second = stepid.read_table(file, **named, stop=200), stepid.read_table(file, **named, start=200)
+    assert first == second
+    three = below(tmp_path / "three.csv", 3)
+    with pytest.raises(InputError, match=r"hold 3 runs .* start = 200, stop = 400 the second"):
+        stepid.read_table(three, **named, sample_time=0.01)
+    with pytest.raises(InputError, match=r"hold two runs .* stop = 200 keeps"):
+        stepid.read_table(three, **named, stop=400)
+
+
+def test_files_that_are_joined_may_have_clocks_of_their_own(tmp_path: Path) -> None:
+    files = [below(tmp_path / name, 1) for name in ("a.csv", "b.csv")]
+    with pytest.raises(InputError, match=r"b\.csv, line 2: 0 s after .* leave time out if each file starts a clock"):
+        stepid.read_table(files, time="t_s", position="x_mm", input="u_V", position_scale=1e-3)
+    late = below(tmp_path / "late.csv", 1)
+    late.write_text(late.read_text().replace("\n1.90,", "\n0.02,"))  # one stamp, and not the next ones
+    with pytest.raises(InputError, match=r"line 192: 0\.02 s after 1\.89 s: time does not increase.* leave time out\."):
+        stepid.read_table(late, time="t_s", position="x_mm", input="u_V", position_scale=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -154,7 +154,7 @@ def test_a_class_of_ones_own_is_loaded_when_it_is_named(tmp_path: Path) -> None:
 
 
 def test_another_kind_is_refused(file: Path) -> None:
-    with pytest.raises(InputError, match=r"estimate.json: holds a Estimate, not a Fit"):
+    with pytest.raises(InputError, match=r"estimate.json: holds an Estimate, not a Fit"):
         stepid.load(file, kind=stepid.Fit)
     with pytest.raises(InputError, match="is no kind of result"):
         stepid.load(file, kind="Fit")  # type: ignore[type-var]

@@ -13,7 +13,7 @@ import typer
 
 import stepid
 from stepid.cli.said import Said, taking_answers
-from stepid.cli.terminal import console
+from stepid.cli.terminal import command, console
 from stepid.errors import InputError
 from stepid.io.guess.spoken import spoken
 
@@ -66,7 +66,8 @@ def init(
         return
     outside = any(target.parent.resolve() not in file.resolve().parents for file in found)
     stepid.read_campaign(target, allow_outside=outside)  # whatever is still wrong is said now
-    screen.print(f"Next: stepid diagnose {target}{' --allow-outside' * outside} --out results", markup=False)
+    more = ["--allow-outside"] * outside
+    screen.print(f"Next: {command('stepid', 'diagnose', str(target), *more, '--out', 'results')}", markup=False)
 
 
 def read_records(paths: Sequence[Path], said: Said, *, allow_outside: bool = False) -> Campaign:
@@ -138,6 +139,7 @@ def _ask(files: Sequence[Path], said: Said, drafts: tuple[Draft, ...]) -> tuple[
         if not answer:
             skipped.add(question.key)
             continue
+        before = said
         try:
             said = _heard(question, answer, said)
             drafts = _drafts(files, said)
@@ -145,7 +147,7 @@ def _ask(files: Sequence[Path], said: Said, drafts: tuple[Draft, ...]) -> tuple[
                 screen.print("That does not answer it.", markup=False)
         except InputError as error:
             screen.print(str(error), style="red", markup=False)
-            said = said.hearing(question.key, None)
+            said = before
     return drafts
 
 

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, cast
+from typing import Annotated, Any, cast
 
 import typer
 
 import stepid
 from stepid.cli.terminal import check_out
 from stepid.errors import InputError
+from stepid.io.guess.spoken import numbers
 
-_Value = TypeVar("_Value", int, float)
 EXAMPLES = (
     "stepid plan -m 0.95 -k 216 -c 12 -g 7.8 --noise 2e-5 --out plan",
     "stepid plan -m 1 -k 200 -c 9 -g 8 --noise 1e-4 --runs 2,4,6 --check 200",
@@ -61,10 +60,10 @@ def plan(
     found = stepid.plan(
         {"base_mass": base_mass, "stiffness": stiffness, "damping": damping, "force_gain": force_gain},
         noise=noise,
-        masses=_several("--masses", masses, float),
-        levels=_several("--levels", levels, float),
-        sample_times=_several("--sample-times", sample_times, float),
-        runs=_several("--runs", runs, int),
+        masses=numbers(masses, "--masses"),
+        levels=numbers(levels, "--levels", unit="V"),
+        sample_times=numbers(sample_times, "--sample-times", unit="s"),
+        runs=_counts(runs),
         effects=_names(effects),
         wanted=_wants(want),
         separate=_names(separate) if separate else None,
@@ -105,11 +104,11 @@ def _names(given: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in given.split(",") if name.strip())
 
 
-def _several(flag: str, given: str, kind: Callable[[str], _Value]) -> tuple[_Value, ...]:
-    try:
-        return tuple(kind(part) for part in _names(given))
-    except ValueError:
-        raise InputError(f"{flag} {given!r} is no list of numbers", f"Give for example {flag} 1,2,4.") from None
+def _counts(given: str) -> tuple[int, ...]:
+    several = numbers(given, "--runs", unit="", example="2,4,8")
+    if not all(one.is_integer() for one in several):
+        raise InputError(f"--runs is {given!r}", "Give whole numbers parted by commas: 2,4,8.")
+    return tuple(map(int, several))
 
 
 def _wants(given: str) -> dict[str, float]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shlex
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Literal, TypeVar
@@ -43,6 +45,11 @@ def showing_a_manifest(command: _Command) -> _Command:
     """Show a manifest in the help of a command."""
     command.__doc__ = f"{command.__doc__}{_MANIFEST}"  # below the first paragraph, which lists of commands show
     return command
+
+
+def command(*words: str) -> str:
+    """Write a command so that it can be copied: words with blanks and the like in quotation marks."""
+    return subprocess.list2cmdline(words) if os.name == "nt" else shlex.join(words)
 
 
 def console(*, stderr: bool = False) -> Console:

@@ -26,6 +26,7 @@ from stepid.core.field_units import field_unit
 from stepid.core.quantities import CART, Quantities, quantities_of, spoken
 from stepid.core.show import HEADER, one_line, rows
 from stepid.core.tables import html_table, text_table
+from stepid.core.takes import described
 from stepid.errors import InputError
 
 if TYPE_CHECKING:
@@ -49,6 +50,10 @@ def _matrix(value: object) -> Array:
 def _frozen_array(value: object, ndim: int) -> Array:
     if isinstance(value, np.ma.MaskedArray):
         raise ValueError("is a masked array; leave out what is masked, or give its values (x.compressed(), x.data)")
+    if isinstance(value, Model):  # such as a StepInput, which readers take
+        samples = callable(getattr(value, "values", None))
+        hint = "; readers take it, here give its samples: its method values(time) has them" if samples else ""
+        raise ValueError(f"needs numbers, got {described(value)}{hint}")
     try:
         source = np.asarray(value)
     except ValueError as error:

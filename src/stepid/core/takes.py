@@ -71,8 +71,12 @@ def described(value: object) -> str:
         except ValueError:  # Python writes no numbers of more than 4,300 digits
             return "a number of thousands of digits"
         return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."
-    name = type(value).__name__
-    return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
+    return article(type(value).__name__)
+
+
+def article(name: str) -> str:
+    """Put "a" or "an" before a name."""
+    return f"{'an' if name[:1] in 'aeiouAEIOU' else 'a'} {name}"
 
 
 def one_of(words: Sequence[str], spelled: Callable[[object], object] = lambda value: value) -> Check:

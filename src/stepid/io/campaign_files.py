@@ -17,7 +17,7 @@ from stepid.core.recorded import recorded
 from stepid.core.takes import described
 from stepid.errors import InputError, naming
 from stepid.io.ecp_write import render_export
-from stepid.io.manifest import BACKSLASH, parse_manifest, quantities_in, render_manifest
+from stepid.io.manifest import BACKSLASH, no_json, parse_manifest, quantities_in, render_manifest
 from stepid.io.readers import EcpReader, Reader, TableReader
 from stepid.io.safe_read import inside
 from stepid.io.textfile import as_path, decode, read_bytes
@@ -74,6 +74,8 @@ def read_campaign(path: str | os.PathLike[str], *, allow_outside: bool = False) 
     if not isinstance(allow_outside, bool):
         raise InputError(f"allow_outside is {described(allow_outside)}", "Give True or False.")
     where = str(manifest)
+    if manifest.suffix.lower() == ".json" and os.path.isfile(manifest):  # whatever its size
+        raise no_json(where)
     text = decode(read_bytes(manifest, largest=LARGEST_MANIFEST), where)
     return campaign_of(text, manifest, allow_outside=allow_outside)
 

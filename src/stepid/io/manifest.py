@@ -56,6 +56,9 @@ SHARED: Mapping[str, Check] = {
 OWN = ("name", "file", "files")  # never the same for all runs
 _WORK = 10_000_000  # sum of the squared numbers of points a line; 3,000 files on one line are below it
 BACKSLASH = """in "…" a backslash begins an escape; write "/" in its place, or single quotes: '…'"""
+_JSON = re.compile(r"\s*(\{|\[\s*\{)")  # with neither a line of TOML can begin
+_NAME_CSV = "Give a campaign.toml that names the CSV under an [[experiment]]; stepid diagnose --help shows one."
+_NAME_IT = _NAME_CSV.replace("the CSV", "this file")
 _DEEPEST = 16  # points in the name of a table
 REQUIRED = ("name", "added_mass", "spring", "damper")
 
@@ -84,21 +87,25 @@ def parse_manifest(text: str, where: str, readers: Readers) -> tuple[dict[str, A
     stepid.errors.InputError
         Naming the file, the run and the key.
     """
+    if _JSON.match(text):
+        raise no_json(where)
     _check_depth(text, where)
     try:
         document = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         if not where.endswith(".toml"):
-            raise InputError(
-                f"{where}: is no manifest of a campaign (not TOML: {error})",
-                "Give a campaign.toml that names this file under an [[experiment]]; stepid diagnose --help shows one.",
-            ) from None
+            raise InputError(f"{where}: is no manifest of a campaign (not TOML: {error})", _NAME_IT) from None
         remedy = "Correct it; texts need quotation marks, numbers points, and runs two brackets: [[experiment]]."
         if (at := re.search(r"at line (\d+)", str(error))) and "\\" in text.split("\n")[int(at[1]) - 1]:
             remedy = f"Correct it: {BACKSLASH}."
         raise InputError(f"{where}: is not TOML ({error})", remedy) from None
     with quantities_in(document, where).spoken():
         return _parsed(document, where, readers)
+
+
+def no_json(where: str) -> InputError:
+    """Say that a file of JSON is no manifest, and no table either."""
+    return InputError(f"{where}: is no manifest of a campaign but JSON", f"Save the record as CSV. {_NAME_CSV}")
 
 
 def quantities_in(document: Mapping[str, Any], where: str) -> Quantities:
@@ -154,10 +161,9 @@ def _check_depth(text: str, where: str) -> None:
         dots = line.count(".")
         work += dots * dots
         if work > _WORK or (dots > _DEEPEST and line.lstrip().startswith("[")):
-            raise InputError(
-                f"{where}, line {number}: holds {dots} points, more than the keys and numbers of a manifest",
-                "Write a list of many files on several lines.",
-            )
+            cause = f"{where}, line {number}: holds {dots} points, more than the keys and numbers of a manifest"
+            remedy = "Write a list of many files on several lines." if where.endswith(".toml") else _NAME_IT
+            raise InputError(cause, remedy)
 
 
 def _one_of(readers: Readers) -> Check:

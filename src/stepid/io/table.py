@@ -18,6 +18,7 @@ from stepid.core.units import check_numbers, check_release, check_scales, in_si
 from stepid.errors import InputError, naming
 from stepid.io.delimited import Table, join_tables, parse_table
 from stepid.io.ecp import FEWEST
+from stepid.io.one_below import check_one_run, rows_of_files
 from stepid.io.step_input import InputValues, sample_input
 from stepid.io.table_layout import Layout
 from stepid.io.textfile import as_path
@@ -199,6 +200,7 @@ def _time(
             raise InputError(f"{where}: nothing says when the rows were taken", "Give time=… or sample_time=… (s).")
         return (start + index) * sample_time
     time = in_si("time", table.column(column, "time", where), scale, where)
+    check_one_run(time, table.places, start=start)
     with np.errstate(all="ignore"):
         mean = float((time[-1] - time[0]) / (time.size - 1))
         step = mean if sample_time is None else sample_time
@@ -208,9 +210,10 @@ def _time(
                 stamps: Array = time
                 return stamps
             row = int(np.argmax(~(steps > 0))) + 1
+            own = " if each file starts a clock of its own" * (len(rows_of_files(table.places)) > 1)
             raise InputError(
                 f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s: time does not increase",
-                "Give sample_time=… (s) and leave time out if each file starts a clock of its own; else correct it.",
+                f"Correct it, or give sample_time=… (s) and leave time out{own}.",
             )
         uniform = _follows(time, index, mean, 0.01)
         usual = float(np.median(steps))

@@ -15,7 +15,7 @@ import stepid
 from stepid.core.base import Model
 from stepid.core.provenance import Provenance
 from stepid.core.saving import FORMAT, SCHEMA, checksum, parts
-from stepid.core.takes import described
+from stepid.core.takes import article, described
 from stepid.errors import InputError
 from stepid.io.textfile import as_path, decode, read_bytes
 
@@ -56,11 +56,13 @@ def load(path: str | os.PathLike[str], *, kind: type[M] = Model) -> M:  # type: 
     found = kind if kind.__name__ == name else kinds().get(name)
     if found is None:
         raise InputError(
-            f"{file}: holds a {name}, which this version of stepid does not know",
+            f"{file}: holds {article(name)}, which this version of stepid does not know",
             _update(document) or "If it is a class of your own, give it: stepid.load(path, kind=…).",
         )
     if not issubclass(found, kind):
-        raise InputError(f"{file}: holds a {name}, not a {kind.__name__}", f"Leave out kind={kind.__name__}.")
+        raise InputError(
+            f"{file}: holds {article(name)}, not {article(kind.__name__)}", f"Leave out kind={kind.__name__}."
+        )
     try:
         model = found.from_dict(document["result"])
         _give_provenance(model, document)

@@ -169,6 +169,20 @@ def test_bad_input_is_refused_by_name(change: dict[str, object], message: str) -
         stepid.plan(given.pop("plant"), **given)
 
 
+def test_the_command_line_reads_decimal_commas(capsys: pytest.CaptureFixture[str]) -> None:
+    guess = ["plan", *["-m", "0.95", "-k", "216", "-c", "12", "-g", "7.8", "--noise", "50e-6", "--duration", "3"]]
+    told = []
+    for masses, levels, times, runs in (
+        ("0;0,5;1 kg", "0,5 V;-0,5 V", "0,01 s;", "2;4"),
+        ("0 0,5 1", "0,5 -0,5", "0,01;", "2 4"),
+        ("0,0.5,1", "0.5,-0.5", "0.01", "2,4"),
+    ):
+        said = ["--masses", masses, "--levels", levels, "--sample-times", times, "--runs", runs, "--json"]
+        assert run([*guess, *said]) == 0
+        told.append(capsys.readouterr().out)
+    assert told[0] == told[1] == told[2]
+
+
 def test_the_command_line_says_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str], plain: stepid.Plan) -> None:
     mpl.use("Agg")
     guess = "--base-mass 0.95 --stiffness 216 --damping 12 --force-gain 7.8 --noise 50e-6"
@@ -178,4 +192,8 @@ def test_the_command_line_says_the_same(tmp_path: Path, capsys: pytest.CaptureFi
     assert sorted(p.name for p in (tmp_path / "plan").iterdir()) == ["plan.json", "plan.png", "plan.txt"]
     assert run(["plan", *guess.split(), "--runs", "two"]) == 2
     assert "--runs" in capsys.readouterr().err
+    assert run(["plan", *guess.split(), "--runs", "2.5,4"]) == 2
+    assert "--runs is '2.5,4'. Give whole numbers parted by commas: 2,4,8." in capsys.readouterr().err
+    assert run(["plan", *guess.split(), "--weight-uncertainty", "-1"]) == 2
+    assert "cannot be. Give a number of 0 or above: kg, 0 for exact weights." in capsys.readouterr().err
     mpl.pyplot.close("all")

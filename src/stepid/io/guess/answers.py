@@ -133,13 +133,38 @@ def _with_units(draft: Draft, answers: Answers) -> Draft:
             scales.pop(role, None)
         else:
             scales[role] = Found(abs(unit) if role == "position" else unit, SAID)
+            if not _is_of(role, units.get(role)):  # a sensor's volts, whose meters were said
+                del units[role]
     counts = answers.counts_per_meter
     if counts is not None and not (np.isfinite(counts) and counts != 0):
         raise InputError(f"counts_per_meter is {counts:g}", "Give the counts of one meter.")
     found = units.get("position")
     if counts is not None and found is not None and found.value == COUNTS:
         scales["position"] = Found(1 / abs(counts), SAID)  # its sign is that of `falling`
-    return draft.having(units=units, scales=scales)
+    draft = draft.having(units=units, scales=scales)
+    for role in ROLES:
+        _check_column(draft, role)
+    return draft
+
+
+def _is_of(role: str, unit: Found[str] | None) -> bool:
+    """Tell whether a unit is one of a role, or not known."""
+    return unit is None or unit.value == COUNTS or unit.value in SCALES[role]
+
+
+def _check_column(draft: Draft, role: str) -> None:
+    """Refuse a column that was named for a role of which its unit is none."""
+    unit = draft.units.get(role)
+    if unit is None or _is_of(role, unit):
+        return
+    fitting = [name for name, own in draft.every if own in SCALES[role]] or [
+        name for name, own in draft.every if own is None
+    ]
+    able = f"Columns that can be the {role}: {', '.join(fitting)}. " if fitting else ""
+    raise InputError(
+        f"{draft.file}: column {draft.titles[role]!r} is in {unit.value} by {unit.why}, no {role}",
+        f"{able}If it is the {role} all the same, say the unit of the {role}.",
+    )
 
 
 def _with_times(draft: Draft, answers: Answers) -> Draft:

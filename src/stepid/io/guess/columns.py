@@ -96,14 +96,17 @@ def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = F
     )
 
 
+def called(columns: Sequence[Column], name: str) -> list[int]:
+    """Indices of the columns of a name, else of the column of this number from 0."""
+    named = [c.index for c in columns if name in (c.name, c.rest)]
+    return named or [c.index for c in columns if name == str(c.index)]
+
+
 def _as_chosen(columns: Sequence[Column], chosen: Mapping[str, str]) -> list[Column]:
     """Give the columns that somebody named their roles, and no other column these."""
     out = list(columns)
     for role, name in chosen.items():
-        mine = [c.index for c in columns if name in (c.name, c.rest)] or [
-            c.index for c in columns if name == str(c.index)
-        ]
-        if mine:
+        if mine := called(columns, name):
             out = [
                 replace(c, role=role) if c.index in mine else replace(c, role="other") if c.role == role else c  # type: ignore[arg-type]
                 for c in out

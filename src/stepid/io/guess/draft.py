@@ -12,12 +12,14 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.quantities import CART, INPUT_UNITS, Quantities
 from stepid.io.ecp import FEWEST
-from stepid.io.guess.words import COUNTS, SCALES
+from stepid.io.guess.words import SCALES
 
 T = TypeVar("T")
 TURNS = ("deg", "rad", "mrad")
 """Units of an angle."""
 ROLES = ("time", "position", "input")
+ALL = "all"
+"""In place of the position's column: each column of a position is a run."""
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,9 @@ class Draft:
 
     `columns` has the column of each role, by name or index, `readings` its numbers as they stand in the file, shape
     (n,), `units` its unit as in `SCALES`, or ``"counts"``. `scales` are SI units per count, `turn` is
-    the angle of one, where no more is told of an encoder. `doubts` are what no reader can make up for: a missing
-    column, lines that are no rows.
+    the angle of one, where no more is told of an encoder. `every` has what all columns of the file are called, each
+    with its unit, None where it is not told. `doubts` are what no reader can make up for: a missing column, lines that
+    are no rows; `lacking` says of roles that the column is not there that somebody named for them.
     """
 
     file: Path
@@ -67,16 +70,16 @@ class Draft:
     falling: bool = False  # the readings fall where the input rises
     doubts: tuple[str, ...] = ()
     choices: tuple[str, ...] = ()  # columns of which one is the position
+    every: tuple[tuple[str, str | None], ...] = ()
     motion: Found[str] | None = None  # where somebody said it
+    lacking: Mapping[str, str] = field(default_factory=dict)
 
     def scale(self, role: str) -> float | None:
         """SI units per unit of a column, None where it is not known."""
         if role in self.scales:
             return self.scales[role].value
         unit = self.units.get(role)
-        if unit is None or unit.value == COUNTS:
-            return None
-        return SCALES[role][unit.value]
+        return None if unit is None else SCALES[role].get(unit.value)
 
     def si(self, role: str) -> Array | None:
         """Readings of a role in SI units, None where there are none or their unit is not known."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from stepid.errors import InputError
 from stepid.io.ecp import FULL_SCALE, VOLTS_PER_DAC_UNIT
 from stepid.io.ecp_layout import EFFORT, SAMPLE, TIME, Export, parse_export
-from stepid.io.guess.draft import Draft, Found, falls
+from stepid.io.guess.draft import ALL, Draft, Found, falls
 from stepid.io.guess.file_names import plain_name, read_name
 from stepid.io.guess.named import named
 from stepid.io.guess.words import COUNTS
@@ -30,8 +30,11 @@ def export_of(lines: Sequence[str], where: str) -> Export | None:
     return export if any(name.startswith("Encoder ") for name in export.columns) else None
 
 
-def from_export(export: Export, file: Path) -> Draft:
-    """What an export says of its run: the encoder that moves, its input, and the sample time where the stamps agree."""
+def from_export(export: Export, file: Path, chosen: Mapping[str, str]) -> Draft:
+    """What an export says of its run: the encoder that moves, its input, and the sample time where the stamps agree.
+
+    It has columns of its own: those that are `chosen`, as in `stepid.io.guess.understand.draft_runs`, must be these.
+    """
     encoders = [name for name in export.columns if name.startswith("Encoder ")]
     moved = [name for name in encoders if np.ptp(export[name]) > 0]
     encoder = (moved or encoders)[0]
@@ -56,13 +59,14 @@ def from_export(export: Export, file: Path) -> Draft:
         step, spread = fit_sample_time(sample, time, resolution=export.time_resolution)
         readings["time"] = sample * step
         known = Found(step, "the columns Sample and Time") if spread <= ENOUGH * step else None
+    titles = {"position": encoder, "input": EFFORT, "time": TIME}
     draft = Draft(
         file=file,
         name=plain_name(file.stem),
         format="ecp",
         layout=layout,
         columns={role: role for role in readings},
-        titles={"position": encoder, "input": EFFORT, "time": TIME},
+        titles=titles,
         readings=readings,
         units={"position": Found(COUNTS, "the program"), "time": Found("s", "the program")}
         | ({"input": Found("V", "the program")} if EFFORT in export else {}),
@@ -70,5 +74,10 @@ def from_export(export: Export, file: Path) -> Draft:
         sample_time=known,
         falling=falls(readings),
         doubts=tuple(doubts),
+        lacking={
+            role: f"is an export of the ECP program, whose {role} is {titles[role]!r}"
+            for role, name in chosen.items()
+            if name not in (titles[role], ALL)
+        },
     )
     return named(draft, read_name(file.stem), None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -53,7 +54,7 @@ def _check_order(files: Sequence[Path], names: Sequence[str]) -> None:
     numbered = sorted(files, key=natural)
     shells = (str, lambda file: re.sub(r"[\W_]", "", str(file)).casefold())  # by bytes, or as a locale has it
     if numbered != list(files) and any(list(files) == sorted(files, key=key) for key in shells):
-        given, meant = (" ".join(file.name for file in order) for order in (files, numbered))
+        given, meant = (shlex.join(file.name for file in order) for order in (files, numbered))
         raise InputError(
             f"{' and '.join(names)}: it is not clear which value is whose, as the files came in the order {given}",
             f"Name the files one by one in the order of the values, such as {meant}.",

@@ -9,15 +9,17 @@ from stepid.errors import InputError
 _NUMBERS = ("weight", "counts_per_meter", "sample_time", "step")
 
 
-def numbers(text: str, flag: str) -> tuple[float, ...]:
-    """Read numbers parted by commas; where semicolons or blanks part them, commas are decimal marks."""
-    parts = text.split(";") if ";" in text else text.split(",")
-    if ";" not in text and len(text.split()) > 1 and not re.search(r",\s", text):
-        parts = text.split()
+def numbers(text: str, flag: str, *, unit: str = "kg", example: str = "0,0.5,1.5") -> tuple[float, ...]:
+    """Read numbers parted by commas, with or without their unit; parted by semicolons or blanks, commas are points."""
+    bare = re.sub(rf"(?<=[\d.])\s*{unit}(?=[,;\s]|$)", "", text) if unit else text
+    bare = bare.strip().removesuffix(",")
+    parts = bare.removesuffix(";").split(";") if ";" in bare else bare.split(",")
+    if ";" not in bare and len(bare.split()) > 1 and not re.search(r",\s", bare):
+        parts = bare.split()
     try:
-        return tuple(float(re.sub(r"\s*kg\s*$", "", part).strip().replace(",", ".")) for part in parts)
+        return tuple(float(part.strip().replace(",", ".")) for part in parts)
     except ValueError:
-        raise InputError(f"{flag} is {text!r}", "Give numbers parted by commas: 0,0.5,1.5.") from None
+        raise InputError(f"{flag} is {text!r}", f"Give numbers parted by commas: {example}.") from None
 
 
 def spoken(key: str, answer: str) -> object:

@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.io.guess.columns import UNKNOWN, Column, Group, find_columns, group_columns
-from stepid.io.guess.draft import ROLES, Draft, Found, falls
+from stepid.io.guess.columns import UNKNOWN, Column, Group, called, find_columns, group_columns
+from stepid.io.guess.draft import ALL, ROLES, Draft, Found, falls
 from stepid.io.guess.file_names import FileName, encoder_above, mass_above, plain_name, read_name, sample_time_above
 from stepid.io.guess.named import named
 from stepid.io.guess.sizes import input_unit, odd_units, position_unit, time_unit
 from stepid.io.guess.text import Block, find_block, needs_delimiter
 from stepid.io.guess.words import COUNTS
+from stepid.io.one_below import check_one_run
+from stepid.io.plain_table import Places
 from stepid.io.side_by_side import run_name
-
-ALL = "all"
 
 
 def from_table(
@@ -49,8 +49,34 @@ def from_table(
         layout = {**layout, "decimal": block.decimal}
     if block.skiprows:
         layout = {**layout, "skiprows": block.skiprows}
-    groups = group_columns(find_columns(block, chosen), block, all_runs=chosen.get("position") == ALL)
-    return [_from_group(group, block, file, layout, several=len(groups) > 1) for group in groups]
+    columns = find_columns(block, chosen)
+    every = tuple((c.name or str(c.index), c.unit) for c in columns)
+    groups = group_columns(columns, block, all_runs=chosen.get("position") == ALL)
+    drafts = [_from_group(group, block, file, layout, several=len(groups) > 1) for group in groups]
+    for draft in drafts:
+        _check_one_run(draft, block, where)
+    lacking = _lacking(columns, chosen)
+    return [draft.having(every=every, lacking=lacking) for draft in drafts]
+
+
+def _lacking(columns: Sequence[Column], chosen: Mapping[str, str]) -> dict[str, str]:
+    """Which of the columns that were named are not there, by role, in words."""
+    titles = [c.name or "(no name)" for c in columns]
+    no_names = not any(c.name for c in columns)
+    listed = f"no header; columns count from 0 to {len(titles) - 1}" if no_names else ", ".join(titles)
+    return {
+        role: f"has no column {name if name.isdigit() else repr(name)} for {role} ({listed})"
+        for role, name in chosen.items()
+        if (role, name) != ("position", ALL) and not called(columns, name)
+    }
+
+
+def _check_one_run(draft: Draft, block: Block, where: str) -> None:
+    """Refuse a table of several runs one below the other: as one record it could not be read."""
+    time, unit = draft.readings.get("time"), draft.units.get("time")
+    if time is not None:
+        places = Places([(where, block.lines[: time.size])])
+        check_one_run(time, places, unit="" if unit is None else f" {unit.value}")
 
 
 def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object], *, several: bool) -> Draft:

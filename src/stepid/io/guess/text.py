@@ -30,8 +30,8 @@ class Block:
 
     `skiprows` is what the table's reader leaves out, `names` and `units` have one text a column, empty where there is
     none; `by_name` tells whether the reader can take columns by their names. `values`, shape (rows, columns), are NaN
-    where a cell holds no number; `unread` is the number of lines below the rows, `clock`
-    the time between two rows, s, by a column of clock times (12:03:04.512) that no reader takes.
+    where a cell holds no number, `lines` the lines of the rows, counted from 1; `unread` is the number of lines below
+    them, `clock` the time between two rows, s, by a column of clock times (12:03:04.512) that no reader takes.
     """
 
     separator: str | None
@@ -43,6 +43,7 @@ class Block:
     by_name: bool
     above: tuple[str, ...]
     values: Array
+    lines: tuple[int, ...]
     unread: int
     clock: float | None
 
@@ -118,6 +119,7 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
         header is not None,
         above,
         numbers([row[:width] for row in rows[first:last]], decimal),
+        lines=tuple(i + 1 for i, _ in body[first:last]),
         unread=len(body) - last,
         clock=_clock(rows[first:last]),
     )

@@ -36,9 +36,11 @@ def draft_runs(files: Sequence[Path], chosen: Mapping[str, str] | None = None) -
     Raises
     ------
     stepid.errors.InputError
-        Naming the file: if it is missing, or holds no table of numbers.
+        Naming the file: if it is missing, or holds no table of numbers; or if no file has a column that is chosen.
     """
     found = [draft for file in files for draft in _file(as_path(file), chosen or {})]
+    for role in chosen or {}:
+        found = _having_column(found, role)
     if len({draft.file.parent for draft in found}) > 1:  # a folder a run
         found = [named(draft, read_name(draft.file.parent.name), None) for draft in found]
     twice = Counter(draft.name for draft in found)
@@ -50,6 +52,25 @@ def draft_runs(files: Sequence[Path], chosen: Mapping[str, str] | None = None) -
             name, number = f"{first} ({number})", number + 1
         out.append(draft.having(name=name))
     return tuple(out)
+
+
+def _having_column(found: Sequence[Draft], role: str) -> list[Draft]:
+    """Refuse a column that no file has; where some have it, it is a doubt of the others."""
+    if found and all(role in draft.lacking for draft in found):
+        first = found[0]
+        remedy = f"Give one of these columns as the {role}, by its name or its number from 0."
+        if first.format == "ecp":
+            remedy = f"Leave the column of the {role} out; a campaign.toml takes another encoder: encoder = 2."
+        raise InputError(f"{first.file}: {first.lacking[role]}", remedy)
+    return [
+        draft.having(doubts=(*draft.doubts, _instead(draft, role))) if role in draft.lacking else draft
+        for draft in found
+    ]
+
+
+def _instead(draft: Draft, role: str) -> str:
+    taken = draft.titles[role] if role in draft.columns and draft.format == "table" else ""
+    return f"{draft.lacking[role]}{f'; {taken!r} is taken' if taken else ''}"
 
 
 def recordings(files: Sequence[Path]) -> tuple[list[Path], tuple[str, ...]]:
@@ -78,7 +99,7 @@ def _file(file: Path, chosen: Mapping[str, str]) -> list[Draft]:
         return _workbook(raw, file, chosen)
     lines, encoding = text_lines(raw, file)
     if encoding is None and (export := export_of(lines, where)) is not None:
-        return [from_export(export, file)]
+        return [from_export(export, file, chosen)]
     return from_table(lines, file, {} if encoding is None else {"encoding": encoding}, chosen)
 
 

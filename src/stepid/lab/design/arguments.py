@@ -93,7 +93,8 @@ def number(name: str, given: object, unit: str, *, least: float | None = None) -
     value = _finite(given)
     if value is not None and (value > 0 or (least is not None and value >= least)):
         return value
-    raise InputError(f"{name} = {described(given)} cannot be", f"Give a number above 0: {unit}.")
+    limit = "above 0" if least is None else f"of {least:g} or above"
+    raise InputError(f"{name} = {described(given)} cannot be", f"Give a number {limit}: {unit}.")
 
 
 def numbers(name: str, given: object, unit: str) -> tuple[float, ...]:
