@@ -18,6 +18,7 @@ from stepid.report import provenance
 from stepid.report.hand import HandMethod, pictured
 from stepid.report.json_values import diagnosis_values
 from stepid.report.story import tell
+from stepid.report.text_diagnosis import diagnosis_report
 from stepid.report.write import hand_of, write_all
 
 
@@ -76,3 +77,13 @@ def test_a_report_without_a_verified_run_of_the_diagnosis_has_no_such_picture() 
     (chapter,) = [c for c in tell(d, apart, provenance.of_data(d)) if c.name == "verification"]
     assert chapter.pictures == ()
     assert [row[0] for row in chapter.tables[0].rows] == [run.name for run in others]
+
+
+def test_the_text_says_which_runs_only_the_peak_method_uses() -> None:
+    d, whole = with_a_copy(), example.named()
+    hand, plain = hand_of(d), hand_of(whole)
+    assert isinstance(hand, HandMethod)
+    assert isinstance(plain, HandMethod)
+    said = "uses copy of case 4, copy of case 5 all the same. The diagnosis left that out"
+    assert said in diagnosis_report(d, hand.found)[1].body
+    assert "all the same" not in diagnosis_report(whole, plain.found)[1].body

@@ -53,6 +53,13 @@ def by_hand(campaign: Campaign) -> HandMethod | IdentificationError:
         return error
 
 
+def used_all_the_same(d: Diagnosis, found: IdentifiedParameters) -> str:
+    """Say which runs the peak method uses although the diagnosis left them out, '' where there are none."""
+    used = {run.name for run in d.runs}
+    still = [name for name in found.masses if name not in used]
+    return f"The peak method, which screens no records, uses {', '.join(still)} all the same." if still else ""
+
+
 def pictured(d: Diagnosis, hand: Hand) -> Verification | None:
     """Keep the verified runs that the diagnosis rests on, None where there is none: what is left out has no picture."""
     if not isinstance(hand, HandMethod):

@@ -24,7 +24,7 @@ from stepid.errors import IdentificationError
 from stepid.report import captions
 from stepid.report.chapter import Chapter, Table
 from stepid.report.equation import equation
-from stepid.report.hand import Hand, HandMethod, pictured
+from stepid.report.hand import Hand, HandMethod, pictured, used_all_the_same
 from stepid.report.provenance import Provenance
 from stepid.report.pull import hand_method_rows
 from stepid.report.tables import (
@@ -87,9 +87,8 @@ def _left_out(d: Diagnosis, hand: Hand) -> tuple[str, ...]:
     if not names:
         return ()
     said = f"Left out of the diagnosis and its pictures: {', '.join(names)}."
-    if isinstance(hand, HandMethod) and (still := [name for name in names if name in hand.found.masses]):
-        said += f" The peak method, which screens no records, uses {', '.join(still)} all the same."
-    return (said, *(note for note in d.notes if any(repr(name) in note for name in names)))
+    still = used_all_the_same(d, hand.found) if isinstance(hand, HandMethod) else ""
+    return (f"{said} {still}".rstrip(), *(note for note in d.notes if any(repr(name) in note for name in names)))
 
 
 def _refusal(hand: IdentificationError | None) -> str:

@@ -6,6 +6,7 @@ from stepid.core.quantities import in_own_quantities
 from stepid.diagnosis.result import Diagnosis
 from stepid.errors import StepidError
 from stepid.identification.parameters import IdentifiedParameters
+from stepid.report.hand import used_all_the_same
 from stepid.report.pull import hand_method_table
 from stepid.report.section import Section
 
@@ -29,6 +30,8 @@ def diagnosis_report(diagnosis: Diagnosis, identified: IdentifiedParameters | St
         beside = f"The peak method cannot use this campaign: {identified.cause}."
     else:
         beside = hand_method_table(diagnosis, identified)
+        if still := used_all_the_same(diagnosis, identified):
+            beside = f"{beside}\n\n{still} The diagnosis left that out: its numbers are of the other runs."
     return (
         Section(title="Diagnosis", body=diagnosis.summary()),
         Section(title="The peak method beside it", body=beside),
