@@ -147,14 +147,15 @@ def gap_bars(d: Diagnosis, *, axes: Axes) -> Axes:
             dots += [("noise", NOISE, "s", shown.noise)]
             for i, (label, color, marker, value) in enumerate(dots):
                 place = at + 0.27 * (i - (len(dots) - 1) / 2)
+                below = i % 2 == 1  # numbers of equal dots would run together
                 axes.plot([place], [value], marker, color=color, markersize=5, label="" if at else label)
                 axes.annotate(
                     digits(value),
                     (place, value),
-                    xytext=(0, 4),
+                    xytext=(0, -4 if below else 4),
                     textcoords="offset points",
                     ha="center",
-                    va="bottom",
+                    va="top" if below else "bottom",
                     fontsize=7,
                 )
         if shown.span:
