@@ -46,6 +46,18 @@ def test_cut_before_or_just_after_the_peak(fraction: float) -> None:
         stepid.characterize(make_run(PLANT, 0.5, count=count, **NOISE))
 
 
+@pytest.mark.parametrize("late", [0.3, 1.0])
+def test_a_response_that_begins_long_after_its_step_is_none(late: float) -> None:
+    """Its peak time would make a plant of its own: one that came on late had given a mass 400 times too small."""
+    run = make_run(PLANT, 0.5, **NOISE)
+    count = round(late * run.time.size / 3)
+    shifted = run.model_copy(update={"position": np.concatenate([run.position[:count] * 0, run.position[:-count]])})
+    with pytest.raises(NoStepError, match=r"'case 5'.*nothing answers the step for .* amplifier"):
+        stepid.characterize(shifted)
+    slightly = run.model_copy(update={"position": np.concatenate([run.position[:3] * 0, run.position[:-3]])})
+    assert stepid.characterize(slightly).peak_time > stepid.characterize(run).peak_time
+
+
 def test_step_at_the_very_end() -> None:
     with pytest.raises(NotSettledError, match=r"'case 5'.*cut before its peak"):
         stepid.characterize(make_run(PLANT, 0.5, steps=[(499, 0.5)], count=500))

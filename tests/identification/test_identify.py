@@ -95,6 +95,16 @@ def test_prints_and_round_trips(nine: stepid.IdentifiedParameters) -> None:
     assert stepid.IdentifiedParameters.model_validate_json(nine.model_dump_json()) == nine
 
 
+def test_a_run_that_answers_the_other_way_is_said() -> None:
+    campaign = table_1()
+    turned = [e.model_copy(update={"position": -e.position}) if e.name == "case 6" else e for e in campaign.experiments]
+    notes = stepid.identify(campaign.model_copy(update={"experiments": tuple(turned)})).notes
+    assert [note for note in notes if "turned" in note] == [
+        "'case 6': the static gain has another sign than in the other runs. Is a position or an input turned?"
+    ]
+    assert not any("turned" in note for note in stepid.identify(campaign).notes)
+
+
 def test_trends_of_table_1() -> None:
     campaign = table_1()
     runs = [stepid.characterize(run) for run in campaign.experiments]

@@ -91,7 +91,7 @@ def identify_with_system(
     order = [run.name for run in campaign.experiments]
     left_out = dict(sorted(excluded.items(), key=lambda item: order.index(item[0])))
     said = _not_linear(campaign, used) or tighter_by_fit(kept, found, campaign.weight_uncertainty)
-    notes = found.notes if said is None else (*found.notes, said)
+    notes = (*found.notes, *(note for note in (said, _turned(used)) if note is not None))
     fields = found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out, "notes": notes}
     return system, IdentifiedParameters(**fields)
 
@@ -167,6 +167,16 @@ def _not_linear(campaign: Campaign, used: dict[str, Characteristics]) -> str | N
         remainder(campaign[name], damped_frequency=found.damped_frequency, damping_ratio=found.damping_ratio)
         for name, found in used.items()
     )
+
+
+def _turned(used: dict[str, Characteristics]) -> str | None:
+    """Say which runs answer a step in another direction than most, where some do."""
+    gains = {name: found.static_gain for name, found in used.items() if found.static_gain is not None}
+    sides = sorted(([name for name, gain in gains.items() if (gain > 0) is way] for way in (True, False)), key=len)
+    if not sides[0]:
+        return None
+    few = ", ".join(map(repr, sides[0]))
+    return f"{few}: the static gain has another sign than in the other runs. Is a position or an input turned?"
 
 
 def _join(campaign: Campaign, kept: list[Experiment]) -> tuple[MassOffset, ...]:

@@ -13,6 +13,7 @@ from stepid.core.noise import apparent_resolution, noise_level
 from stepid.core.words import length
 from stepid.errors import NoOvershootError, NoStepError, NotSettledError
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
+from stepid.identification.onset import check_onset
 from stepid.identification.peak import Peak, PeakReading
 from stepid.identification.second_order import damped_frequency, damping_ratio, damping_ratio_slope
 from stepid.identification.steady_state import (
@@ -183,6 +184,7 @@ def _read(response: _Response, peak: Peak) -> _Reading:
     left = max(last_swing(time, swing, found.time) - 3 * noise, 0.0)
     if level <= 0 or left > _MOVING * level:
         raise _swinging(who, left / abs(level))
+    check_onset(who, time, swing, level=level, peak_time=found.time, tolerance=response.tolerance)
     colored = colored_noise(tail.residual, float(time[1] - time[0]), found.time, noise)
     if colored > noise:
         found = peak.locate(time, swing, level=level, noise=colored)
