@@ -22,7 +22,7 @@ class Parameter(NamedTuple):
     unit : str
         SI, empty for a pure number.
     lower, upper : float
-        Bounds, in `unit`.
+        Bounds, in `unit`; a lower one is that of a lab's rig, and goes with masses, travel and sample time of others.
     length : float, optional
         Power of a length that it is measured by, where its unit does not tell: a share of the weight's force is
         measured by one.

@@ -38,10 +38,11 @@ class Column(NamedTuple):
 def force_responses(context: FitContext, forces: list[Array]) -> Array:
     """Reading's response of the linear plant to added forces, shapes (S,) each to (S, n)."""
     linear, records = context.coarse_linear, context.decimated
-    plant = linear.shared.copy()
-    plant[-1] = (
-        np.abs(plant[linear.problem.layout.stiffness]).mean() * linear.problem.simulator.scale
-    )  # N, what it feels
+    plant, of = linear.shared.copy(), linear.problem.layout
+    felt = (
+        float(np.abs(plant[of.stiffness]).mean()) * linear.problem.simulator.scale
+    )  # N: under 1 N a soft one runs away
+    plant[of.force_gain] = felt
     out = np.empty((len(forces), records.size))
     for i in range(0, len(forces), _AT_ONCE):  # the plant driven by the forces, beside each other
         some = forces[i : i + _AT_ONCE]
@@ -49,7 +50,7 @@ def force_responses(context: FitContext, forces: list[Array]) -> Array:
         pushed = replace(pushed, before=np.zeros(len(pushed.runs)))
         still = np.zeros((1, linear.local.shape[0], len(pushed.runs)))
         out[i : i + len(some)] = Simulator(pushed, ()).readings(plant[None], still).reshape(len(some), -1)
-    out /= plant[-1]
+    out /= felt
     return out.T
 
 
