@@ -154,6 +154,7 @@ def test_a_plan_is_told_drawn_and_kept(pair: stepid.Plan, plain: stepid.Plan) ->
         ({"levels": (0.0, 0.5)}, "levels"),
         ({"runs": (1, 2)}, "runs"),
         ({"sample_times": (-0.01,)}, "sample_times"),
+        ({"sample_times": (5.0, 9.0)}, "sample_times: 5 s leaves fewer than 8 samples .*at most 0"),
         ({"wanted": {"weight": 0.1}}, "weight"),
         ({"wanted": {"base_mass": 0}}, "base_mass"),
         ({"separate": ("coulomb_friction",)}, "separate"),

@@ -31,6 +31,7 @@ from stepid.simulation.model import EffectModel, PlantModel
 from stepid.simulation.threads import single_threaded
 
 _TRIED = 6  # designs whose separation is looked at by a full fit
+_FEWEST = 8  # samples of a record
 
 
 _given = each(a((str, EffectModel), ""), 'names of effects, as ("coulomb_friction",), or stepid.EffectModel(…)')
@@ -129,12 +130,13 @@ def plan(
         asked = checked(noise, masses, levels, sample_times, runs, duration, travel, noise_time, weight_uncertainty)
         possible = _within_travel(asked, guess)
         length = asked.duration or lasting(guess, max(asked.masses))
-        scales = typical(guess, max(possible, key=abs), 0.0, min(asked.sample_times), length)
+        often = _often_enough(asked.sample_times, length)
+        scales = typical(guess, max(possible, key=abs), 0.0, min(often), length)
         added = [e for e in sized(effects, guess.effects, scales, catalogue) if e not in guess.effects]
         guess = guess.model_copy(update={"effects": (*guess.effects, *added)})
         there = resolve([e.name for e in guess.effects], catalogue=catalogue)
         wanting = wants(wanted, parameter_values(guess, there))
-        designs = enumerate_designs(asked.masses, possible, asked.sample_times, asked.runs, length)
+        designs = enumerate_designs(asked.masses, possible, often, asked.runs, length)
         designs = _predicted(designs, guess, there, asked)
         ways: list[Confusion] = []
         pair: tuple[EffectModel, ...] = ()
@@ -152,6 +154,17 @@ def plan(
             advised=0,
         )
         return own.result(_advised(found, ways, asked))
+
+
+def _often_enough(sample_times: tuple[float, ...], length: float) -> tuple[float, ...]:
+    """Sample times [s] of which a record of some length [s] has a few."""
+    kept = tuple(time for time in sample_times if _FEWEST * time <= length)
+    if not kept:
+        raise InputError(
+            f"sample_times: {min(sample_times):g} s leaves fewer than {_FEWEST} samples in records of {length:.3g} s",
+            f"Give sample times of at most {length / _FEWEST:.2g} s, or a longer duration.",
+        )
+    return kept
 
 
 def _within_travel(asked: Asked, guess: PlantModel) -> list[float]:
