@@ -43,7 +43,7 @@ def build(records: Records, effects: tuple[Effect, ...], *, tolerance: float = F
     parameters: list[Parameter] = [q for e in effects for q in e.parameters]
     least_added = np.array([records.added_mass[records.base == i].min(initial=np.inf) for i in range(a)])
     least = LEAST_MASS * records.mass_scale - least_added
-    lower = np.concatenate([least, np.full(b, 1e-9), np.zeros(c), [-np.inf], _least_values(parameters, records)])
+    lower = np.concatenate([least, np.full(b, 1e-9), np.zeros(c), [-np.inf], _least_values(parameters, sim)])
     upper = np.concatenate([np.full(a + b + c + 1, np.inf), [q.upper for q in parameters]])
     free = np.ones(of.n_global, dtype=bool)
     if fixes_mass(records) is not None:
@@ -59,11 +59,11 @@ def build(records: Records, effects: tuple[Effect, ...], *, tolerance: float = F
     return Problem(sim, free, lower, upper, active)
 
 
-def _least_values(parameters: list[Parameter], records: Records) -> Array:
+def _least_values(parameters: list[Parameter], sim: Simulator) -> Array:
     """Lower bounds of effects' parameters, shape (n,): those of a lab's rig, in the units of this one's size."""
-    powers = exponents(tuple(parameters))
-    travel = float(np.abs(records.centered(records.position)).max(initial=0.0)) or _TRAVEL
-    mass, length, time = records.mass_scale, travel / _TRAVEL, float(np.median(records.sample_time)) / _SAMPLE_TIME
+    powers, mass = exponents(tuple(parameters)), sim.records.mass_scale
+    length = sim.scale / _TRAVEL if sim.moves else 1.0
+    time = float(np.median(sim.records.sample_time)) / _SAMPLE_TIME
     units = np.log([mass * length / time**2, length, time, mass, 1.0])  # N, m, s, kg, V
     out: Array = np.array([q.lower for q in parameters]) * np.exp(powers @ units)
     return out

@@ -39,10 +39,8 @@ def force_responses(context: FitContext, forces: list[Array]) -> Array:
     """Reading's response of the linear plant to added forces, shapes (S,) each to (S, n)."""
     linear, records = context.coarse_linear, context.decimated
     plant, of = linear.shared.copy(), linear.problem.layout
-    felt = (
-        float(np.abs(plant[of.stiffness]).mean()) * linear.problem.simulator.scale
-    )  # N: under 1 N a soft one runs away
-    plant[of.force_gain] = felt
+    felt = float(np.abs(plant[of.stiffness]).mean()) * linear.problem.simulator.scale  # N
+    plant[of.force_gain] = felt  # under 1 N a soft one runs away
     out = np.empty((len(forces), records.size))
     for i in range(0, len(forces), _AT_ONCE):  # the plant driven by the forces, beside each other
         some = forces[i : i + _AT_ONCE]

@@ -95,6 +95,7 @@ class Simulator:
         self._leaps = 2 if self.linear else int(affine)  # see `stepid.simulation.kernel.simulate`
         self.taken = 0
         self.scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), _STILL)
+        self.moves = self.scale > _STILL  # whether anything does in the records
         self._powers = exponents(tuple(q for e in effects for q in e.parameters))
         self._planned: tuple[bytes, tuple[Index, Index, Index]] | None = None
         self._tiled: tuple[int, Index, Index] | None = None
@@ -145,7 +146,7 @@ class Simulator:
         leaps = self._leaps if r.coefficients.shape[1] == 1 else 0
         values, start = np.ascontiguousarray(values), np.ascontiguousarray(start)
         scale = self.scale
-        if scale <= _STILL:  # records without motion, of a plant that is to be simulated only
+        if not self.moves:  # records without motion, of a plant that is to be simulated only
             mass, stiffness, gain = values[:, 0], np.abs(values[:, 1]), values[:, 3]
             swing = np.abs(start[:, 0]) + np.abs(start[:, 1]) * np.sqrt(mass / stiffness)
             answer = np.abs(gain * np.abs(np.append(r.volts, r.before)).max()) / stiffness
