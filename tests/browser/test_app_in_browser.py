@@ -13,12 +13,11 @@ from typing import Any
 
 import pytest
 
-from browser.visiting import Visit, serious_faults
+from browser.visiting import Visit, press, serious_faults
 from webapp_files import three
 
 pytestmark = pytest.mark.slow
 WAIT = 180_000  # ms, for what computes: the first diagnosis of an installation compiles
-STILL = 6  # looks at a button, between which it keeps its place
 
 
 @pytest.fixture(scope="module")
@@ -49,23 +48,10 @@ def drop(page: Any, files: dict[str, bytes]) -> None:
 
 
 def diagnosed(page: Any) -> None:
-    page.get_by_role("button", name="Diagnose").click()
+    press(page.get_by_role("button", name="Diagnose"))
     page.get_by_text(re.compile(r"Done in \d")).wait_for(timeout=WAIT)
     page.get_by_text("The whole answer as text").wait_for(timeout=WAIT)
     page.get_by_text("Fitting the linear plant").wait_for(state="hidden", timeout=WAIT)
-
-
-def at_rest(button: Any) -> Any:
-    """Scroll to a button and wait until it keeps its place: a picture that is drawn as it comes into view moves it.
-
-    A click during which its button is moved away is none.
-    """
-    button.scroll_into_view_if_needed()
-    places: list[object] = []
-    while len(places) < STILL or any(place != places[-1] for place in places[-STILL:]):
-        places.append(button.bounding_box())
-        button.page.wait_for_timeout(200)
-    return button
 
 
 def test_from_dropped_files_to_a_report(there: Callable[..., Visit], tmp_path: Path) -> None:
@@ -77,7 +63,7 @@ def test_from_dropped_files_to_a_report(there: Callable[..., Visit], tmp_path: P
     saved = {}
     for name in ("Report", "Campaign", "Tables"):
         with page.expect_download(timeout=WAIT) as downloading:
-            at_rest(page.get_by_text(name, exact=True).last).click()
+            press(page.get_by_text(name, exact=True).last)
         saved[name] = tmp_path / downloading.value.suggested_filename
         downloading.value.save_as(saved[name])
     report = saved["Report"].read_text(encoding="utf-8")
@@ -93,7 +79,7 @@ def test_a_bad_file_is_named_and_the_page_goes_on(there: Callable[..., Visit]) -
     drop(page, {"notes.csv": b"dear diary\nnothing was measured\n"})
     page.locator(".said.bad").first.wait_for(timeout=WAIT)
     assert "notes.csv" in page.locator(".said.bad").first.inner_text()
-    page.get_by_role("button", name="Try the example").click()
+    press(page.get_by_role("button", name="Try the example"))
     page.get_by_text("10 runs read.").wait_for(timeout=WAIT)
 
 
@@ -101,7 +87,7 @@ def test_a_bad_file_is_named_and_the_page_goes_on(there: Callable[..., Visit]) -
 def test_it_fits_and_has_no_serious_fault(there: Callable[..., Visit], width: int, theme: str) -> None:
     window = there(width=width, theme=theme)
     page = window.page
-    page.get_by_role("button", name="Try the example").click()
+    press(page.get_by_role("button", name="Try the example"))
     page.get_by_text("10 runs read.").wait_for(timeout=WAIT)
     diagnosed(page)
     assert page.evaluate("document.documentElement.scrollWidth") <= width

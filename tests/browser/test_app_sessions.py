@@ -11,7 +11,7 @@ import pytest
 
 import stepid
 import webapp_files as files
-from browser.visiting import Visit, serious_faults
+from browser.visiting import Visit, press, serious_faults
 from webapp_server import serving
 
 pytestmark = pytest.mark.slow
@@ -50,7 +50,7 @@ def at(visit: Callable[..., Visit], address: str) -> Callable[..., Visit]:
         button = opened.page.get_by_role("button", name="Try the example")
         button.wait_for()
         if example:
-            button.click()
+            press(button)
             opened.page.get_by_text("What runs share").wait_for()  # Table 2's numbers come by themselves
         return opened
 
@@ -123,7 +123,7 @@ def test_names_are_text(at: Any) -> None:
 def test_progress_is_told_every_second_and_cancel_ends_it(at: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stepid, "diagnose", endless)
     page = at(example=True)
-    page.page.get_by_role("button", name="Diagnose").click()
+    press(page.page.get_by_role("button", name="Diagnose"))
     told = page.page.locator("dl.progress dd")
     told.filter(has_text="power damping").wait_for()  # the first second says only that it starts
     assert told.all_text_contents()[:3] == [
@@ -133,7 +133,7 @@ def test_progress_is_told_every_second_and_cancel_ends_it(at: Any, monkeypatch: 
     ]
     seconds = {told.last.text_content() for _ in range(30) if not page.page.wait_for_timeout(100)}
     assert len(seconds) >= 3
-    page.page.get_by_role("button", name="Cancel").click()
+    press(page.page.get_by_role("button", name="Cancel"))
     page.page.get_by_text("Canceled.").wait_for()
     assert page.page.get_by_role("button", name="Diagnose").is_enabled()
 
@@ -146,7 +146,7 @@ def test_a_closed_page_ends_its_work_and_leaves_no_file(
     drop(page, files.three())
     cell(page, 2, "name").wait_for()
     page.page.get_by_text("What runs share").wait_for()
-    page.page.get_by_role("button", name="Diagnose").click()
+    press(page.page.get_by_role("button", name="Diagnose"))
     page.page.locator("dl.progress dd").first.wait_for()
     session = sessions[-1]
     work, folder = session.work, session.inbox.folder

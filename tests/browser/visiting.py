@@ -10,6 +10,7 @@ import pytest
 
 # Tabulator's grid has its empty notice among its children, and a filler column without a title
 OF_TABULATOR = {"aria-required-children", "empty-table-header"}
+STILL = 6  # looks at a button, between which it keeps its place
 
 
 class Visit:
@@ -49,6 +50,20 @@ class Visit:
                 return True
             self.page.wait_for_timeout(50)
         return False
+
+
+def press(button: Any) -> None:
+    """Scroll to a button, wait until it keeps its place, and click it.
+
+    A click during which its button is moved away is none: what arrives moves all that is below it, and so does a
+    picture that is drawn as it comes into view.
+    """
+    button.scroll_into_view_if_needed()
+    places: list[object] = []
+    while len(places) < STILL or any(place != places[-1] for place in places[-STILL:]):
+        places.append(button.bounding_box())
+        button.page.wait_for_timeout(200)
+    button.click()
 
 
 def serious_faults(page: Any) -> list[tuple[str, Any]]:
