@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stepid
-from stepid.fitting.screening import _still
+from stepid.fitting.screening import _still, screen
 
 
 @pytest.mark.parametrize(("step", "drift", "still"), [(0.0, 0.0, True), (0.0, 1e-4, True), (0.7e-3, 0.0, False)])
@@ -27,3 +27,12 @@ def test_a_cart_moves_behind_a_fast_hum(step: float, drift: float, still: bool, 
         damper="d",
     )
     assert _still(run) is still
+
+
+def test_a_driven_record_whose_input_never_changes_is_used() -> None:
+    """What is cut off behind the last step has no change of the input to look behind."""
+    campaign = stepid.datasets.lab_campaign()
+    whole = campaign.experiments[0]
+    rest = whole.slice(whole.time.size // 2, None, name="the second half")
+    assert not rest.is_release
+    assert screen(campaign + rest).campaign.experiments[-1].name == "the second half"

@@ -9,7 +9,7 @@ import numpy as np
 from stepid.core.base import Array
 
 CLOSE = 0.5  # of a sample, times that are nearer to an even clock may be rounded or late
-_EVEN = 0.01  # of a sample, by which times may be off an even clock
+EVEN = 0.01  # of a sample, by which times may be off an even clock
 InputBetween = Literal["held", "lines", "smooth"]
 """What the input does from each sample to the next: held, joined by straight lines, the cubic spline through all."""
 WAYS: tuple[InputBetween, ...] = ("held", "lines", "smooth")
@@ -48,7 +48,7 @@ def off_even_clock(time: Array) -> Array:
 
 def is_even(time: Array) -> bool:
     """Tell whether times, shape (n,), are multiples of one sample time, but for a hundredth of it."""
-    return bool(off_even_clock(time).max() <= _EVEN)
+    return bool(off_even_clock(time).max() <= EVEN)
 
 
 def even_clock(time: Array) -> Array:

@@ -2,5 +2,5 @@
 
 from __future__ import annotations
 
-PROBABILITY = {"complete": 0.95, "complete_but_open": 0.7, "leads": 0.75}
+PROBABILITY = {"complete": 0.95, "complete_but_open": 0.7, "leads": 0.7}
 """Rule of `stepid.diagnosis.verdict` to the share of its answers that held the truth."""

@@ -142,7 +142,7 @@ class EvidenceRecord:
     def _is_open(self, found: Candidate, simpler: Candidate) -> bool:
         """Tell whether the data leave open all that `found` has beyond `simpler`, which then stands for it."""
         more = [e for e in found.effects if e.name not in simpler.names]
-        open_ = self._vague(found)
+        open_ = undetermined(self.context, self.criteria, found)  # that a strength is not zero says nothing of the rest
         return all(f"{e.name}.{q.name}" in open_ for e in more for q in e.parameters)
 
     def probability(self, answer: Answer) -> float | None:

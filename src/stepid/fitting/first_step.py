@@ -125,7 +125,7 @@ def _answers(run: Experiment, quiet: float) -> list[_Answer]:
         return []
     out = []
     still = max(quiet, _STILL * float(np.ptp(run.position)))
-    for begin, end in zip(at, [*at[1:], run.input.size], strict=True):
+    for begin, end in zip(at, np.append(at, run.input.size)[1:], strict=True):
         y = run.position[begin:end]
         moved = np.flatnonzero(np.abs(y - y[0]) > still)
         lag = float(moved[0]) * run.sample_time if moved.size else None

@@ -29,7 +29,7 @@ from stepid.fitting.multistart_cogging import well_starts
 from stepid.fitting.multistart_race import race_starts
 from stepid.fitting.noise_color import colored_floor
 from stepid.fitting.noise_floor import bounded_floor, enough, noise_floor, repeat_notes, weights
-from stepid.fitting.problem import fit_linear
+from stepid.fitting.problem import fit_linear, within_weights
 from stepid.fitting.profile import profiled
 from stepid.fitting.reading_faults import Mask, trust
 from stepid.fitting.record_fault import ALL_RUNS
@@ -87,6 +87,8 @@ def _begun(campaign: Campaign, wrong: Mapping[str, Mask], workers: int) -> tuple
             f"campaign {campaign.name!r}: no stable mass-spring-damper can be fitted to its records",
             "Look at the records: sign of counts_per_meter, the input column, the added masses and labels.",
         )
+    if linear.rms > _MISFIT * floor:
+        linear = within_weights(linear, tolerance=0.02 * floor**2)
     return records, linear, floor
 
 

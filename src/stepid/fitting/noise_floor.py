@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array
-from stepid.core.copies import conditions
+from stepid.core.copies import are_repeats
 from stepid.core.experiment import Experiment
 from stepid.core.noise import STILL, clipped_spread, predicted_noise
 from stepid.core.samples import divided_differences, is_even, means_of_blocks
@@ -121,12 +121,14 @@ def _swing(y: Array) -> float:
 
 def repeats(records: Records) -> list[tuple[int, ...]]:
     """Groups of runs recorded under the same conditions with the same input, by index."""
-    groups: dict[object, list[int]] = {}
-    for i, run in enumerate(records.runs):
-        if records.moving[i]:
-            continue
-        groups.setdefault(conditions(run), []).append(i)
-    return [tuple(group) for group in groups.values() if len(group) > 1]
+    groups: list[list[int]] = []
+    for i in np.flatnonzero(~records.moving).tolist():
+        known = next((group for group in groups if are_repeats(records.runs[group[0]], records.runs[i])), None)
+        if known is None:
+            groups.append([i])
+        else:
+            known.append(i)
+    return [tuple(group) for group in groups if len(group) > 1]
 
 
 def _spreads(records: Records) -> list[tuple[tuple[int, ...], float, float]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +20,7 @@ from stepid.simulation.simulator import FINE, Simulator
 _WIDTHS = (0.6, 1.0, 1.6, 0.35)  # of the strongest period, for the weak form
 _MASSES = (1.0, 0.4, 2.5)  # of the largest difference of added masses, 1 kg at most
 _TRAVEL, _SAMPLE_TIME = 0.02, 5e-3  # m and s, of a lab's rig: there bounds are as they stand in the catalogue
+_HEAVIEST = 30.0  # times the largest difference of added masses, and 1 over it: then 1.5 % of a frequency tell a mass
 _ALIKE = 1e-3  # relative difference of the costs at which two starts end in one optimum
 PHASES = 12  # tried a run where the reading is not linear in their sine and cosine
 
@@ -171,13 +173,48 @@ def best_by_run(problem: Problem, shared: Array, tried: Array) -> Array:
 
 
 def fit_linear(records: Records, *, tolerance: float = 0.0, workers: int = 1) -> Optimum | None:
-    """Fit the linear plant: weak-form starts of several widths, the best few polished."""
+    """Fit the linear plant: weak-form starts of several widths, the best few polished; None where no start is stable.
+
+    Where no width leads to a stable plant, as where carts only rise and stick, the motion is shorter than the strongest
+    period says: then widths are halved until one does.
+    """
+    period = strongest_period(records)
+    widths = [width * period for width in _WIDTHS]
+    found = _fit_linear(records, widths, tolerance, workers)
+    width, least = min(widths) / 2, float(records.sample_time.min())
+    while found is None and width > least:
+        found = _fit_linear(records, [width], tolerance, workers)
+        width /= 2
+    return found
+
+
+def within_weights(linear: Optimum, *, tolerance: float = 0.0) -> Optimum:
+    """The linear fit with base masses that known weights can tell: others are said by what the plant does not explain.
+
+    Where a misfit remains, a mass may grow without end, or vanish, for whatever the weights then do is nothing, or
+    all; no start near such a plant leads to what is missing. The plant's other parameters go with its masses, which are
+    held.
+    """
+    problem, of = linear.problem, linear.problem.layout
+    records, mass = problem.records, linear.shared[of.base_mass]
+    told = np.clip(mass, records.mass_scale / _HEAVIEST, records.mass_scale * _HEAVIEST)
+    if fixes_mass(records) is not None or np.array_equal(mass, told):
+        return linear
+    shared = linear.shared.copy()
+    shared[of.linear] *= np.exp(np.mean(np.log(told / np.maximum(mass, np.finfo(float).tiny))))
+    shared[of.base_mass] = told
+    held = replace(problem, free=problem.free & (np.arange(problem.free.size) >= len(records.bases)))
+    return minimize(held, shared, linear.local, tolerance=tolerance) or linear
+
+
+def _fit_linear(records: Records, widths: Sequence[float], tolerance: float, workers: int) -> Optimum | None:
+    """Fit the linear plant from the weak form with bumps of these widths [s]."""
     problem = build(records, (), workers=workers)
-    period, mass = strongest_period(records), fixes_mass(records)
+    mass = fixes_mass(records)
     best: Optimum | None = None
     for guess in (mass,) if mass is not None else (None, *(share * records.mass_scale for share in _MASSES)):
-        for width in _WIDTHS:
-            weak = WeakForm(records, width * period, fixed_mass=guess).solve()
+        for width in widths:
+            weak = WeakForm(records, width, fixed_mass=guess).solve()
             if weak is None:
                 continue
             shared = weak.shared

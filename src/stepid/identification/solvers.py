@@ -14,6 +14,8 @@ from stepid.identification.characteristics_model import Characteristics
 from stepid.identification.parameters import StackedSystem
 from stepid.identification.stacked import frequency_row
 
+_NOTHING = 1e-9  # of χ², that is worth no further pass
+
 
 class OrdinaryLeastSquares(Model):
     """The paper's solve of Eq. 10: plain least squares in the units at hand.
@@ -81,7 +83,7 @@ class WeightedLeastSquares(Model):
             If the passes do not settle: the peaks contradict the known mass differences.
         """
         unknowns = starting_point(system, measured, differences) if start is None else start
-        change = np.inf
+        change = promised = np.inf
         exact = np.array([offset.uncertainty == 0 for offset in system.mass_offsets])
         count = len(system.characteristics)
         for _ in range(self.iterations):
@@ -89,6 +91,7 @@ class WeightedLeastSquares(Model):
             hard = np.concatenate([np.zeros(count, dtype=bool), exact])
             step = _constrained(slope[~hard], -residual[~hard], slope[hard], -residual[hard])
             before, cost, length = change, float(residual[~hard] @ residual[~hard]), 1.0
+            hoped, promised = promised, float(np.sum((slope[~hard] @ step) ** 2))  # decrease of χ²
             while length > 1e-6:  # a trial step that leaves the positive side or climbs is halved
                 trial = unknowns + length * step
                 if np.all(trial > 0):
@@ -100,7 +103,8 @@ class WeightedLeastSquares(Model):
                 trial = unknowns
             change = float(np.max(np.abs(step / unknowns)))
             unknowns = trial
-            if change < 1e-13 or (change < 1e-9 and change >= 0.5 * before):  # converged, or down to rounding
+            rounding = promised < _NOTHING and promised >= 0.25 * hoped  # nearly exact differences magnify it in a step
+            if change < 1e-13 or (change < 1e-9 and change >= 0.5 * before) or rounding:
                 return unknowns
         best = ", ".join(f"{label} = {v:.4g}" for label, v in zip(system.column_labels, unknowns, strict=True))
         raise ConvergenceError(

@@ -40,6 +40,13 @@ class Attempts(Fits):
         self._fit_all(by.modes(self.proposals, self.nodes, [node.key for node in leads.values()]))
         return self._takes_enough(least)
 
+    def _try_resting(self) -> None:
+        """Where no single effect is enough, fit alone those that let runs begin where they stuck: no step tells it."""
+        if len(self.best.effects) == 1 and not self.best.deviations and self._complete(self.best):
+            return
+        self._fit_all(by.resting(self.proposals, self.nodes))
+        self._polish_best()
+
     def _try_larger(self) -> bool:
         """Where no set that may lead is enough, try larger ones: far from linear, a step promises too little of them.
 

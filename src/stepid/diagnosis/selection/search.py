@@ -61,6 +61,7 @@ class Search(Attempts):
     def run(self) -> list[Candidate]:
         """Search until nothing promises more or the effort is used up; candidates, least cost first."""
         self._explore(self.effort.fits)
+        self._try_resting()
         if self._try_modes():
             self._explore(self.fits + self.effort.width)
         if self._try_larger():

@@ -13,6 +13,8 @@ from stepid.effects.base import Effect, Motion, Regressor
 from stepid.effects.drive import acts_on_input
 from stepid.fitting.weak_form import force_along, motion_along
 
+_ROUNDING = 1e-9  # of a force's power
+
 
 class Likeness(NamedTuple):
     """What effects in the place of one leave of its force, a share; their values, and the linear plant beside them."""
@@ -41,9 +43,17 @@ class ForceAlong:
         self._seen = np.abs(self.motion.v) > context.effort.attenuated * np.abs(self.motion.v).max()
         self._force = force_along(node.effects[place], here.values[place], self.motion)[self._seen]
         self._plain = np.column_stack([self.motion.x, self.motion.v])[self._seen]
-        q = np.linalg.qr(self._plain)[0]
-        beyond = self._force - q @ (q.T @ self._force)
-        self._beyond = max(float(beyond @ beyond), np.finfo(float).tiny)
+        # what a fit follows without any effect: a rest position for each run and the gain, too
+        rests = records.run[:, None] == np.arange(len(records.runs))
+        follows = np.column_stack([self._plain, self.motion.volts[self._seen], rests[self._seen]])
+        self._follows = np.linalg.qr(follows[:, follows.any(axis=0)])[0]
+        faint = _ROUNDING * float(self._force @ self._force)  # a force that any rest position can stand in for
+        self._beyond = max(self._power_beyond(self._force), faint, np.finfo(float).tiny)
+
+    def _power_beyond(self, force: Array) -> float:
+        """Power of the part of a force that a fit without effects cannot follow, N²."""
+        beyond = force - self._follows @ (self._follows.T @ force)
+        return float(beyond @ beyond)
 
     def strength(self, one: Regressor) -> float | None:
         """First parameter of an effect of one force that comes nearest to this one, None where it cannot have it."""
@@ -69,7 +79,7 @@ class ForceAlong:
         moved = self._linear.copy()
         moved[self._layout.stiffness] -= found[0]
         moved[self._layout.damping] -= found[1]
-        return Likeness(float(left @ left) / self._beyond, tuple(out), moved)
+        return Likeness(self._power_beyond(left) / self._beyond, tuple(out), moved)
 
 
 def is_force(effect: Effect) -> bool:
