@@ -22,6 +22,7 @@ from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.deviations import SCATTER
 from stepid.fitting.fit import prepare
 from stepid.fitting.multistart import FitContext, Start
+from sticking_carts import campaign
 
 
 def test_generalize_offers_what_contains_an_effect_from_where_it_stands() -> None:
@@ -180,6 +181,14 @@ def test_an_effect_is_wholly_like_itself() -> None:
     assert found.left < 1e-12
     assert found.values[0] == pytest.approx((cubic.best.shared[-1],))
     np.testing.assert_allclose(found.linear, standing(cubic).linear, rtol=1e-6)
+
+
+def test_friction_of_two_laws_is_alike_where_runs_move_one_way() -> None:
+    """Each is a force of its own in each run, and so is the spring's at each run's rest position."""
+    fit = prepare(campaign(0))
+    by_weight = node(fit, {"load_proportional_friction": {"coefficient": 0.01}})
+    proposals = Resemble().propose(by_weight, context(fit))
+    assert [p.effects[0].name for p in proposals] == ["coulomb_friction"]
 
 
 def test_split_offers_two_laws_for_a_curved_one() -> None:

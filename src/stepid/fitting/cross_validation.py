@@ -103,9 +103,10 @@ def _judges(optimum: Optimum, first: float) -> list[int]:
     problem = optimum.problem
     free = np.flatnonzero(problem.free)
     power = problem.jacobian(optimum.solved)[:, : free.size] ** 2
-    whole, out = power.sum(axis=0), []
+    whole = power.sum(axis=0)
     if not np.isfinite(whole).all():  # at a runaway's edge nothing is told
-        return out
+        return []
+    out = []
     for run, piece in enumerate(problem.records.pieces()):
         own = power[piece]
         alone, seen = own.sum(axis=0), own[: round(first * len(own))].sum(axis=0)

@@ -83,15 +83,15 @@ class WeightedLeastSquares(Model):
             If the passes do not settle: the peaks contradict the known mass differences.
         """
         unknowns = starting_point(system, measured, differences) if start is None else start
-        change = promised = np.inf
+        promised = np.inf
         exact = np.array([offset.uncertainty == 0 for offset in system.mass_offsets])
         count = len(system.characteristics)
         for _ in range(self.iterations):
             residual, slope = scaled_rows(system, unknowns, measured, differences)
             hard = np.concatenate([np.zeros(count, dtype=bool), exact])
             step = _constrained(slope[~hard], -residual[~hard], slope[hard], -residual[hard])
-            before, cost, length = change, float(residual[~hard] @ residual[~hard]), 1.0
-            hoped, promised = promised, float(np.sum((slope[~hard] @ step) ** 2))  # decrease of χ²
+            cost, length = float(residual[~hard] @ residual[~hard]), 1.0
+            before, promised = promised, float(np.sum((slope[~hard] @ step) ** 2))  # decrease of χ²
             while length > 1e-6:  # a trial step that leaves the positive side or climbs is halved
                 trial = unknowns + length * step
                 if np.all(trial > 0):
@@ -103,8 +103,7 @@ class WeightedLeastSquares(Model):
                 trial = unknowns
             change = float(np.max(np.abs(step / unknowns)))
             unknowns = trial
-            rounding = promised < _NOTHING and promised >= 0.25 * hoped  # nearly exact differences magnify it in a step
-            if change < 1e-13 or (change < 1e-9 and change >= 0.5 * before) or rounding:
+            if change < 1e-13 or (promised < _NOTHING and promised >= 0.25 * before):  # rounding of a step
                 return unknowns
         best = ", ".join(f"{label} = {v:.4g}" for label, v in zip(system.column_labels, unknowns, strict=True))
         raise ConvergenceError(

@@ -13,8 +13,6 @@ from stepid.effects.base import Effect, Motion, Regressor
 from stepid.effects.drive import acts_on_input
 from stepid.fitting.weak_form import force_along, motion_along
 
-_ROUNDING = 1e-9  # of a force's power
-
 
 class Likeness(NamedTuple):
     """What effects in the place of one leave of its force, a share; their values, and the linear plant beside them."""
@@ -47,7 +45,8 @@ class ForceAlong:
         rests = records.run[:, None] == np.arange(len(records.runs))
         follows = np.column_stack([self._plain, self.motion.volts[self._seen], rests[self._seen]])
         self._follows = np.linalg.qr(follows[:, follows.any(axis=0)])[0]
-        faint = _ROUNDING * float(self._force @ self._force)  # a force that any rest position can stand in for
+        # of a force that rest positions stand in for nothing but rounding is left
+        faint = np.sqrt(np.finfo(float).eps) * float(self._force @ self._force)
         self._beyond = max(self._power_beyond(self._force), faint, np.finfo(float).tiny)
 
     def _power_beyond(self, force: Array) -> float:
