@@ -23,7 +23,7 @@ def test_known_weights_bound_the_mass_where_a_misfit_remains() -> None:
     scale = [prepare(campaign(seed)).linear for seed in range(25)]
     for linear in scale:
         records, masses = linear.problem.records, linear.shared[linear.problem.layout.base_mass]
-        assert np.all(masses <= 30 * records.mass_scale * (1 + 1e-12))
+        assert np.all(masses <= 30 * np.ptp(records.added_mass) * (1 + 1e-12))
     runaway = [fit_linear(linear.problem.records) for linear in scale]
     heaviest = [float(one.shared[0] / one.problem.records.mass_scale) for one in runaway if one is not None]
     assert max(heaviest) > 1e3  # what the bound is for
@@ -41,3 +41,16 @@ def test_dry_friction_is_in_the_answer(seed: int) -> None:
     named = {name for effects in (d.effects, *d.alternatives) for name in effects}
     assert d.verdict in ("named", "ambiguous")
     assert "coulomb_friction" in named
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1e3])
+def test_the_bound_goes_with_the_weights(unit: float) -> None:
+    """A rig of grams or of tons is bounded as one of kilograms is."""
+    small = campaign(2)
+    runs = [
+        run.model_copy(update={"added_mass": unit * run.added_mass, "input": run.input * unit})
+        for run in small.experiments
+    ]
+    one = prepare(small).linear
+    other = prepare(stepid.Campaign(name="other", experiments=runs)).linear
+    assert other.shared[:-1] == pytest.approx(unit * one.shared[:-1], rel=1e-3)

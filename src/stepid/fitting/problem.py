@@ -197,11 +197,15 @@ def within_weights(linear: Optimum, *, tolerance: float = 0.0) -> Optimum:
     """
     problem, of = linear.problem, linear.problem.layout
     records, mass = problem.records, linear.shared[of.base_mass]
-    told = np.clip(mass, records.mass_scale / _HEAVIEST, records.mass_scale * _HEAVIEST)
-    if fixes_mass(records) is not None or np.array_equal(mass, told):
+    if fixes_mass(records) is not None:
+        return linear
+    differ = max(float(np.ptp(records.added_mass[records.base == base])) for base in np.unique(records.base))
+    told = np.clip(mass, differ / _HEAVIEST, differ * _HEAVIEST)
+    if np.array_equal(mass, told):
         return linear
     shared = linear.shared.copy()
-    shared[of.linear] *= np.exp(np.mean(np.log(told / np.maximum(mass, np.finfo(float).tiny))))
+    shared[of.base_mass] = told
+    shared[of.linear] *= np.mean(of.mass(shared)) / np.mean(of.mass(linear.shared))  # k/m and c/m stay
     shared[of.base_mass] = told
     held = replace(problem, free=problem.free & (np.arange(problem.free.size) >= len(records.bases)))
     return minimize(held, shared, linear.local, tolerance=tolerance) or linear
