@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from made_up_evidence import candidate
+from stepid.diagnosis.selection.candidate import LINEAR
 from stepid.diagnosis.selection.order import (
     apart,
     beside,
@@ -22,6 +23,7 @@ from stepid.diagnosis.selection.order import (
     modes,
     no_answer,
     of_each_size,
+    resting,
     singles,
     starts_in_order,
 )
@@ -193,6 +195,26 @@ def test_a_mode_is_asked_beside_what_leads_and_beside_nothing_else() -> None:
     ]
     assert modes(every, {}, [bases["coulomb_friction"], linear]) == [beside]
     assert modes(every, {beside.key: FRICTION}, [bases["coulomb_friction"]]) == []
+
+
+def test_what_lets_a_cart_rest_anywhere_is_asked_alone() -> None:
+    def proposed(*names: str, base: Any = LINEAR, deviations: tuple[str, ...] = ()) -> Any:
+        found = candidate(names)
+        return SimpleNamespace(base=base, key=found.key, effects=found.effects, deviations=deviations)
+
+    friction, play = proposed("coulomb_friction"), proposed("free_play")
+    every = [
+        friction,
+        proposed("cubic_stiffness"),  # the cart rests at one place
+        proposed("stribeck_friction"),  # more than Coulomb friction
+        proposed("coulomb_friction", "cogging"),
+        proposed("coulomb_friction", base=candidate(["cogging"]).key),  # in the place of another
+        proposed("coulomb_friction", deviations=("gain",)),
+        play,
+        friction,
+    ]
+    assert resting(every, {}) == [friction, play]
+    assert resting(every, {friction.key: FRICTION}) == [play]
 
 
 THREE = ("coulomb_friction", "free_play", "cogging")
