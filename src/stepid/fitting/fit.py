@@ -81,14 +81,15 @@ def _begun(campaign: Campaign, wrong: Mapping[str, Mask], workers: int) -> tuple
         )
     floor = noise_floor(records)
     records = records.reweighted(weights(records, floor) * trust(records, wrong))
-    linear = fit_linear(records, tolerance=0.02 * floor**2, workers=workers)
+    tolerance = 0.02 * floor**2
+    linear = fit_linear(records, tolerance=tolerance, workers=workers)
     if linear is None:
         raise ConvergenceError(
             f"campaign {campaign.name!r}: no stable mass-spring-damper can be fitted to its records",
             "Look at the records: sign of counts_per_meter, the input column, the added masses and labels.",
         )
     if linear.rms > _MISFIT * floor:
-        linear = within_weights(linear, tolerance=0.02 * floor**2)
+        linear = within_weights(linear, tolerance=tolerance)
     return records, linear, floor
 
 

@@ -14,7 +14,7 @@ from stepid.fitting.spectrum import resonances, strongest_period
 from stepid.fitting.weak_form import WeakForm
 from stepid.simulation.layout import LEAST_MASS
 from stepid.simulation.magnitudes import exponents
-from stepid.simulation.records import Records
+from stepid.simulation.records import Records, mass_span
 from stepid.simulation.simulator import FINE, Simulator
 
 _WIDTHS = (0.6, 1.0, 1.6, 0.35)  # of the strongest period, for the weak form
@@ -30,10 +30,8 @@ def fixes_mass(records: Records) -> float | None:
 
     The total mass of the first run is then 1 kg, and every parameter is per unit mass.
     """
-    for base in range(len(records.bases)):
-        added = records.added_mass[records.base == base]
-        if added.size and np.ptp(added) > 0:
-            return None
+    if mass_span(records) > 0:
+        return None
     return 1.0 - float(records.added_mass[0])
 
 
@@ -199,16 +197,19 @@ def within_weights(linear: Optimum, *, tolerance: float = 0.0) -> Optimum:
     records, mass = problem.records, linear.shared[of.base_mass]
     if fixes_mass(records) is not None:
         return linear
-    differ = max(float(np.ptp(records.added_mass[records.base == base])) for base in np.unique(records.base))
-    told = np.clip(mass, differ / _HEAVIEST, differ * _HEAVIEST)
+    span = mass_span(records)
+    told = np.clip(mass, span / _HEAVIEST, span * _HEAVIEST)
     if np.array_equal(mass, told):
         return linear
-    shared = linear.shared.copy()
+    moving = told[records.base] + records.added_mass
+    shared = linear.shared * (np.mean(moving) / np.mean(of.mass(linear.shared)))  # k/m and c/m stay
     shared[of.base_mass] = told
-    shared[of.linear] *= np.mean(of.mass(shared)) / np.mean(of.mass(linear.shared))  # k/m and c/m stay
-    shared[of.base_mass] = told
-    held = replace(problem, free=problem.free & (np.arange(problem.free.size) >= len(records.bases)))
-    return minimize(held, shared, linear.local, tolerance=tolerance) or linear
+    return minimize(_at_its_mass(problem), shared, linear.local, tolerance=tolerance) or linear
+
+
+def _at_its_mass(problem: Problem) -> Problem:
+    """The problem with its base masses held."""
+    return replace(problem, free=problem.free & (np.arange(problem.free.size) >= len(problem.records.bases)))
 
 
 def _fit_linear(records: Records, widths: Sequence[float], tolerance: float, workers: int) -> Optimum | None:
@@ -224,8 +225,7 @@ def _fit_linear(records: Records, widths: Sequence[float], tolerance: float, wor
             shared = weak.shared
             start = start_local(problem)
             if guess is not mass:  # the ratios first: noise can hide the mass from the weak form, never k/m and c/m
-                held = replace(problem, free=problem.free & (np.arange(problem.free.size) >= len(records.bases)))
-                first = minimize(held, shared, start, tolerance=tolerance, iterations=8)
+                first = minimize(_at_its_mass(problem), shared, start, tolerance=tolerance, iterations=8)
                 if first is None:
                     continue
                 shared, start = first.shared, first.local

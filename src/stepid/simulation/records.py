@@ -32,7 +32,8 @@ class Records:
     square roots of the samples' weights. `coefficients` (S, 1), (S, 2) or (S, 4) are the polynomial of the input [V]
     from each sample to the next: held, straight or cubic. Where samples were left out, these are the samples `at` (S,).
     `added_mass` may differ from what the experiments say, by what a fit found; `weight_uncertainty` [kg],
-    `scale_uncertainty` and `mass_scale` [kg], the largest difference of added masses on one base, are the campaign's.
+    `scale_uncertainty` and `mass_scale` [kg], the largest difference of added masses on one base, 1 at most, are the
+    campaign's.
     """
 
     runs: tuple[Experiment, ...]
@@ -198,14 +199,14 @@ def lay_out(campaign: Campaign) -> Records:
         laid,
         weight_uncertainty=campaign.weight_uncertainty,
         scale_uncertainty=campaign.scale_uncertainty,
-        mass_scale=_mass_scale(laid),
+        mass_scale=min(mass_span(laid) or 1.0, 1.0),  # 1 kg where none differ: it is assumed then
     )
 
 
-def _mass_scale(records: Records) -> float:
-    """Largest difference of added masses on one base, 1 kg at most; 1 kg where none differ: it is assumed then."""
+def mass_span(records: Records) -> float:
+    """Largest difference of added masses on one base, kg; 0 where none differ."""
     spans = [float(np.ptp(records.added_mass[records.base == base])) for base in np.unique(records.base)]
-    return min(max(spans, default=0.0) or 1.0, 1.0)
+    return max(spans, default=0.0)
 
 
 def _coefficients(runs: Sequence[Experiment], begin: Index) -> Array:

@@ -42,7 +42,7 @@ class Attempts(Fits):
 
     def _try_resting(self) -> None:
         """Where no single effect is enough, fit alone those that let runs begin where they stuck: no step tells it."""
-        if len(self.best.effects) == 1 and not self.best.deviations and self._complete(self.best):
+        if self._one_is_enough():
             return
         self._fit_all(by.resting(self.proposals, self.nodes))
         self._polish_best()

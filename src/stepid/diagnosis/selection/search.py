@@ -169,9 +169,7 @@ class Search(Attempts):
 
         In its place every other was scored on the linear plant already.
         """
-        best = self.best
-        alone = len(best.effects) == 1 and not best.deviations and self._complete(best)
-        return UNFORESEEN - {Exchange.name} if alone else UNFORESEEN
+        return UNFORESEEN - {Exchange.name} if self._one_is_enough() else UNFORESEEN
 
     def _rivals(self, bases: Collection[Key], *, unforeseen: Collection[str] = ()) -> list[Proposal]:
         """Rivals to fit next, of those proposed on some bases; of some moves a few that no step foresees, too."""

@@ -126,6 +126,11 @@ class Standings:
         """Tell whether the best may be named and leaves nothing that a further effect could explain."""
         return self._leaves_noise(best) and followed(self.fit, self.criteria, best) is None
 
+    def _one_is_enough(self) -> bool:
+        """Tell whether the best is a single effect, runs alike, that leaves nothing more to explain."""
+        best = self.best
+        return len(best.effects) == 1 and not best.deviations and self._complete(best)
+
     def _leaves_noise(self, found: Candidate) -> bool:
         """Tell whether a candidate may be named and leaves as little as noise, and as white."""
         if imitators(self.fit, self.criteria, found):

@@ -1,4 +1,4 @@
-"""Which effects are alike: laws whose forces along a motion are nearly the same beside stiffness and damping."""
+"""Which effects are alike: laws whose forces along a motion are nearly the same beside what a linear fit follows."""
 
 from __future__ import annotations
 
