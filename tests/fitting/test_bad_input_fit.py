@@ -11,6 +11,7 @@ import pytest
 import stepid
 import stepid.fitting.candidate_fit as search
 from broken_campaigns import FRICTION, NOISE, SAMPLE_TIME, campaign, changed, inputs, scaled
+from closed_form import Plant
 from stepid.effects import resolve
 from stepid.errors import InputError, UndeterminedError
 from stepid.fitting.levenberg_marquardt import minimize
@@ -134,6 +135,26 @@ def test_a_run_that_moves_between_its_first_sample_and_its_first_step_is_left_ou
     screened = screen(changed(WHOLE, 1, input=level))
     assert "in which the cart already moves" in screened.notes[0]
     assert "Run 'case 2'" in screened.notes[0]
+
+
+def test_a_late_drive_is_not_asleep_where_steps_end_in_the_swing() -> None:
+    """A cart that rings answers a step at once, whatever its drive does: only steps from rest tell how late it is."""
+    plant, time = Plant(1.0, 400.0, 2.0), np.arange(3000) * 1e-3
+    runs = []
+    for i, added in enumerate((0.0, 0.5, 1.0, 1.5)):
+        period = 2 * np.pi / plant.rates(added)[1]
+        steps = ((0.2, 0.5), (0.2 + 3 * period, -0.5))
+        level = sum(size * (time >= start) for start, size in steps)
+        late = plant.response(time - 0.1 * period, added, steps)
+        reading = late + 2e-6 * np.random.default_rng(i).standard_normal(time.size)
+        runs.append(
+            stepid.Experiment(
+                name=f"run {i}", time=time, position=reading, input=level, added_mass=added, spring="s", damper="d"
+            )
+        )
+    screened = screen(stepid.Campaign(name="late", experiments=runs))
+    assert screened.notes == ()
+    assert len(screened.campaign.experiments) == 4
 
 
 def test_good_campaigns_are_not_touched() -> None:

@@ -62,7 +62,8 @@ def from_rest(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
         Those that hold such a change, or need none.
     """
     seen = [_Seen(run, quiet := _quiet(run), _answers(run, quiet)) for run in runs]
-    lags = sorted(a.lag for one in seen for a in one.answers if a.lag is not None)
+    # a cart that moves already answers at once, whatever its drive does
+    lags = sorted(a.lag for one in seen for a in one.answers if a.lag is not None and a.rests)
     if not lags:
         return runs
     usual, moving, out = lags[len(lags) // 4], _already_moving(seen), []
