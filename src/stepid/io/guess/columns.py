@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -66,7 +66,8 @@ def find_columns(block: Block, chosen: Mapping[str, str] | None = None) -> tuple
         out.append(Column(j, block.names[j], role, unit, why, rest, values))
     sure = any(c.role == "position" and c.unit is not None for c in out)
     out = [replace(c, role="other") if sure and c.role == "position" and c.why == UNKNOWN else c for c in out]
-    return _by_content(_from_preamble(_as_chosen(out, chosen or {}), block.above))
+    told = {role for role, name in (chosen or {}).items() if called(out, name)}
+    return _by_content(_from_preamble(_as_chosen(out, chosen or {}), block.above), told)
 
 
 def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = False) -> tuple[Group, ...]:
@@ -135,8 +136,8 @@ def _from_preamble(columns: Sequence[Column], above: Sequence[str]) -> list[Colu
     ]
 
 
-def _by_content(columns: Sequence[Column]) -> tuple[Column, ...]:
-    """Roles of columns whose names tell none."""
+def _by_content(columns: Sequence[Column], told: Collection[str] = ()) -> tuple[Column, ...]:
+    """Roles of columns whose names tell none; a role that somebody `told` has its column already."""
     if not any(c.role == "time" for c in columns):
         # of columns called x, one that rises evenly is the abscissa
         rising = [c for c in columns if c.role == "position" and c.unit is None and _kind(c.values) == "time"]
@@ -149,7 +150,7 @@ def _by_content(columns: Sequence[Column]) -> tuple[Column, ...]:
         role = c.role
         if role is None and (kind := _kind(c.values)) is not None:
             # beside a column that is called time, another that rises evenly is none
-            role = "other" if kind in have and (named or kind == "time") else kind
+            role = "other" if kind in told or (kind in have and (named or kind == "time")) else kind
             if role == "time":
                 have.add("time")
         out.append(Column(c.index, c.name, role, c.unit, c.why, c.rest, c.values))
