@@ -56,6 +56,8 @@ def context() -> Any:
         records=records,
         decimated=records,
         floor=FLOOR,
+        rounding=1e-9,
+        dithered=True,
         period=0.5,
         tolerance=0.0,
         faults=(),

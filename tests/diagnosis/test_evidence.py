@@ -119,3 +119,21 @@ def test_a_rest_is_no_correlation_and_two_samples_are_the_least() -> None:
 @pytest.mark.parametrize(("count", "share"), [(1, 0.8), (2, 0.9), (3, 0.95)])
 def test_each_further_effect_halves_what_a_lead_may_leave(count: int, share: float) -> None:
     assert least_share(Criteria(lead=0.8), count) == pytest.approx(share)
+
+
+def test_what_is_less_than_rounding_leaves_is_no_evidence() -> None:
+    told = context()
+    told.rounding = FLOOR
+    rounded, follows = candidate(["coulomb_friction"], times=0.9), candidate(["coulomb_friction", "cogging"], times=0.4)
+    first, second = weigh(told, [rounded, follows])
+    assert (first.candidate, second.candidate) == (rounded, follows)
+    assert 0 < second.loss < 30  # what its parameters cost
+    assert weigh(context(), [rounded, follows])[0].candidate is follows
+
+
+def test_a_fit_below_rounding_is_at_the_floor_whatever_it_looks_like() -> None:
+    slow = candidate(["coulomb_friction"], times=0.9, structure=50.0)
+    told = context()
+    assert not at_floor(told, Criteria(), slow)
+    told.rounding = FLOOR
+    assert at_floor(told, Criteria(), slow)

@@ -75,13 +75,15 @@ def weigh(context: FitContext, candidates: Sequence[Candidate]) -> list[Weighed]
     """Rank candidates by QBIC = N ln cost + price, N the effective samples of the best one's residual; best first.
 
     Where the best leaves white noise this is the usual BIC with the noise estimated; where it does not, the residual's
-    own correlation says how few independent samples there are (Burnham and Anderson 2002, section 2.5).
+    own correlation says how few independent samples there are (Burnham and Anderson 2002, section 2.5). What is less
+    than the sensor's rounding leaves is no evidence.
     """
     best = min(candidates, key=lambda c: c.optimum.cost)
     counts = effective_samples(context.records, best.optimum.problem.residual(best.optimum.solved))
     samples = float(counts.sum())
-    least = max(best.optimum.cost, np.finfo(float).tiny)
-    variance = least / float((context.records.weight**2).sum())
+    square = float((context.records.weight**2).sum())
+    least = max(best.optimum.cost, square * context.rounding**2)
+    variance = least / square
     prices = [price(c.optimum, counts, variance) for c in candidates]
     scores = [
         samples * math.log(max(c.optimum.cost, least) / least) + p for c, p in zip(candidates, prices, strict=True)
@@ -100,6 +102,8 @@ def chosen_at(criteria: Criteria, found: Candidate) -> float:
 def at_floor(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
     """Tell whether a fit leaves nothing but noise, whose size is known to some per cent only."""
     records = context.records
+    if found.optimum.rms <= context.rounding:
+        return True
     samples = float((records.weight**2).sum())
     times = found.optimum.rms / context.floor
     if context.colored is not None:  # its size is known less well, and it is not white

@@ -117,8 +117,11 @@ def _free_laws(context: FitContext, optimum: Optimum, records: Records) -> tuple
 def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeLaw | None:
     """Law that what is as small as the noise follows by more than `allowed`, None where there is none.
 
-    Among the decimated samples, which are means of neighbors, it may be chance; then all of them do not tell it.
+    Among the decimated samples, which are means of neighbors, it may be chance; then all of them do not tell it. What
+    is less than rounding leaves follows the steps of the sensor.
     """
+    if found.optimum.rms <= context.rounding:
+        return None
     law = _strongest(context, found, context.decimated)
     beyond, power = allowed(context, criteria, found, noise=True)
     if law.beyond <= beyond or law.power <= power:
@@ -134,9 +137,9 @@ def allowed(context: FitContext, criteria: Criteria, found: Candidate, *, noise:
     """Standard deviations beyond chance, and power [m²], that a law of another shape may take of what is left.
 
     Real laws are rough, which shows in a rest; what leaves only `noise` has no room for that. Noise that is colored,
-    or stands beside runs that differ, is not known well enough to say so.
+    or rounding that nothing dithers, or stands beside runs that differ, is not known well enough to say so.
     """
-    if noise and not found.deviations and context.colored is None:
+    if noise and not found.deviations and context.colored is None and context.dithered:
         return criteria.shape, 0.0
     return criteria.white, criteria.rough * (context.coarse_linear.cost - context.noise_cost)
 

@@ -15,6 +15,7 @@ from stepid.fitting.covariance import by_weights
 from stepid.fitting.decimation import decimated, fit_coarsely, shortest_period
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.noise_color import NoiseColor
+from stepid.fitting.noise_floor import least_floor
 from stepid.fitting.problem import fixes_mass, scales
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.spectrum import strongest_period
@@ -40,7 +41,7 @@ class Scored(NamedTuple):
 class Start(NamedTuple):
     """Where a fit starts: the linear plant's shared parameters, and the values of each effect's, in their order.
 
-    Where runs start in motion, also how far from rest [m], if that is known.
+    Also how far from rest each run starts [m], NaN where that is not known.
     """
 
     linear: Array
@@ -93,6 +94,16 @@ class FitContext:
     def by_weights(self) -> Optimum | None:
         """The linear plant with the most likely added masses, where errors of these leave only noise."""
         return by_weights(*self.first)
+
+    @cached_property
+    def rounding(self) -> float:
+        """RMS that rounding leaves at least, m: a fit that leaves less follows the steps of the sensor."""
+        return least_floor(self.records)
+
+    @property
+    def dithered(self) -> bool:
+        """Whether rounding is noise, too: the sensor's own is half a step or more (Widrow 1956, IRE Trans. CT-3)."""
+        return self.floor >= 2 * self.rounding
 
     @property
     def noise_cost(self) -> float:

@@ -6,8 +6,6 @@ import math
 from collections.abc import Sequence
 from functools import cached_property
 
-import numpy as np
-
 from stepid.core.base import Array
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, chosen_at, effective_samples, is_white, least_share, price
@@ -90,9 +88,10 @@ class Standings:
     def _qbic(self, optimum: Optimum) -> float:
         """QBIC by the samples that are effective in what the best candidate leaves, but for a constant."""
         best = min(self.candidates.values(), key=lambda c: c.optimum.cost)
-        counts, variance = self._counts(best), best.optimum.cost / float((self.fit.records.weight**2).sum())
-        cost = max(optimum.cost, np.finfo(float).tiny)
-        return float(counts.sum()) * math.log(cost) + price(optimum, counts, variance)
+        square = float((self.fit.records.weight**2).sum())
+        least = square * self.fit.rounding**2
+        counts, variance = self._counts(best), max(best.optimum.cost, least) / square
+        return float(counts.sum()) * math.log(max(optimum.cost, least)) + price(optimum, counts, variance)
 
     def _needed(self, effects: tuple[Effect, ...], deviations: Deviations) -> float:
         """Cost in the race at which a set is an answer, m²: the noise, or as little of a misfit as a lead may leave.
