@@ -9,7 +9,7 @@ import pytest
 
 from exact_plants import EFFECTS, exact_campaign
 from search_nodes import FRICTION, GENERAL, SIMPLE, TWO, context, node, prepared, sets, sound
-from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, IN_PLACE, MOVES, TOGETHER
+from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, IN_PLACE, MOVES, SAME, TOGETHER
 from stepid.diagnosis.selection.moves.add import Add
 from stepid.diagnosis.selection.moves.add_together import AddTogether
 from stepid.diagnosis.selection.moves.deviate import Deviate
@@ -22,7 +22,7 @@ from stepid.fitting.fit import prepare
 
 
 def test_each_move_has_a_name_of_its_own() -> None:
-    kinds = {type(m) for m in (*EXPLORING, *CONFIRMING, *IN_PLACE)}
+    kinds = {type(m) for m in (*EXPLORING, *CONFIRMING, *IN_PLACE, *SAME)}
     assert len({m.name for m in MOVES}) == len(MOVES) == len(kinds) + len(TOGETHER), "two moves have one name"
 
 

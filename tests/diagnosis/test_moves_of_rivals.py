@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import stepid
 from exact_plants import EFFECTS
 from search_nodes import FRICTION, GENERAL, SIMPLE, context, node, noisy, prepared, sets, sound
 from stepid.diagnosis.selection.moves import drop
@@ -16,6 +17,7 @@ from stepid.diagnosis.selection.moves.regeneralize import Regeneralize
 from stepid.diagnosis.selection.moves.resemble import Resemble
 from stepid.diagnosis.selection.moves.specialize import Specialize, level_within
 from stepid.diagnosis.selection.moves.split import Split
+from stepid.diagnosis.selection.moves.twin import Twin
 from stepid.diagnosis.selection.proposal import Node, related, standing
 from stepid.effects import resolve
 from stepid.fitting.candidate_fit import CandidateFit
@@ -189,6 +191,33 @@ def test_friction_of_two_laws_is_alike_where_runs_move_one_way() -> None:
     by_weight = node(fit, {"load_proportional_friction": {"coefficient": 0.01}})
     proposals = Resemble().propose(by_weight, context(fit))
     assert [p.effects[0].name for p in proposals] == ["coulomb_friction"]
+
+
+def test_a_law_that_resembles_another_says_where_runs_begin() -> None:
+    """Friction by weight holds each run at a place of its own: with one friction in all runs these places move."""
+    fit = prepare(campaign(0))
+    by_weight = node(fit, {"load_proportional_friction": {"coefficient": 0.01}})
+    (proposal,) = Resemble().propose(by_weight, context(fit))
+    start = proposal.starts[0]
+    assert start.displacement is not None
+    stiffness, ((level,),) = float(start.linear[1]), start.values
+    gain = float(start.linear[by_weight.best.problem.layout.force_gain] - standing(by_weight).linear[-1])
+    moved = stiffness * (start.displacement - by_weight.best.local[0])
+    weight = 9.81 * by_weight.best.problem.layout.mass(by_weight.best.shared)
+    volts = np.array([0.5 for _ in fit.records.runs])
+    coefficient = standing(by_weight).values[0][0]
+    pushed = level - coefficient * weight + moved - volts * gain  # the same force after the step, in each run
+    assert np.ptp(pushed) < 0.05 * np.ptp(coefficient * weight)
+
+
+def test_a_twin_is_a_law_that_no_motion_tells_apart() -> None:
+    friction = prepared("friction")
+    coulomb = node(friction, FRICTION)
+    assert Twin().propose(coulomb, context(friction)) == []
+    alike = [run.model_copy(update={"added_mass": 0.0}) for run in campaign(0).experiments]
+    fit = prepare(stepid.Campaign(name="one mass", experiments=alike))
+    found = Twin().propose(node(fit, FRICTION), context(fit))
+    assert [p.effects[0].name for p in found] == ["load_proportional_friction"]
 
 
 def test_split_offers_two_laws_for_a_curved_one() -> None:

@@ -213,8 +213,7 @@ def test_what_lets_a_cart_rest_anywhere_is_asked_alone() -> None:
         play,
         friction,
     ]
-    assert resting(every, {}) == [friction, play]
-    assert resting(every, {friction.key: FRICTION}) == [play]
+    assert resting(every) == [friction, play]
 
 
 THREE = ("coulomb_friction", "free_play", "cogging")

@@ -115,7 +115,8 @@ class CandidateFit:
         local = np.repeat(start_local(problem, like)[None], len(starts), axis=0)
         for own, start in zip(local, starts, strict=True):
             if start.displacement is not None:
-                own[0] = np.where(self.context.decimated.moving, start.displacement, own[0])
+                known = problem.active[0] & np.isfinite(start.displacement)
+                own[0] = np.where(known, start.displacement, own[0])
         return shared, start_phases(problem, shared, local) if phase_rows(problem) else local
 
     def _reaches(self, shared: Array, local: Array, like: Optimum) -> list[float]:

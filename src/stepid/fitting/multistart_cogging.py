@@ -42,7 +42,8 @@ def well_starts(context: FitContext, effect: Effect, count: int = 2) -> list[Sta
         turned = np.exp(1j * (np.arctan2(cosine, sine) - 2 * np.pi * apart / pitch))
         strength = np.hypot(sine, cosine)
         values = float(np.median(strength)), pitch, float(np.angle(np.sum(strength * turned)))
-        found.append(Start(solution.shared, (values,), solution.displacement))
+        begins = np.where(records.moving, solution.displacement, np.nan)
+        found.append(Start(solution.shared, (values,), begins))
     return found
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from stepid.core.base import Array
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import FitContext, Scored, Start
+from stepid.fitting.multistart_held import held_starts
 
 
 def _less_damped(context: FitContext, effect: Effect) -> list[Array]:
@@ -32,4 +33,5 @@ def race_starts(context: FitContext, effect: Effect, scored: Sequence[Scored]) -
         starts += [Start(shared, (tuple(v),)) for shared in _less_damped(context, effect) for v in own_guesses]
     if own:
         starts.append(Start(context.coarse_linear.shared, (effect.faint(own[0].values, 0.05),)))
+    starts += held_starts(context, effect)
     return starts

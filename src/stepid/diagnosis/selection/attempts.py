@@ -7,11 +7,12 @@ from collections.abc import Sequence
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, Key
 from stepid.diagnosis.selection.fits import Fits
-from stepid.diagnosis.selection.moves import EXPLORING, TOGETHER
+from stepid.diagnosis.selection.moves import EXPLORING, SAME, TOGETHER
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.promote import promote
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.fitting.candidate_fit import is_short
+from stepid.simulation.records import mass_span
 
 
 class Attempts(Fits):
@@ -41,10 +42,16 @@ class Attempts(Fits):
         return self._takes_enough(least)
 
     def _try_resting(self) -> None:
-        """Where no single effect is enough, fit alone those that let runs begin where they stuck: no step tells it."""
+        """Where no single effect is enough, fit alone those that let runs begin where they stuck: no step tells it.
+
+        To their end: conditions that differ from run to run can leave only noise long before.
+        """
         if self._one_is_enough():
             return
-        self._fit_all(by.resting(self.proposals, self.nodes))
+        alone = by.resting(self.proposals)
+        self._fit_all([p for p in alone if (p.base, p.key) not in self._tried])  # from where it starts alone
+        for node in (self.nodes[p.key] for p in alone if p.key in self.nodes):
+            node.fitted.run(laps=self.effort.polishing)
         self._polish_best()
 
     def _try_larger(self) -> bool:
@@ -91,6 +98,19 @@ class Attempts(Fits):
             aside = self.nodes.keys() - {p.key for p in exchanges}
             self._fit_all(exchanges)
             self._polish_best()
+
+    def _add_twins(self) -> None:
+        """Where all runs have one mass, fit what no motion tells from each candidate: it is as good an answer."""
+        if mass_span(self.fit.records) > 0:
+            return
+        for node in [self.nodes[key] for key in self.candidates]:
+            known = len(self.proposals)
+            self._expand(node, SAME)
+            for proposal in self.proposals[known:]:
+                if proposal.key not in self.candidates:
+                    self._fit(proposal)
+                    if proposal.key in self.nodes:
+                        self._polish(self.nodes[proposal.key])
 
     def _takes_enough(self, least: float) -> bool:
         """Tell whether a set takes as much of what the best so far left [m²] as a lead has to, or leaves only noise."""

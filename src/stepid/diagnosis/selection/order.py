@@ -143,9 +143,9 @@ def modes(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], bases: Colle
     return list({p.key: p for p in new if any(is_mode(e) for e in p.effects if e.name not in p.base[0])}.values())
 
 
-def resting(proposals: Sequence[Proposal], nodes: Mapping[Key, Node]) -> list[Proposal]:
-    """Simple effects alone that let a cart rest away from the spring's rest position, of those not fitted yet."""
-    alone = [p for p in proposals if len(p.effects) == 1 and not (p.deviations or p.base[0]) and p.key not in nodes]
+def resting(proposals: Sequence[Proposal]) -> list[Proposal]:
+    """Simple effects alone that let a cart rest away from the spring's rest position."""
+    alone = [p for p in proposals if len(p.effects) == 1 and not (p.deviations or p.base[0])]
     return list({p.key: p for p in alone if p.effects[0].rests_anywhere and not p.effects[0].contains}.values())
 
 

@@ -73,6 +73,7 @@ class Search(Attempts):
         self._confirm()
         if self._simplify():
             self._confirm()
+        self._add_twins()
         return sorted(self.candidates.values(), key=lambda c: c.optimum.cost)
 
     def _explore(self, most: int) -> None:
@@ -221,7 +222,8 @@ class Search(Attempts):
         hoped = by.hoped(proposal, self.effort)
         if proposal.move in RIVALS:
             no_answer = by.no_answer(self.fit.noise_limit, proposal.effects, hoped / 2)  # the best may lie above it
-            return not no_answer and proposal.left < least + self.effort.stuck * slack + self.effort.worth * least
+            alike = min(node.cost for node in self.nodes.values() if node.size <= proposal.size)
+            return not no_answer and proposal.left < alike + self.effort.stuck * slack + self.effort.worth * alike
         if by.no_answer(self.noise_limit, proposal.effects, hoped):
             return False
         return (proposal.base == self.root.key or hoped <= named) and proposal.left < proposal.like.cost - slack

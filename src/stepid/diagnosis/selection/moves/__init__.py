@@ -13,9 +13,10 @@ from stepid.diagnosis.selection.moves.regeneralize import Regeneralize
 from stepid.diagnosis.selection.moves.resemble import Resemble
 from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.moves.split import Split
+from stepid.diagnosis.selection.moves.twin import Twin
 from stepid.diagnosis.selection.proposal import Move
 
-EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Deviate(), Split(), Drop())
+EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Resemble(), Deviate(), Split(), Drop())
 """Moves to sets that explain more: fitted are the most promising, if they promise to leave less than their node."""
 
 TOGETHER: tuple[Move, ...] = (
@@ -34,8 +35,11 @@ A move in this list and in `EXPLORING` makes rivals in both.
 IN_PLACE: tuple[Move, ...] = (Instead(),)
 """Moves from an answer that leaves only noise, without one of the conditions that differ from run to run in it."""
 
+SAME: tuple[Move, ...] = (Twin(),)
+"""Moves to sets that no record of one mass tells from what was found: they stand beside it in the end."""
+
 UNFORESEEN = frozenset({Exchange.name, Regeneralize.name})
 """Names of moves of which a linearized step tells little: the nearest are fitted whatever they promise."""
 
-MOVES: tuple[Move, ...] = tuple({m.name: m for m in (*EXPLORING, *TOGETHER, *CONFIRMING, *IN_PLACE)}.values())
+MOVES: tuple[Move, ...] = tuple({m.name: m for m in (*EXPLORING, *TOGETHER, *CONFIRMING, *IN_PLACE, *SAME)}.values())
 """All of them, each once: follows from those above."""

@@ -15,11 +15,15 @@ from stepid.fitting.weak_form import force_along, motion_along
 
 
 class Likeness(NamedTuple):
-    """What effects in the place of one leave of its force, a share; their values, and the linear plant beside them."""
+    """What effects in the place of one leave of its force, a share; their values, and the linear plant beside them.
+
+    `displacement` is how far from the spring's rest position each run starts then, m.
+    """
 
     left: float
     values: tuple[tuple[float, ...], ...]
     linear: Array
+    displacement: Array
 
 
 class ForceAlong:
@@ -35,16 +39,17 @@ class ForceAlong:
 
     def __init__(self, node: Node, place: int, context: SearchContext) -> None:
         self._layout, here = node.best.problem.layout, standing(node)
-        self._linear = here.linear
+        self._linear, self._displacement = here.linear, node.best.local[0]
         records = node.best.problem.records
+        self._spring = records.spring
         self.motion: Motion = motion_along(records, here.linear, *node.best.solved.states[:2])
         self._seen = np.abs(self.motion.v) > context.effort.attenuated * np.abs(self.motion.v).max()
         self._force = force_along(node.effects[place], here.values[place], self.motion)[self._seen]
         self._plain = np.column_stack([self.motion.x, self.motion.v])[self._seen]
         # what a fit follows without any effect: a rest position for each run and the gain, too
         rests = records.run[:, None] == np.arange(len(records.runs))
-        follows = np.column_stack([self._plain, self.motion.volts[self._seen], rests[self._seen]])
-        self._follows = np.linalg.qr(follows[:, follows.any(axis=0)])[0]
+        self._followed = np.column_stack([self._plain, self.motion.volts[self._seen], rests[self._seen]])
+        self._follows = np.linalg.qr(self._followed[:, self._followed.any(axis=0)])[0]
         # of a force that rest positions stand in for nothing but rounding is left
         faint = np.sqrt(np.finfo(float).eps) * float(self._force @ self._force)
         self._beyond = max(self._power_beyond(self._force), faint, np.finfo(float).tiny)
@@ -75,10 +80,21 @@ class ForceAlong:
                 return None
             out.append(values)
             at += len(one.forces)
-        moved = self._linear.copy()
-        moved[self._layout.stiffness] -= found[0]
-        moved[self._layout.damping] -= found[1]
-        return Likeness(self._power_beyond(left) / self._beyond, tuple(out), moved)
+        linear, displacement = self._beside(found[:2], left)
+        return Likeness(self._power_beyond(left) / self._beyond, tuple(out), linear, displacement)
+
+    def _beside(self, plain: Array, left: Array) -> tuple[Array, Array]:
+        """The linear plant and each run's displacement where they stand in for what effects leave of the force."""
+        size = np.linalg.norm(self._followed, axis=0)
+        size[size == 0] = np.inf
+        more = np.linalg.lstsq(self._followed / size, left, rcond=np.sqrt(np.finfo(float).eps))[0] / size
+        linear = self._linear.copy()
+        linear[self._layout.stiffness] -= plain[0] + more[0]
+        linear[self._layout.damping] -= plain[1] + more[1]
+        linear[self._layout.force_gain] += more[2]
+        stiffness = linear[self._layout.stiffness][self._spring]
+        pushed = np.divide(more[3:], stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
+        return linear, self._displacement - pushed
 
 
 def is_force(effect: Effect) -> bool:

@@ -16,6 +16,10 @@ class Resemble:
 
     name = "resemble"
 
+    def most(self, context: SearchContext) -> float:
+        """Share of the force that one in its place may leave."""
+        return context.effort.alike
+
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
         """Propose the node's effects with one of them exchanged for one that is like it, the nearest first."""
         out, here = [], standing(node)
@@ -28,10 +32,12 @@ class Resemble:
             kept = tuple(here.values[i] for i in rest)
             for other in new:
                 found = [force.by((one,)) for one in other.regressors(context.fit.scales, force.motion)]
-                near = sorted((f for f in found if f and f.left < context.effort.alike), key=lambda f: f.left)
+                near = sorted((f for f in found if f and f.left < self.most(context)), key=lambda f: f.left)
                 if not near:
                     continue
-                starts = tuple(Start(f.linear, (*kept, *f.values)) for f in near[: context.effort.starts])
+                starts = tuple(
+                    Start(f.linear, (*kept, *f.values), f.displacement) for f in near[: context.effort.starts]
+                )
                 effects = (*(node.effects[i] for i in rest), other)
                 proposal = Proposal(effects, node.deviations, starts, node.key, node.best, node.cost, move=self.name)
                 out.append((near[0].left, proposal))
