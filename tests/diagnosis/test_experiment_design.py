@@ -9,6 +9,7 @@ import pytest
 
 import diagnosis_example as example
 import stepid
+from made_up_releases import released
 from stepid.diagnosis.experiment_design import _proposals, next_experiment
 from stepid.effects import resolve
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
@@ -26,31 +27,12 @@ def fits(records: Records) -> tuple[Optimum, Optimum]:
     return linear, friction
 
 
-def released(added: float, displacement: float = 0.02) -> stepid.Experiment:
-    """A release in closed form."""
-    time = np.arange(600) * 0.005
-    mass, stiffness, damping = 0.8 + added, 300.0, 4.0
-    decay = damping / (2 * mass)
-    swing = np.sqrt(stiffness / mass - decay**2)
-    y = displacement * np.exp(-decay * time) * (np.cos(swing * time) + decay / swing * np.sin(swing * time))
-    noise = np.random.default_rng(3).normal(0.0, 1e-6, 600)
-    return stepid.Experiment(
-        name=f"release {added:g}",
-        time=time,
-        position=y + noise,
-        input=np.zeros(600),
-        added_mass=added,
-        spring="soft",
-        damper="oil",
-    )
-
-
 def test_releases_are_proposed_where_no_run_has_an_input() -> None:
     records = lay_out(stepid.Campaign(name="releases", experiments=(released(0.0), released(0.5))))
     linear, friction = fits(records)
     told = next_experiment(friction, [linear], floor=1e-6, tell=lambda one: "friction" if one is friction else "none")
     assert re.match(r"To tell friction from none, record a release ", told)
-    assert [one.run.added_mass for one in _proposals(records, 0.02) if "added" in one.words] == [1.0]
+    assert [one.run.added_mass for one in _proposals(records, 0.02, 0.8) if "added" in one.words] == [1.0]
 
 
 def test_a_run_that_was_left_out_takes_no_part() -> None:
@@ -63,9 +45,25 @@ def test_a_run_that_was_left_out_takes_no_part() -> None:
 def test_weights_and_time_are_those_of_the_plant() -> None:
     records = lay_out(example.campaign())
     masses = np.unique(records.added_mass)
-    proposed = _proposals(records, 0.0)
+    proposed = _proposals(records, 0.0, 1.2)
     heavier = [one.run for one in proposed if "kg added" in one.words]
     assert [run.added_mass for run in heavier] == [pytest.approx(masses[-1] + np.diff(masses).min())]
     assert {one.run.time.size for one in proposed} <= {run.time.size for run in records.runs}
     alone = lay_out(example.campaign(runs=("case 4",)))
-    assert not [one for one in _proposals(alone, 0.0) if "added" in one.words]
+    (half,) = [one.run for one in _proposals(alone, 0.0, 1.2) if "half of the moving mass" in one.words]
+    assert half.added_mass == alone.added_mass[0] + 0.6
+
+
+def test_a_weight_tells_friction_by_weight_from_coulomb_friction_where_there_is_none() -> None:
+    records = lay_out(
+        stepid.Campaign(
+            name="releases", experiments=(released(0.0), released(0.0, 0.015).model_copy(update={"name": "other"}))
+        )
+    )
+    friction = fits(records)[1]
+    problem = build(records, resolve(["load_proportional_friction"]))
+    level = friction.shared[-1] / (9.81 * float(friction.problem.layout.mass(friction.shared)[0]))
+    by_weight = minimize(problem, np.append(friction.shared[:-1], level), start_local(problem, friction))
+    assert by_weight is not None
+    told = next_experiment(friction, [by_weight], floor=1e-8, tell=lambda one: "F" if one is friction else "w")
+    assert "a release with half of the moving mass added" in told

@@ -233,3 +233,13 @@ def test_too_little_motion_has_no_shape() -> None:
     where = locate(*fitted(short))
     assert where.velocity_levels.size == where.velocity_force.size
     assert np.isfinite(where.velocity_force).all()
+
+
+def test_releases_are_told_without_steps_and_drive() -> None:
+    trends = {"size": 0.95, "direction": -0.9}
+    runs = {"a": 1e-4, "b": 9e-4}
+    phases = {"ring-down": 6e-4}
+    said = sentences(6e-4, 2e-5, phases, runs, trends, Shape(SHAPES[1], 1.0, 0.1, np.zeros(1)), driven=False)
+    assert "grows with how far from rest a run starts (correlation +0.95)" in said
+    assert "larger in runs that start below rest (correlation 0.90)" in said
+    assert said[-1].endswith("look at the reading or time")

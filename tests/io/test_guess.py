@@ -154,6 +154,18 @@ def test_what_loggers_write(tmp_path: Path) -> None:
     assert dict(labview.columns) == {"time": "X_Value", "position": "Position (cm)", "input": "Voltage (V)"}
 
 
+def test_a_column_that_is_named_is_the_only_position_without_a_header(tmp_path: Path) -> None:
+    rows = "\n".join(f"{t:.6g},{x:.6g},{2 * x + 1:.6g}" for t, x in zip(T, X, strict=True))
+    (tmp_path / "run.csv").write_text(rows, encoding="utf-8")
+    asked = stepid.draft_campaign(tmp_path / "run.csv", position_unit="mm", added_mass=0.0, step=0.5)
+    with pytest.raises(InputError, match=r"Which column is the position \(1, 2;"):
+        asked.campaign()
+    told = stepid.draft_campaign(
+        tmp_path / "run.csv", position="2", position_unit="mm", added_mass=0.0, step=0.5
+    ).campaign()
+    assert told.experiments[0].position == pytest.approx(1e-3 * (1 + 2 * X), abs=1e-7)
+
+
 def test_lines_below_the_rows_are_left_out(tmp_path: Path) -> None:
     draft = one(tmp_path, "sep=;\n" + table("t_s;x_mm;u_V\n", sep=";") + "Mean;3.2;0.5\nEnd\n")
     assert draft.layout == {"delimiter": ";", "skiprows": 1, "stop": 200}

@@ -22,10 +22,9 @@ from stepid.fitting.fit import unpack
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 
-_REPEAT = (
-    "Repeat one run without changing anything: what differs between the repeats is no property of the plant. "
-    "Then record a free release and a step the other way."
-)
+_REPEAT = "Repeat one run without changing anything: what differs between the repeats is no property of the plant. "
+_BESIDE_STEPS = "Then record a free release and a step the other way."
+_BESIDE_RELEASES = "Then record a release from the other side, and one from half as far."
 _WEIGH = "Weigh the added masses, and state their uncertainty (weight_uncertainty): their errors would explain it, too."
 
 
@@ -118,7 +117,10 @@ def _next(evidence: EvidenceRecord, answer: Answer) -> str | None:
         )
     if evidence.input_fault is not None:
         return evidence.input_fault.remedy
-    return {"unexplained": _REPEAT, "ambiguous": _WEIGH}.get(answer.verdict)
+    if answer.verdict == "unexplained":
+        driven = evidence.context.records.driven.any()
+        return _REPEAT + (_BESIDE_STEPS if driven else _BESIDE_RELEASES)
+    return _WEIGH if answer.verdict == "ambiguous" else None
 
 
 def _ranking(evidence: EvidenceRecord) -> tuple[Ranked, ...]:

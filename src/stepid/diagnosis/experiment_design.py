@@ -27,14 +27,17 @@ class Proposal(NamedTuple):
     displacement: float = 0.0
 
 
-def _proposals(records: Records, displacement: float) -> list[Proposal]:
-    """Runs like the one of the largest input, as long as it; like the widest release, `displacement`, without any."""
+def _proposals(records: Records, displacement: float, mass: float) -> list[Proposal]:
+    """Runs like the one of the largest input, as long as it; like the widest release, `displacement`, without any.
+
+    `mass` is the moving mass of the first run [kg].
+    """
     most = [float(np.abs(run.input).max()) for run in records.runs]
     first = records.runs[int(np.argmax(most))]
     level = float(first.input[np.argmax(np.abs(first.input))])
     h, n = first.sample_time, first.time.size
 
-    def run(levels: tuple[float, float] = (0.0, 0.0), mass: float = first.added_mass, step: float = h) -> Experiment:
+    def run(levels: tuple[float, float] = (0.0, 0.0), added: float = first.added_mass, step: float = h) -> Experiment:
         volts = np.where(np.arange(n) < n // 2, *levels)
         volts[:_WAIT] = 0.0
         return Experiment(
@@ -42,27 +45,28 @@ def _proposals(records: Records, displacement: float) -> list[Proposal]:
             time=np.arange(n, dtype=np.float64) * step,
             position=np.zeros(n),
             input=volts,
-            added_mass=mass,
+            added_mass=added,
             spring=first.spring,
             damper=first.damper,
             base=first.base,
         )
 
     masses = np.unique(records.added_mass)
-    heavier = [float(masses[-1] + np.diff(masses).min())] if masses.size > 1 else []
+    heavier = float(masses[-1] + (np.diff(masses).min() if masses.size > 1 else _HALF * mass))
+    weighs = f"with {heavier:g} kg added" if masses.size > 1 else "with half of the moving mass added"
     if level == 0:
         return [
             Proposal("a release from the other side", run(), -displacement),
             Proposal("a release from half as far", run(), _HALF * displacement),
             Proposal("a release from farther away, if the travel allows", run(), _LARGER * displacement),
-            *(Proposal(f"a release with {mass:g} kg added", run(mass=mass), displacement) for mass in heavier),
+            Proposal(f"a release {weighs}", run(added=heavier), displacement),
         ]
     steps = [
         (f"a step of {-level:g} V, the other way, and back", run((-level, 0.0))),
         (f"a step of {level:g} V with the step back to 0 V in the record", run((level, 0.0))),
         (f"a step of {_HALF * level:g} V, half the size, and back", run((_HALF * level, 0.0))),
         (f"a step of {_LARGER * level:.3g} V, a larger one, if the travel allows", run((_LARGER * level, 0.0))),
-        *((f"a step of {level:g} V with {mass:g} kg added", run((level, 0.0), mass)) for mass in heavier),
+        (f"a step of {level:g} V {weighs}", run((level, 0.0), heavier)),
         (
             f"a step of {level:g} V sampled every {h / _FASTER * 1e3:.3g} ms",
             run((level, level), first.added_mass, h / _FASTER),
@@ -94,7 +98,8 @@ def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tel
     """
     best: tuple[float, str] = (0.0, "")
     fitted, start = chosen.problem.records, chosen.local[0]
-    proposals = _proposals(fitted, float(start[np.argmax(np.abs(start))]))
+    mass = float(chosen.problem.layout.mass(chosen.shared)[0])
+    proposals = _proposals(fitted, float(start[np.argmax(np.abs(start))]), mass)
     records = fitted.like([one.run for one in proposals])
     begin = [one.displacement for one in proposals]
     base = _answers(records, chosen, begin)

@@ -63,7 +63,9 @@ def locate(records: Records, linear: Optimum, floor: float, motion: Motion | Non
         position_force=position[1],
         runs=runs,
         trends=trends,
-        sentences=sentences(_rms(square[trusted]), floor, phases, runs, trends, kind),
+        sentences=sentences(
+            _rms(square[trusted]), floor, phases, runs, trends, kind, driven=bool(records.driven.any())
+        ),
         jump=2 * clear.coefficient if clear is not None and clear.name == "sign of velocity" else None,
     )
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
+import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
@@ -19,6 +20,8 @@ from stepid.fitting.problem import fixes_mass
 
 _SLOW = 1.0  # s between readings, of which a cart on a spring makes no use
 _CLIPPED = 12  # samples at one extreme reading, in motion before and after
+_PEAK = 0.2  # of these samples: within one count more, the least that a peak stays there
+Flags = npt.NDArray[np.bool_]
 
 
 def notes_on(
@@ -33,7 +36,7 @@ def notes_on(
     if slowest >= _SLOW:
         out.append(f"The readings come every {slowest:.3g} s: if the times are milliseconds, give time_scale = 0.001.")
     for run, begin in zip(records.runs, records.begin, strict=True):
-        if _is_clipped(run.position[begin:]):
+        if _is_clipped(run.position[begin:], run.resolution or 0.0):
             out.append(
                 f"Run {run.name!r} stays at its extreme reading for {_CLIPPED} samples or more: did it hit a stop?"
             )
@@ -44,25 +47,46 @@ def notes_on(
     for effect, place in zip(effects, final.problem.layout.values, strict=True):
         if said := effect.remark(tuple(map(float, final.shared[place]))):
             out.append(said)
-    own = effect_parameters(effects)
-    assumed = parameter_names(final, ())[records.base[0]][0] if fixes_mass(records) is not None else None
-    for name, value in parameters.items():
-        known = value.one_sided is not None or name == assumed
-        if value.uncertainty is None and not known:
-            out.append(f"The data do not determine {parameter_words(name)}.")
-        elif name in own and value.uncertainty is not None and value.uncertainty > open_ * abs(value.value):
-            out.append(f"The data hardly determine {parameter_words(name)}: {value}.")
+    out += _open_parameters(final, effects, parameters, open_)
     if not final.converged:
         out.append(NOT_CONVERGED)
     return tuple(out)
 
 
-def _is_clipped(y: Array) -> bool:
+def _open_parameters(
+    final: Optimum, effects: tuple[Effect, ...], parameters: Mapping[str, Estimate], open_: float
+) -> Iterator[str]:
+    """Say which parameters the data leave open, of those that they are asked for."""
+    records, linear, own = final.problem.records, parameter_names(final, ()), effect_parameters(effects)
+    assumed = {linear[records.base[0]][0]} if fixes_mass(records) is not None else set()
+    if not records.driven.any():
+        assumed.add(linear[-1][0])  # no input asks for it
+    for name, value in parameters.items():
+        known = value.one_sided is not None or name in assumed
+        if value.uncertainty is None and not known:
+            yield f"The data do not determine {parameter_words(name)}."
+        elif name in own and value.uncertainty is not None and value.uncertainty > open_ * abs(value.value):
+            yield f"The data hardly determine {parameter_words(name)}: {value}."
+
+
+def _is_clipped(y: Array, resolution: float) -> bool:
+    """Tell whether a record stays at its extreme reading in motion, for longer than a peak does within a count."""
     for extreme in (y.max(), y.min()):
-        at = np.flatnonzero(y == extreme)
-        if at.size >= _CLIPPED and at[0] > 0 and at[-1] < y.size - 1:
-            run = np.diff(np.flatnonzero(np.concatenate([[True], np.diff(at) > 1, [True]])))
-            long = int(run.max())
-            if long >= _CLIPPED and abs(y[-1] - extreme) > 0.2 * np.ptp(y):
-                return True
+        at = y == extreme
+        if at.sum() < _CLIPPED or at[0] or at[-1] or abs(y[-1] - extreme) <= 0.2 * np.ptp(y):
+            continue
+        first, end = _longest(at)
+        near = np.abs(y - extreme) < 1.5 * resolution
+        before = int(np.argmin(near[:first][::-1])) if resolution else 0
+        after = int(np.argmin(near[end:])) if resolution else 0
+        # of a parabola that a count cuts off, two counts cut off 1.4 times as much
+        if end - first >= _CLIPPED and before + after < _PEAK * (end - first):
+            return True
     return False
+
+
+def _longest(at: Flags) -> tuple[int, int]:
+    """First and end of the longest stretch of samples that are marked."""
+    edges = np.flatnonzero(np.diff(at.astype(int), prepend=0, append=0)).reshape(-1, 2)
+    first, end = edges[np.argmax(edges[:, 1] - edges[:, 0])]
+    return int(first), int(end)

@@ -102,6 +102,8 @@ def sentences(
     runs: Mapping[str, float],
     trends: Mapping[str, float],
     shape: Shape | None,
+    *,
+    driven: bool = True,
 ) -> tuple[str, ...]:
     """Say where a linear fit disagrees.
 
@@ -115,6 +117,8 @@ def sentences(
         Correlations from `stepid.diagnosis.locate.run_trends`.
     shape : Shape or None
         What the residual force follows.
+    driven : bool
+        Whether any run has an input.
     """
     if rms <= _AT_FLOOR * floor:
         return (f"nowhere: the linear model leaves {length(rms)} RMS, the noise alone {length(floor)}",)
@@ -122,8 +126,8 @@ def sentences(
     if len(runs) > 1:
         said.append(_about_runs(runs))
     if max(runs.values()) >= _DIFFER * min(runs.values()):
-        said += [_about_trend(name, value) for name, value in trends.items() if abs(value) >= _CLEAR_TREND]
-    said.append(_about_force(shape))
+        said += [_about_trend(name, value, driven) for name, value in trends.items() if abs(value) >= _CLEAR_TREND]
+    said.append(_about_force(shape, driven))
     return tuple(said)
 
 
@@ -153,18 +157,21 @@ def _about_runs(runs: Mapping[str, float]) -> str:
     return f"most in run {worst!r} ({length(runs[worst])}), least in run {best!r} ({length(runs[best])})"
 
 
-def _about_trend(name: str, value: float) -> str:
+def _about_trend(name: str, value: float, driven: bool) -> str:
     if name == "direction":
-        return f"larger in runs that go {'up' if value > 0 else 'down'} (correlation {abs(value):.2f})"
-    what = {"mass": "mass", "size": "the size of the step"}.get(name, name)
+        which = ("that go down", "that go up") if driven else ("that start below rest", "that start above rest")
+        return f"larger in runs {which[value > 0]} (correlation {abs(value):.2f})"
+    size = "the size of the step" if driven else "how far from rest a run starts"
+    what = {"mass": "mass", "size": size}.get(name, name)
     return f"{'grows' if value > 0 else 'falls'} with {what} (correlation {value:+.2f})"
 
 
-def _about_force(shape: Shape | None) -> str:
+def _about_force(shape: Shape | None, driven: bool) -> str:
     if shape is None:
         return "too little motion to see a force in the residual"
     if shape.share < CLEAR:
-        return "the residual force follows neither velocity nor position alone: look at the drive, the reading or time"
+        where = "the drive, the reading or time" if driven else "the reading or time"
+        return f"the residual force follows neither velocity nor position alone: look at {where}"
     share = f"{whole_percent(shape.share)} of the force that no spring or damper gives"
     if shape.name == "sign of velocity":
         size = abs(shape.coefficient)
