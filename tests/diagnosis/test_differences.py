@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -43,7 +44,8 @@ def freed(context: FitContext, *kinds: str) -> Candidate:
 def test_a_condition_is_told_with_its_size(kind: str) -> None:
     make, size, unit = CASES[kind]
     context = prepare(make())
-    found = scatter_of(context, freed(context, kind), [linear_candidate(context)])
+    one = freed(context, kind)
+    found = scatter_of(context, one, [linear_candidate(context)], one.optimum)
     assert set(found) - {"rest"} == {kind}  # these campaigns' rest positions differ, too
     assert found[kind].deviation == pytest.approx(size, rel=0.2)  # relative to the first run
     assert found[kind].unit == unit
@@ -53,10 +55,10 @@ def test_a_condition_is_told_with_its_size(kind: str) -> None:
 def test_what_one_of_two_explains_is_found_without_the_other_candidate() -> None:
     context = prepare(scattered(1, late=LATE, gain=RELATIVE))
     both = freed(context, "start_time", "gain")
-    found = scatter_of(context, both, [])
+    found = scatter_of(context, both, [], both.optimum)
     assert set(found) - {"rest"} == {"gain", "start_time"}
     assert all(0.3 < s.explained <= 1 for s in found.values())
-    given = scatter_of(context, both, [freed(context, "gain"), freed(context, "start_time")])
+    given = scatter_of(context, both, [freed(context, "gain"), freed(context, "start_time")], both.optimum)
     for kind, s in given.items():
         assert s.explained == pytest.approx(found[kind].explained, abs=0.02)
 
@@ -67,10 +69,22 @@ def test_rest_positions_that_move_are_told() -> None:
         y = still.experiments[run].position
         still = changed(still, run, position=y - y[:5].mean() + 2e-4 * run, counts_per_meter=None)
     context = prepare(still)
-    found = scatter_of(context, linear_candidate(context), [])
+    found = scatter_of(context, linear_candidate(context), [], context.linear)
     assert list(found) == ["rest"]
     assert found["rest"].deviation == pytest.approx(2e-4 * np.std(range(6), ddof=1), rel=0.1)
     assert found["rest"].unit == "m"
+
+
+def test_rest_positions_are_those_of_the_fit_that_is_shown() -> None:
+    """A candidate that is not named may shift them at will."""
+    context = prepare(scattered(1))
+    shifts = linear_candidate(context)
+    apart = shifts.optimum.solved.reading - 0.01 * context.records.run
+    moved = replace(shifts.optimum.solved, reading=apart)
+    astray = replace(shifts, optimum=replace(shifts.optimum, solved=moved))
+    told = scatter_of(context, astray, [], context.linear)
+    assert told == scatter_of(context, shifts, [], context.linear)
+    assert scatter_of(context, shifts, [], astray.optimum)["rest"].deviation > 0.01
 
 
 def test_alike_runs_differ_in_nothing() -> None:
@@ -79,7 +93,7 @@ def test_alike_runs_differ_in_nothing() -> None:
         y = alike.experiments[run].position
         alike = changed(alike, run, position=y - y[:10].mean(), counts_per_meter=None)
     context = prepare(alike)
-    assert scatter_of(context, linear_candidate(context), []) == {}
+    assert scatter_of(context, linear_candidate(context), [], context.linear) == {}
 
 
 def test_words_have_units() -> None:

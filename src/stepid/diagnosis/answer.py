@@ -40,7 +40,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
     final, effects = told.optimum, told.effects
     before, after = evidence.left_out.of_two(linear, final)
     parameters = estimates(final, effects, floor)[0] | evidence.limited(told)
-    scatter = scatter_of(context, told if told.deviations else answer.shown, evidence.candidates)
+    scatter = scatter_of(context, told if told.deviations else answer.shown, evidence.candidates, told.optimum)
     pooled = _pooled(before), _pooled(after)
     return Diagnosis(
         campaign=campaign.name,

@@ -12,7 +12,7 @@ from stepid.core.words import length
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.wording import whole_percent
 from stepid.fitting.deviations import deviation_std, scatter_values
-from stepid.fitting.levenberg_marquardt import minimize
+from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.simulation.layout import DEVIATIONS
 
@@ -44,7 +44,9 @@ class Scatter(Model):
     explained: Finite
 
 
-def scatter_of(context: FitContext, found: Candidate, candidates: Sequence[Candidate]) -> dict[str, Scatter]:
+def scatter_of(
+    context: FitContext, found: Candidate, candidates: Sequence[Candidate], shown: Optimum
+) -> dict[str, Scatter]:
     """Say by what the runs differ under a candidate: for each condition its standard deviation, and what it explains.
 
     Parameters
@@ -53,20 +55,23 @@ def scatter_of(context: FitContext, found: Candidate, candidates: Sequence[Candi
     found : Candidate
     candidates : sequence of Candidate
         Others, fitted with fewer conditions free.
+    shown : Optimum
+        The fit whose rest positions are told: where nothing is named the linear plant's, and not a candidate's that
+        shifts them at will.
     """
     optimum = found.optimum
-    values = scatter_values(optimum)
-    spread = deviation_std({kind: v for kind, v in values.items() if kind == "rest" or kind in found.deviations})
+    spread = deviation_std({kind: v for kind, v in scatter_values(optimum).items() if kind in found.deviations})
     samples = np.add.reduceat(context.records.weight**2, context.records.first)
     out = {}
     for kind in sorted(found.deviations):
         without = _without(context, found, kind, candidates)
         share = 1.0 - optimum.cost / without if without > 0 else 0.0
         out[kind] = Scatter(deviation=spread.get(kind, 0.0), unit=_UNITS[kind], explained=min(max(share, 0.0), 1.0))
-    rest = spread.get("rest", 0.0)
-    if rest > _NOTABLE * optimum.rms / np.sqrt(samples.min()) and rest > context.floor:
-        moved = float(np.sum(samples * (values["rest"] - np.average(values["rest"], weights=samples)) ** 2))
-        out["rest"] = Scatter(deviation=rest, unit="m", explained=moved / (moved + optimum.cost))
+    rests = {"rest": scatter_values(shown)["rest"]}
+    rest = deviation_std(rests).get("rest", 0.0)
+    if rest > _NOTABLE * shown.rms / np.sqrt(samples.min()) and rest > context.floor:
+        moved = float(np.sum(samples * (rests["rest"] - np.average(rests["rest"], weights=samples)) ** 2))
+        out["rest"] = Scatter(deviation=rest, unit="m", explained=moved / (moved + shown.cost))
     return out
 
 
