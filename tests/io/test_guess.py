@@ -166,6 +166,25 @@ def test_a_column_that_is_named_is_the_only_position_without_a_header(tmp_path: 
     assert told.experiments[0].position == pytest.approx(1e-3 * (1 + 2 * X), abs=1e-7)
 
 
+def test_a_line_above_that_names_too_few_columns_is_no_header(tmp_path: Path) -> None:
+    """What is written has to be read again."""
+    rows = "\n".join(f"{t:.6g}\t0.5\t{x:.6g}" for t, x in zip(T, X, strict=True))
+    (tmp_path / "run.txt").write_text(f"--- Pendolo ---\nTempo.Forzante\n{rows}", encoding="utf-8")
+    draft = stepid.draft_campaign(
+        tmp_path / "run.txt", position=2, input=1, position_unit="mm", input_unit="V", added_mass=0.0
+    )
+    draft.write(tmp_path / "campaign.toml")
+    assert stepid.read_campaign(tmp_path / "campaign.toml").experiments[0].position == pytest.approx(X / 1000, abs=1e-7)
+
+
+def test_a_column_of_stamps_is_the_time_though_samples_were_dropped(tmp_path: Path) -> None:
+    kept = np.delete(np.arange(T.size), [17, 18, 90])
+    rows = "\n".join(f"{T[i]:.6g},{X[i]:.6g}" for i in kept)
+    assert one(tmp_path, rows).columns == {"time": 0, "position": 1}
+    slow = "\n".join(f"{i},{x:.6g}" for i, x in enumerate(1 - np.exp(-T)))  # a position that only rises is none
+    assert one(tmp_path, slow, "slow.csv").columns == {"time": 0, "position": 1}
+
+
 def test_lines_below_the_rows_are_left_out(tmp_path: Path) -> None:
     draft = one(tmp_path, "sep=;\n" + table("t_s;x_mm;u_V\n", sep=";") + "Mean;3.2;0.5\nEnd\n")
     assert draft.layout == {"delimiter": ";", "skiprows": 1, "stop": 200}

@@ -14,7 +14,8 @@ from stepid.io.guess.text import Block
 from stepid.io.guess.words import RUN_WORDS, Role, read_title, role_of, tokens, unit_for
 
 _LEVELS = 12  # an input steps through no more
-_EVEN = 0.3  # of the usual step, by which stamps of samples may differ
+_EVEN = 0.3  # of the usual step, by which stamps of samples may differ; but for
+_MOST = 0.9  # of them: beside dropped samples
 UNKNOWN = "a unit that stepid does not know"
 _SENSORS = {"enc", "encoder", "sensor", "cart", "mass", "wagen", "masse", "laser"}
 
@@ -163,7 +164,8 @@ def _kind(values: Array) -> Role | None:
     if kept.size < 8:
         return "other"
     steps = np.diff(kept)
-    if np.all(steps > 0) and np.ptp(steps) <= _EVEN * float(np.median(steps)):
+    usual = float(np.median(steps))
+    if np.all(steps > 0) and np.mean(np.abs(steps - usual) <= _EVEN * usual / 2) > _MOST:
         return "time"
     levels = np.unique(kept).size
     if levels == 1:

@@ -24,7 +24,9 @@ class Titles(NamedTuple):
         place = self.place
         if place is None or any(self.groups) or (any(self.units) and self.units != self.names):
             return None
-        return place if not is_comment(lines[place]) and _usable(cells(lines[place], separator)) else None
+        row = cells(lines[place], separator)
+        usable = not is_comment(lines[place]) and _usable(row) and len(row) >= len(self.names)
+        return place if usable else None
 
 
 def find_titles(above: Sequence[str], separator: str | None, width: int) -> Titles:
