@@ -139,7 +139,7 @@ def test_diagnose_says_what_it_leaves_out(
     assert run(["diagnose", str(tmp_path), "--added-mass", "0,0.5,1.5", "-q"]) == 2
     told = capsys.readouterr().err
     assert "d_1.5kg.csv: holds no table of numbers that stepid finds; left out" in told
-    assert "case_1.csv, case 1: 1 line(s) below the rows are left out" in told
+    assert "case_1.csv, case 1: 1 line below the rows is left out" in told
 
 
 @pytest.mark.parametrize(

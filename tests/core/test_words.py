@@ -9,7 +9,7 @@ import pytest
 
 import stepid
 from stepid.core.quantities import Quantities
-from stepid.core.words import capitalized, length
+from stepid.core.words import capitalized, counted, length
 
 
 @pytest.mark.parametrize(
@@ -38,3 +38,7 @@ def test_texts_write_lengths_in_one_way() -> None:
     for file in Path(stepid.__file__).parent.rglob("*.py"):
         found = re.search(r"(?<!%)\{[^{}]*:\.\d[gf]\} (?:mm|µm)", file.read_text(encoding="utf-8"))
         assert found is None, f"{file.name}: {found and found[0]}"
+
+
+def test_numbers_have_their_nouns() -> None:
+    assert [counted(n, "run") for n in (0, 1, 2)] == ["0 runs", "1 run", "2 runs"]

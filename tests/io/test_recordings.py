@@ -106,7 +106,7 @@ def test_a_campaign_warns_of_what_is_left_out_of_its_files(tmp_path: Path) -> No
     folder = recordings(tmp_path / "lab", named=True)
     file = folder / "medium_0.5kg.csv"
     file.write_bytes(file.read_bytes() + b"measured by hand\n")
-    with pytest.warns(UserWarning, match=r"medium_0\.5kg.*: 1 line\(s\) below the rows are left out"):
+    with pytest.warns(UserWarning, match=r"medium_0\.5kg.*: 1 line below the rows is left out"):
         assert len(stepid.draft_campaign(folder).campaign()) == 3
 
 

@@ -95,7 +95,7 @@ def replaced(number, old, new):
         ("# only a comment\n", "no rows of numbers"),
         ("t,x,u\n", "a header and no rows"),
         ("t,x,u\n0,1,0\n0.005,1,0\n", "keeps 2 of 2 rows"),
-        (replaced(50, ",0.5", ""), r"line 50: the row holds 2 value\(s\) for 3 columns \(t, x, u\)"),
+        (replaced(50, ",0.5", ""), r"line 50: the row holds 2 values for 3 columns \(t, x, u\)"),
         (replaced(50, ",0.5", ",half"), r"line 50, column 'u': 'half' is not a number"),
         (replaced(50, ",0.5", ","), r"line 50, column 'u': is empty"),
         (replaced(50, ",0.5", ",nan"), r"line 50, column 'u': nan is not a measurement"),
@@ -263,7 +263,7 @@ def test_text_beside_the_readings_is_no_matter(tmp_path):
     with pytest.raises(InputError, match=r"line 2, column 'clock': '12:00:01' is not a number"):
         read_table(file, time="clock", position="x", input="u")
     bare = write(tmp_path / "b.csv", "\n".join([*(row + ",ok" for row in rows[1:60]), *rows[60:]]))
-    with pytest.raises(InputError, match=r"b.csv, line 60: the row holds 3 value\(s\) for 4 columns"):
+    with pytest.raises(InputError, match=r"b.csv, line 60: the row holds 3 values for 4 columns"):
         read_table(bare, time=0, position=1, input=2)
 
 

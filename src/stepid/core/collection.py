@@ -12,6 +12,7 @@ import numpy as np
 from stepid.core.base import Model
 from stepid.core.tables import text_table
 from stepid.core.takes import described
+from stepid.core.words import counted
 from stepid.errors import InputError, MissingPackageError
 
 if TYPE_CHECKING:
@@ -109,7 +110,9 @@ class Runs(Model):
         return records(cast("Campaign", self), axes=axes)
 
     def __repr__(self) -> str:
-        return f"Campaign({self.name!r}, {_counted(len(self))}: {', '.join(repr(e.name) for e in self.experiments)})"
+        return (
+            f"Campaign({self.name!r}, {counted(len(self), 'run')}: {', '.join(repr(e.name) for e in self.experiments)})"
+        )
 
     __str__ = summary
 
@@ -124,7 +127,7 @@ class Runs(Model):
         return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
     def _title(self) -> str:
-        return f"Campaign {self.name!r}: {_counted(len(self))}"
+        return f"Campaign {self.name!r}: {counted(len(self), 'run')}"
 
     def _ipython_key_completions_(self) -> list[str]:
         return [run.name for run in self.experiments]
@@ -211,7 +214,3 @@ def _sketch(run: Experiment) -> str:
         f'<svg width="{_WIDTH}" height="{_HEIGHT}" role="img" aria-label="position over time">'
         f'<polyline points="{points}" fill="none" stroke="currentColor"/></svg>'
     )
-
-
-def _counted(runs: int) -> str:
-    return f"{runs} run{'s' * (runs != 1)}"

@@ -12,6 +12,11 @@ def capitalized(words: str) -> str:
     return words[:1].upper() + words[1:]
 
 
+def counted(number: int, noun: str) -> str:
+    """A number with its noun: ``"1 run"``, ``"3 runs"``."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
 def length(meters: float) -> str:
     """Write a length with three digits in µm or mm, never with an exponent: ``"637 µm"``, ``"1.20 mm"``."""
     micro = 1e6 * meters

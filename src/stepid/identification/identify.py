@@ -10,6 +10,7 @@ from stepid.core.recorded import recorded
 from stepid.core.samples import CLOSE, off_even_clock
 from stepid.core.takes import takes
 from stepid.core.units import check_speed
+from stepid.core.words import counted
 from stepid.errors import IdentificationError, UndeterminedError
 from stepid.identification.characteristics import characterize_each
 from stepid.identification.characteristics_model import Characteristics
@@ -73,7 +74,7 @@ def identify_with_system(
         kept = [run for run in campaign.experiments if run.name in used]
         if len(kept) < 2:
             raise UndeterminedError(
-                f"campaign {campaign.name!r} leaves {len(kept)} usable run(s) of {len(campaign.experiments)}"
+                f"campaign {campaign.name!r} leaves {counted(len(kept), 'usable run')} of {len(campaign.experiments)}"
                 + "".join(f"; {name} is left out: {why}" for name, why in excluded.items()),
                 "Two runs with the same spring and different known added masses are the least.",
             )
@@ -130,7 +131,7 @@ def characterize_campaign(
         try:
             used[experiment.name] = _readable(experiment, peak)
         except IdentificationError as error:
-            excluded[experiment.name] = error.cause
+            excluded[experiment.name] = error.cause.removeprefix(f"run {experiment.name!r}: ")
     for name, why in copies(run for run in campaign.experiments if run.name in used).items():
         del used[name]
         excluded[name] = why

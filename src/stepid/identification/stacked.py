@@ -12,6 +12,7 @@ from stepid.core.experiment import MassOffset
 from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.takes import a, each, takes
+from stepid.core.words import counted
 from stepid.errors import InputError, UndeterminedError
 from stepid.identification.characteristics_model import Characteristics
 from stepid.identification.parameters import StackedSystem
@@ -103,7 +104,7 @@ def _check(runs: Sequence[Characteristics], offsets: Sequence[MassOffset]) -> No
         raise InputError(f"the name {twice[0]!r} is used by more than one run", "Give each run its own name.")
     if len(runs) < 2:
         raise UndeterminedError(
-            f"{len(runs)} run(s) cannot fix masses and stiffness: only their ratio shows in the response",
+            f"{counted(len(runs), 'run')} cannot fix masses and stiffness: only their ratio shows in the response",
             "Add a run with the same spring and another known added mass.",
         )
     names = {run.name for run in runs}

@@ -13,6 +13,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.recorded import note_read
 from stepid.core.takes import described
+from stepid.core.words import counted
 from stepid.errors import InputError
 from stepid.io.safe_read import LARGEST, read_regular
 
@@ -224,7 +225,7 @@ def _locate(
             return InputError(f"{where}, line {line}, column {column!r}: {trouble}", remedy)
         if len(row) != len(columns):
             return InputError(
-                f"{where}, line {line}: the row holds {len(row)} value(s) for {len(columns)} columns "
+                f"{where}, line {line}: the row holds {counted(len(row), 'value')} for {len(columns)} columns "
                 f"({', '.join(columns)})",
                 remedy,
             )

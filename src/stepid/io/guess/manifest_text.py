@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from stepid.core.words import counted
 from stepid.io.guess.answers import MARK
 from stepid.io.guess.draft import ROLES, TURNS, Draft, quantities_of_drafts
 from stepid.io.guess.words import COUNTS
@@ -77,7 +78,7 @@ def _keys(draft: Draft, folder: Path) -> dict[str, tuple[object, str]]:
     if mass is not None:
         keys["added_mass"] = (mass.value, f"kg, {_by(mass.why)}")
     else:
-        weights = "" if draft.weights is None else f"; the name says {draft.weights} weight(s)"
+        weights = "" if draft.weights is None else f"; the name says {counted(draft.weights, 'weight')}"
         keys["added_mass"] = (MARK, f"kg, on top of what the cart weighs{weights}")
     keys["spring"] = (draft.spring.value, "runs of one label share a stiffness" + _assumed(draft.spring.assumed))
     keys["damper"] = (draft.damper.value, "runs of one label share a damping" + _assumed(draft.damper.assumed))

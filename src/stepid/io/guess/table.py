@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.words import counted
 from stepid.io.guess.columns import UNKNOWN, Column, Group, called, find_columns, group_columns
 from stepid.io.guess.draft import ALL, ROLES, Draft, Found, falls
 from stepid.io.guess.file_names import FileName, encoder_above, mass_above, plain_name, read_name, sample_time_above
@@ -85,7 +86,7 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
     doubts += [group.doubt] if group.doubt else []
     if block.unread:
         layout = {**layout, "stop": block.values.shape[0]}
-        doubts.append(f"{block.unread} line(s) below the rows are left out")
+        doubts.append(f"{counted(block.unread, 'line')} below the rows {'is' if block.unread == 1 else 'are'} left out")
     elif several and (ends := _ends(columns)) < block.values.shape[0]:
         layout = {**layout, "stop": ends}  # not all names of columns tell the reader that another run goes on
     draft = Draft(

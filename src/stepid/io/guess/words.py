@@ -38,7 +38,7 @@ _ALSO = {  # other spellings, lower case
         "cm": "centimeter centimeters centimetre centimetres zentimeter",
         "um": "µm μm micron microns micrometer micrometers mikrometer",
         "in": "inch inches zoll",
-        "deg": "° degree degrees grad gradi grados degrés",
+        "deg": "° degree degrees grad gradi grados graus degrés",
         "rad": "radian radians",
         COUNTS: "count cts cnt counts pulses ticks inc inkremente incr impulse",
     },
