@@ -99,7 +99,7 @@ def test_the_run_that_would_tell_is_named_in_whole_sentences() -> None:
 
     assert re.fullmatch(
         r"To tell Coulomb friction from a linear plant, record a step of .*\. "
-        r"There the models differ by [\d.]+ [µm]m RMS, [\d.e+]+ times the noise\.",
+        r"There the models differ by [\d.]+ [µm]m RMS, [\d.]+ times the noise\.",
         told(1e-5),
     )
     assert told(1.0) == (

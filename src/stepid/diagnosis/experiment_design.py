@@ -116,5 +116,10 @@ def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tel
         )
     return (
         f"To tell {tell(chosen)} from {names}, record {best[1]}. There the models differ by {length(best[0])} RMS, "
-        f"{best[0] / floor:.2g} times the noise."
+        f"{_times(best[0] / floor)} the noise."
     )
+
+
+def _times(ratio: float) -> str:
+    """Two digits, without an exponent: ``"290 times"``."""
+    return f"{float(f'{ratio:.2g}'):g} times" if ratio < 1e5 else "far more than 10 000 times"

@@ -194,8 +194,8 @@ class Search(Attempts):
     def _gaining(self, proposals: Sequence[Proposal]) -> list[Proposal]:
         """Those that may better the best so far."""
         nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
-        least, named = self._least().cost, (self._nameable(nodes) or nodes)[0].cost
-        return [p for p in proposals if self._gains(least, named, p)]
+        named = (self._nameable(nodes) or nodes)[0].cost
+        return [p for p in proposals if self._gains(named, p)]
 
     def _idle(self, proposal: Proposal) -> bool:
         """Tell whether a set is no answer by what its parts left, or promises far less than one at the noise floor."""
@@ -214,8 +214,8 @@ class Search(Attempts):
         least = min(node.cost for node in self.nodes.values())
         return by.promises_more(proposal, self.nodes[proposal.key].cost, least, self.effort, self.fit, self.criteria)
 
-    def _gains(self, least: float, named: float, proposal: Proposal) -> bool:
-        """Tell whether a proposal may better the best so far or the best that may be named, or be its rival."""
+    def _gains(self, named: float, proposal: Proposal) -> bool:
+        """Tell whether a proposal may better the best that may be named [m²], or rival the best of its size."""
         slack = self.criteria.tie * self.fit.unit
         if proposal.move == Drop.name:
             return True  # it may have been stuck, or never tried
