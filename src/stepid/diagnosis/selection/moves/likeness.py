@@ -88,12 +88,13 @@ class ForceAlong:
         size = np.linalg.norm(self._followed, axis=0)
         size[size == 0] = np.inf
         more = np.linalg.lstsq(self._followed / size, left, rcond=np.sqrt(np.finfo(float).eps))[0] / size
+        spring, damper, drive, *rests = more
         linear = self._linear.copy()
-        linear[self._layout.stiffness] -= plain[0] + more[0]
-        linear[self._layout.damping] -= plain[1] + more[1]
-        linear[self._layout.force_gain] += more[2]
+        linear[self._layout.stiffness] -= plain[0] + spring
+        linear[self._layout.damping] -= plain[1] + damper
+        linear[self._layout.force_gain] += drive
         stiffness = linear[self._layout.stiffness][self._spring]
-        pushed = np.divide(more[3:], stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
+        pushed = np.divide(rests, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
         return linear, self._displacement - pushed
 
 
