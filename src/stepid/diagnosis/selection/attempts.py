@@ -100,17 +100,20 @@ class Attempts(Fits):
             self._polish_best()
 
     def _add_twins(self) -> None:
-        """Where all runs have one mass, fit what no motion tells from each candidate: it is as good an answer."""
+        """Where all runs have one mass, fit what no motion tells from each candidate: it is as good an answer.
+
+        What the one fit found is the other's, too: the better of both goes to both.
+        """
         if mass_span(self.fit.records) > 0:
             return
-        for node in [self.nodes[key] for key in self.candidates]:
-            known = len(self.proposals)
-            self._expand(node, SAME)
-            for proposal in self.proposals[known:]:
-                if proposal.key not in self.candidates:
-                    self._fit(proposal)
-                    if proposal.key in self.nodes:
-                        self._polish(self.nodes[proposal.key])
+        for _ in range(2):
+            for found in sorted(self.candidates.values(), key=lambda c: c.optimum.cost):
+                for proposal in [p for move in SAME for p in move.propose(self.nodes[found.key], self.context)]:
+                    known = self.candidates.get(proposal.key)
+                    if known is None or known.optimum.cost > found.optimum.cost + self.fit.tolerance:
+                        self._fit(proposal)
+                        if proposal.key in self.nodes:
+                            self._polish(self.nodes[proposal.key])
 
     def _takes_enough(self, least: float) -> bool:
         """Tell whether a set takes as much of what the best so far left [m²] as a lead has to, or leaves only noise."""
