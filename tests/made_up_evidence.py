@@ -57,6 +57,7 @@ def context() -> Any:
         decimated=records,
         floor=FLOOR,
         rounding=1e-9,
+        rounding_cost=RUNS * SAMPLES * 1e-18,
         dithered=True,
         period=0.5,
         tolerance=0.0,

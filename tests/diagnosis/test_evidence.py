@@ -123,7 +123,7 @@ def test_each_further_effect_halves_what_a_lead_may_leave(count: int, share: flo
 
 def test_what_is_less_than_rounding_leaves_is_no_evidence() -> None:
     told = context()
-    told.rounding = FLOOR
+    told.rounding_cost = RUNS * SAMPLES * FLOOR**2
     rounded, follows = candidate(["coulomb_friction"], times=0.9), candidate(["coulomb_friction", "cogging"], times=0.4)
     first, second = weigh(told, [rounded, follows])
     assert (first.candidate, second.candidate) == (rounded, follows)

@@ -81,9 +81,8 @@ def weigh(context: FitContext, candidates: Sequence[Candidate]) -> list[Weighed]
     best = min(candidates, key=lambda c: c.optimum.cost)
     counts = effective_samples(context.records, best.optimum.problem.residual(best.optimum.solved))
     samples = float(counts.sum())
-    square = float((context.records.weight**2).sum())
-    least = max(best.optimum.cost, square * context.rounding**2)
-    variance = least / square
+    least = max(best.optimum.cost, context.rounding_cost)
+    variance = least / float((context.records.weight**2).sum())
     prices = [price(c.optimum, counts, variance) for c in candidates]
     scores = [
         samples * math.log(max(c.optimum.cost, least) / least) + p for c, p in zip(candidates, prices, strict=True)

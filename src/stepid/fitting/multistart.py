@@ -101,6 +101,11 @@ class FitContext:
         return least_floor(self.records)
 
     @property
+    def rounding_cost(self) -> float:
+        """Cost of all samples that rounding leaves at least, m²: less is no evidence."""
+        return float((self.records.weight**2).sum()) * self.rounding**2
+
+    @property
     def dithered(self) -> bool:
         """Whether rounding is noise, too: the sensor's own is half a step or more (Widrow 1956, IRE Trans. CT-3)."""
         return self.floor >= 2 * self.rounding

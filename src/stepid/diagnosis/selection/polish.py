@@ -63,24 +63,24 @@ def _at_rest(context: FitContext, best: Optimum, effort: Effort) -> Optimum:
     rests = replace(problem, active=active)
     counts = np.add.reduceat(context.records.weight**2, context.records.first)
     before, after = (price(o, counts, context.floor**2) for o in (best, replace(best, problem=rests)))
-    cheaper = (before - after) * context.floor**2
+    most = max(best.cost, context.rounding_cost) + (before - after) * context.floor**2
     held = minimize(
         rests,
         best.shared,
         np.where(active, best.local, 0.0),
         tolerance=context.tolerance,
         iterations=effort.polishing,
-        aim=best.cost + cheaper,
+        aim=most,
     )
-    return best if held is None or held.cost >= best.cost + cheaper else held
+    return best if held is None or held.cost >= most else held
 
 
 def _worth_holding(context: FitContext, best: Optimum, active: npt.NDArray[np.bool_], effort: Effort) -> bool:
     """Tell whether initial states may be those at rest: by one linearized step, with room for its error."""
     problem = best.problem
     jacobian, residual = problem.jacobian(best.solved), problem.residual(best.solved)
-    if not np.isfinite(jacobian).all():  # at a runaway's edge nothing is linear
-        return True
+    if not np.isfinite(jacobian).all() or best.cost < context.rounding_cost:
+        return True  # at a runaway's edge nothing is linear; below rounding there is room
     where = np.argwhere(problem.active)
     kept = np.concatenate([np.ones(int(problem.free.sum()), dtype=bool), active[where[:, 0], where[:, 1]]])
     own = best.local[where[:, 0], where[:, 1]][~kept[-len(where) :]]
