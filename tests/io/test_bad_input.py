@@ -51,7 +51,7 @@ DAMAGED = {
     "UTF-16": (GOOD.encode("utf-16"), "is UTF-16 text"),
     "cut off": (GOOD[: len(GOOD) // 2], r"line \d+: no closing bracket; cut off"),
     "cut at the start": (GOOD[len(GOOD) // 2 :], "bracket without its partner"),
-    "truncated row": (changed(40, "0.5000;", ""), r"line 40: the row holds 4 value\(s\) for 5 columns"),
+    "truncated row": (changed(40, "0.5000;", ""), r"line 40: the row holds 4 values for 5 columns"),
     "two rows in one": (changed(40, ";", LINES[40]), r"line 40"),
     "text": (changed(40, "0.5000", "0.5O00"), r"line 40, column 'Control Effort': '0.5O00' is not a number"),
     "comma": (changed(40, "0.5000", "0,5000"), r"line 40, column 'Control Effort': '0,5000' has a decimal comma"),
