@@ -56,11 +56,12 @@ def press(button: Any) -> None:
     """Scroll to a button, wait until it keeps its place, and click it.
 
     A click during which its button is moved away is none: what arrives moves all that is below it, and so does a
-    picture that is drawn as it comes into view.
+    picture that is drawn as it comes into view. The page may put another button in its place meanwhile: it is looked
+    for at each look.
     """
-    button.scroll_into_view_if_needed()
     places: list[object] = []
     while len(places) < STILL or any(place != places[-1] for place in places[-STILL:]):
+        button.evaluate("(one) => one.scrollIntoView({block: 'nearest'})")
         places.append(button.bounding_box())
         button.page.wait_for_timeout(200)
     button.click()
