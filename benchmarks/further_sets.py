@@ -20,13 +20,9 @@ _SEISMOMETER = "caspar/PhysicsLab, a Lehman seismometer"
 
 
 def _set(
-    name: str, source: str, known: str, allowed: frozenset[str], *files: str, after: float | None = None,
-    until: float = float("inf"),
+    name: str, source: str, known: str, allowed: frozenset[str], *files: str, after: float | None = None
 ) -> MoreSet:  # fmt: skip
-    def build() -> object:
-        return campaign(name, *(run(file, after=after, until=until) for file in files))
-
-    return MoreSet(name, source, known, allowed, build)  # type: ignore[arg-type]
+    return MoreSet(name, source, known, allowed, lambda: campaign(name, *(run(file, after=after) for file in files)))
 
 
 _ALL = (

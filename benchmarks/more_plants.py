@@ -16,14 +16,14 @@ from typing import NamedTuple
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import stepid
-from further_sets import SETS as FURTHER_SETS
-from more_sets import SETS as MORE_SETS
+from further_sets import SETS as FURTHER
+from more_sets import SETS as MORE
 from more_sets import MoreSet
 from real_sets import named
 from stepid import Diagnosis
 from stepid.simulation.warm_up import warm_up
 
-MORE, FURTHER = dict(MORE_SETS), dict(FURTHER_SETS)
+SETS = {**MORE, **FURTHER}
 _HEAD = ("recording", "what is known", "answer", "share", "floors before", "after", "CPU [s]", "names")
 _PAGE = """# More real plants
 
@@ -93,45 +93,43 @@ class Row(NamedTuple):
         )
 
 
-def page(rows: list[Row], commit: str) -> str:
-    """All rows as a page of the documentation."""
+def page(rows: list[Row], commit: str, head: str) -> str:
+    """All rows as a page of the documentation, below its head."""
     lines = [_HEAD, tuple("---" for _ in _HEAD), *(row.cells for row in rows)]
     table = "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
-    measured = _measured(rows)
-    begin, end = (_PAGE, f"\n{_MEASURED}{measured}\n") if measured else (_FURTHER, "")
     kinds = ("right", "not known", "wrong", "–")
     right, open_, wrong, none = (sum(row.names == kind for row in rows) for kind in kinds)
     total = f"Of {len(rows)} recordings {right} are named right and {wrong} wrong. Of {open_} names no one knows. "
     total += f"{none} answers name nothing."
-    return f"{begin}This run is of {commit}. {total}\n\n{table}\n{end}"
+    return f"{head}This run is of {commit}. {total}\n\n{table}\n{_measured(rows)}"
 
 
 def _measured(rows: list[Row]) -> str:
     """What a balance and a ruler told of the plants, and what the joint fit of the linear plant says; "" if nothing."""
     found = [(row, name, value) for row in rows for name, value in row.what.measured.items()]
     told = [(row.what.name, name, f"{value:g}", str(row.found.linear_parameters[name])) for row, name, value in found]
-    lines = [("recording", "parameter", "measured", "found"), ("---",) * 4, *told] if told else []
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
+    lines = [("recording", "parameter", "measured", "found"), ("---",) * 4, *told]
+    table = "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
+    return f"\n{_MEASURED}{table}\n" if told else ""
 
 
 def main() -> None:
     """Run from the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", action="append", choices=sorted(MORE | FURTHER), help="recordings to run")
+    parser.add_argument("--only", action="append", choices=sorted(SETS), help="recordings to run")
     parser.add_argument("--further", action="store_true", help="those that were found last")
     parser.add_argument("--page", type=Path, help="where to write the page of the documentation")
     parser.add_argument("--commit", default="this version", help="what is run, for the page")
     given = parser.parse_args()
     warm_up(lambda words: None)
     rows = []
-    sets = MORE | FURTHER
     for name in given.only or (FURTHER if given.further else MORE):
-        campaign = sets[name].build()
+        campaign = SETS[name].build()
         begin = time.process_time()
-        rows.append(Row(sets[name], stepid.diagnose(campaign), time.process_time() - begin))
+        rows.append(Row(SETS[name], stepid.diagnose(campaign), time.process_time() - begin))
         print(" | ".join(rows[-1].cells), flush=True)
     if given.page:
-        given.page.write_text(page(rows, given.commit), encoding="utf-8")
+        given.page.write_text(page(rows, given.commit, _FURTHER if given.further else _PAGE), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -60,17 +60,17 @@ def scatter_of(
         shifts them at will.
     """
     optimum = found.optimum
-    spread = deviation_std({kind: v for kind, v in scatter_values(optimum).items() if kind in found.deviations})
+    values = scatter_values(optimum) | {"rest": scatter_values(shown)["rest"]}
+    spread = deviation_std({kind: v for kind, v in values.items() if kind == "rest" or kind in found.deviations})
     samples = np.add.reduceat(context.records.weight**2, context.records.first)
     out = {}
     for kind in sorted(found.deviations):
         without = _without(context, found, kind, candidates)
         share = 1.0 - optimum.cost / without if without > 0 else 0.0
         out[kind] = Scatter(deviation=spread.get(kind, 0.0), unit=_UNITS[kind], explained=min(max(share, 0.0), 1.0))
-    rests = {"rest": scatter_values(shown)["rest"]}
-    rest = deviation_std(rests).get("rest", 0.0)
+    rest = spread.get("rest", 0.0)
     if rest > _NOTABLE * shown.rms / np.sqrt(samples.min()) and rest > context.floor:
-        moved = float(np.sum(samples * (rests["rest"] - np.average(rests["rest"], weights=samples)) ** 2))
+        moved = float(np.sum(samples * (values["rest"] - np.average(values["rest"], weights=samples)) ** 2))
         out["rest"] = Scatter(deviation=rest, unit="m", explained=moved / (moved + shown.cost))
     return out
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.words import length
+from stepid.core.words import digits, length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import Simulator
@@ -116,10 +116,5 @@ def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tel
         )
     return (
         f"To tell {tell(chosen)} from {names}, record {best[1]}. There the models differ by {length(best[0])} RMS, "
-        f"{_times(best[0] / floor)} the noise."
+        f"{digits(best[0] / floor)} times the noise."
     )
-
-
-def _times(ratio: float) -> str:
-    """Two digits, without an exponent: ``"290 times"``."""
-    return f"{float(f'{ratio:.2g}'):g} times" if ratio < 1e5 else "far more than 10 000 times"

@@ -77,8 +77,7 @@ def _is_clipped(y: Array, resolution: float) -> bool:
             continue
         first, end = _longest(at)
         near = np.abs(y - extreme) < 1.5 * resolution
-        before = int(np.argmin(near[:first][::-1])) if resolution else 0
-        after = int(np.argmin(near[end:])) if resolution else 0
+        before, after = int(np.argmin(near[:first][::-1])), int(np.argmin(near[end:]))
         # of a parabola that a count cuts off, two counts cut off 1.4 times as much
         if end - first >= _CLIPPED and before + after < _PEAK * (end - first):
             return True

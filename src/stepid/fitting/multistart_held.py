@@ -44,10 +44,12 @@ def held_starts(context: FitContext, effect: Effect) -> list[Start]:
     list of Start
         None where the runs' travels tell of no friction.
     """
+    if not effect.dry or len(effect.parameters) > 1:
+        return []
     records, floor = context.records, context.floor
     stops = _stops(records, floor)
     held = sorted({stop.run for stop in stops})
-    if not (effect.dry and len(effect.parameters) == 1) or len(held) < 2:
+    if len(held) < 2:
         return []
     pushes = effect.regressors(context.scales, context.motion)
     size = max((float(np.abs(push.forces[0]).max()) for push in pushes), default=0.0)

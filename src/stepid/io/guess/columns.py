@@ -137,7 +137,7 @@ def _from_preamble(columns: Sequence[Column], above: Sequence[str]) -> list[Colu
     ]
 
 
-def _by_content(columns: Sequence[Column], told: Collection[str] = ()) -> tuple[Column, ...]:
+def _by_content(columns: Sequence[Column], told: Collection[str]) -> tuple[Column, ...]:
     """Roles of columns whose names tell none; a role that somebody `told` has its column already."""
     if not any(c.role == "time" for c in columns):
         # of columns called x, one that rises evenly is the abscissa

@@ -69,9 +69,7 @@ class ForceAlong:
     def by(self, regressors: Sequence[Regressor]) -> Likeness | None:
         """What some effects can do in its place; None where a law cannot have such a strength."""
         forces = np.column_stack([self._plain, *(f[self._seen] for one in regressors for f in one.forces)])
-        size = np.linalg.norm(forces, axis=0)
-        size[size == 0] = np.inf
-        found = np.linalg.lstsq(forces / size, self._force, rcond=np.sqrt(np.finfo(float).eps))[0] / size
+        found = _least_squares(forces, self._force)
         left = self._force - forces @ found
         out, at = [], 2
         for one in regressors:
@@ -85,10 +83,7 @@ class ForceAlong:
 
     def _beside(self, plain: Array, left: Array) -> tuple[Array, Array]:
         """The linear plant and each run's displacement where they stand in for what effects leave of the force."""
-        size = np.linalg.norm(self._followed, axis=0)
-        size[size == 0] = np.inf
-        more = np.linalg.lstsq(self._followed / size, left, rcond=np.sqrt(np.finfo(float).eps))[0] / size
-        spring, damper, drive, *rests = more
+        spring, damper, drive, *rests = _least_squares(self._followed, left)
         linear = self._linear.copy()
         linear[self._layout.stiffness] -= plain[0] + spring
         linear[self._layout.damping] -= plain[1] + damper
@@ -96,6 +91,14 @@ class ForceAlong:
         stiffness = linear[self._layout.stiffness][self._spring]
         pushed = np.divide(rests, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
         return linear, self._displacement - pushed
+
+
+def _least_squares(forces: Array, sought: Array) -> Array:
+    """Coefficients of forces, one a column, that come nearest to one; none of what rounding decides."""
+    size = np.linalg.norm(forces, axis=0)
+    size[size == 0] = np.inf
+    out: Array = np.linalg.lstsq(forces / size, sought, rcond=np.sqrt(np.finfo(float).eps))[0] / size
+    return out
 
 
 def is_force(effect: Effect) -> bool:
