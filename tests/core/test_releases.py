@@ -7,7 +7,7 @@ import pytest
 
 import stepid
 from stepid.core.base import Array
-from stepid.core.releases import release_index
+from stepid.core.releases import hand, release_index
 
 STEP = 0.01  # s
 
@@ -52,9 +52,30 @@ def test_a_short_hold_is_cut(hold: int, samples: int) -> None:
     assert hold <= release_index(record(y)) <= hold + max(samples / 7, 3)
 
 
-@pytest.mark.parametrize("samples", [8, 20, 40, 300])
-def test_nothing_is_cut_of_a_record_that_begins_with_the_release(samples: int) -> None:
-    assert release_index(record(swing(0.01, samples=samples, ratio=0.05))) == 0
+@pytest.mark.parametrize("hold", [0, 1, 2])
+@pytest.mark.parametrize("samples", [10, 20, 40, 300])
+def test_what_a_hand_may_have_held_unseen_is_left_out(hold: int, samples: int) -> None:
+    y = np.concatenate([np.full(hold, 0.01), swing(0.01, samples=samples, ratio=0.05)])
+    begin = hand(record(y, noise=3e-5))
+    assert not (begin.seen and hold == 0)
+    assert hold <= begin.first <= hold + max(samples / 7, 3)
+
+
+@pytest.mark.parametrize("phase", [-0.05, 0.1])
+@pytest.mark.parametrize("samples", [20, 40, 300])
+def test_nothing_is_left_out_of_a_cart_that_moves_at_the_first_sample(phase: float, samples: int) -> None:
+    away = swing(0.01, samples=samples, ratio=0.05)
+    assert release_index(record(away[round((1 + phase) * samples) :])) == 0
+
+
+@pytest.mark.parametrize("hold", [3, 8, 60])
+@pytest.mark.parametrize("ratio", [0.8, 1.0, 1.5])
+def test_a_hold_before_a_cart_creeps_to_its_rest_is_left_out(hold: int, ratio: float) -> None:
+    turn = 2 * np.pi / 80 * np.arange(500)
+    apart = np.sqrt(complex(ratio**2 - 1)) or 1e-6
+    decay = np.exp(-ratio * turn) * (np.cosh(apart * turn) + ratio / apart * np.sinh(apart * turn))
+    begin = release_index(record(np.concatenate([np.full(hold, 0.01), 0.01 * decay.real])))
+    assert hold <= begin <= hold + 12
 
 
 def test_what_is_said_about_the_start_wins() -> None:

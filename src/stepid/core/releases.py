@@ -41,13 +41,15 @@ _FEWEST = 24  # samples of a release
 _RESTING = 3  # samples in one place: a free cart stays for two at its farthest point
 
 
-@once
+class Hand(NamedTuple):
+    """What a hand does at the start of a record: the first sample surely free of it, and whether it is seen there."""
+
+    first: int
+    seen: bool
+
+
 def release_index(experiment: Experiment) -> int:
     """Index of the first sample at which a cart that a hand pulled, held or pushed is surely free; 0 where none did.
-
-    Only a record without input, of which nobody said how it starts, may begin with a hand. A free cart swings
-    from its farthest point across its rest: the hand is off where that motion, followed back, has a quarter of its
-    speed. Where the free swing, carried back, goes through what came before, no hand held the cart.
 
     Parameters
     ----------
@@ -57,22 +59,55 @@ def release_index(experiment: Experiment) -> int:
     -------
     int
     """
+    return hand(experiment).first
+
+
+@once
+def hand(experiment: Experiment) -> Hand:
+    """Find what a hand does at the start of a record.
+
+    Only a record without input, of which nobody said how it starts, may begin with a hand. A free cart swings
+    from its farthest point across its rest: the hand is off where that motion, followed back, has a quarter of its
+    speed. Where the free swing, carried back, goes through what came before, no hand is seen. It may still have held
+    the cart for some samples: what is lost by leaving them out is little, and a swing fitted through them is another.
+    Only a cart that surely moves at the first sample is free there.
+
+    Parameters
+    ----------
+    experiment : Experiment
+
+    Returns
+    -------
+    Hand
+    """
     if not experiment.is_release or experiment.starts != "auto" or float(np.ptp(experiment.position)) <= 0:
-        return 0
+        return Hand(0, False)
     time, away = experiment.time, experiment.position - _rest(experiment.position)
     steepest = _fall(away)
     if steepest is None:
-        return 0
+        return Hand(0, False)
     begin, end, side = steepest
     width = max(1, round(_WIDTH * (end - begin)))
     speed = -side * (away[width:] - away[:-width]) / (time[width:] - time[:-width])
     slow, first = _slow(speed, max(0, begin - width), end, width)
     if slow:
-        swings = first <= 3 * width and not _rests(experiment, first) and _swings_through(experiment, first)
-        return 0 if swings else first
-    far = int(np.flatnonzero(side * away[:end] > _FAR * float(np.abs(away).max()))[-1])
-    first = _slow(speed, max(0, min(begin, far) - width), end, width)[1]  # a damped cart falls from there
-    return first if _rests(experiment, first) else 0
+        seen = first > 3 * width or _rests(experiment, first) or not _swings_through(experiment, first)
+    else:  # a damped cart falls from its farthest point
+        far = int(np.flatnonzero(side * away[:end] > _FAR * float(np.abs(away).max()))[-1])
+        first = _slow(speed, max(0, min(begin, far) - width), end, width)[1]
+        seen = _rests(experiment, first)
+    return Hand(first if seen or not _moves(experiment, width, float(speed.max())) else 0, seen)
+
+
+def _moves(experiment: Experiment, width: int, fastest: float) -> bool:
+    """Tell whether the cart surely moves at first: by the slope of a parabola there, which the readings follow."""
+    time, y = experiment.time - experiment.time[0], experiment.position - experiment.position[0]
+    count, soon = min(max(width, _RESTING) + 1, y.size), max(width // 2, 1)
+    weights = np.linalg.pinv(np.vander(time[:count], 3))[1]
+    slope = float(weights @ y[:count])
+    chance = _SEEN * record_noise(experiment) * float(np.linalg.norm(weights))
+    follows = y[soon] * np.sign(slope) >= 0.5 * abs(slope) * time[soon]
+    return bool(follows) and abs(slope) > _SURE * fastest + chance
 
 
 def _slow(speed: Array, begin: int, end: int, width: int) -> tuple[bool, int]:
@@ -83,17 +118,22 @@ def _slow(speed: Array, begin: int, end: int, width: int) -> tuple[bool, int]:
 
 
 def _fall(away: Array) -> tuple[int, int, float] | None:
-    """Last sample near the farthest point, first on the other side of rest, and which side the cart comes from."""
-    top = int(np.argmax(np.abs(away) >= _FAR * np.abs(away).max()))
+    """Last sample near the farthest point, first beyond rest or half way to it, and which side the cart comes from."""
+    far = float(np.abs(away).max())
+    top = int(np.argmax(np.abs(away) >= _FAR * far))
     side = float(np.sign(away[top]))
-    across = np.flatnonzero(side * away[top:] < 0)
-    if not across.size:
-        return None
-    end = top + int(across[0])
-    back = np.flatnonzero(side * away[end:] > 0)
-    swing = -side * away[end : end + int(back[0]) if back.size else None]
-    high = _HIGH * max(float(swing.max()), _DAMPED * abs(float(away[top])))
-    return top + int(np.flatnonzero(side * away[top:end] > high)[-1]), end, side
+    fall = side * away[top:]
+    across = np.flatnonzero(fall < 0)
+    end = int(across[0]) if across.size else fall.size
+    back = np.flatnonzero(fall[end:] > 0)
+    swing = float(-fall[end : end + int(back[0]) if back.size else None].min(initial=0.0))
+    high = _HIGH * max(swing, _DAMPED * far)
+    if swing < _FAINT * far:  # it creeps to its rest
+        high, near = _FAR * far, np.flatnonzero(fall < 0.5 * far)
+        if not near.size:
+            return None
+        end = int(near[0])
+    return top + int(np.flatnonzero(fall[:end] > high)[-1]), top + end, side
 
 
 def _carried_back(experiment: Experiment, first: int) -> tuple[Array, Array] | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -13,9 +13,10 @@ from stepid.core.base import Array
 from stepid.core.copies import copies
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.noise import record_noise
-from stepid.core.releases import release_index, split_releases
+from stepid.core.releases import hand, split_releases
 from stepid.core.samples import means_of_blocks
 from stepid.core.units import UNIT, check_speed, check_travel
+from stepid.core.words import counted
 from stepid.errors import InputError
 from stepid.fitting.first_step import from_rest
 from stepid.fitting.reading_faults import Mask, mend
@@ -82,16 +83,28 @@ def screen(campaign: Campaign) -> Screened:
         for run in kept
         if run.starts == "auto" and not run.is_release and starts_in_motion(run)
     ]
-    notes += [
-        f"Run {run.name!r}: the first {begin} samples are left out: a hand held or moved the cart."
-        for run in kept
-        if (begin := release_index(run))
-    ]
+    notes += _hands(kept)
     notes += [note for run in kept if (note := clock_note(run)) is not None]
     if not notes:
         return Screened(campaign, ())
     wrong = {run.name: mended[run.name].wrong[-run.position.size :] for run in kept if mended[run.name].faults}
     return Screened(campaign.model_copy(update={"experiments": tuple(kept)}), tuple(notes), faults, wrong)
+
+
+def _hands(runs: Sequence[Experiment]) -> list[str]:
+    """Say what is left out of releases: where a hand is seen of each, where it may have held the cart of all."""
+    hands = [(run, hand(run)) for run in runs]
+    notes = [
+        f"Run {run.name!r}: the first {held.first} samples are left out: a hand held or moved the cart."
+        for run, held in hands
+        if held.seen
+    ]
+    unsure = {run.name: held.first for run, held in hands if held.first and not held.seen}
+    if unsure:
+        who = f"Release {', '.join(map(repr, unsure))}"
+        what = f"the first {counted(max(unsure.values()), 'sample')}"
+        notes.append(f"{who}: {what} at most are left out: a hand may still have held the cart.")
+    return notes
 
 
 def split_campaign(campaign: Campaign) -> tuple[Campaign, tuple[str, ...]]:
