@@ -56,8 +56,10 @@ def test_a_short_hold_is_cut(hold: int, samples: int) -> None:
 @pytest.mark.parametrize("samples", [10, 20, 40, 300])
 def test_what_a_hand_may_have_held_unseen_is_left_out(hold: int, samples: int) -> None:
     y = np.concatenate([np.full(hold, 0.01), swing(0.01, samples=samples, ratio=0.05)])
-    begin = hand(record(y, noise=3e-5))
+    run = record(y, noise=3e-5)
+    begin = hand(run)
     assert not (begin.seen and hold == 0)
+    assert release_index(run) == (begin.first if begin.seen else 0)
     assert hold <= begin.first <= hold + max(samples / 7, 3)
 
 

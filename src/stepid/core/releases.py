@@ -42,14 +42,14 @@ _RESTING = 3  # samples in one place: a free cart stays for two at its farthest 
 
 
 class Hand(NamedTuple):
-    """What a hand does at the start of a record: the first sample surely free of it, and whether it is seen there."""
+    """What a hand may do at the start of a record: the first sample surely free of it, and whether it is seen there."""
 
     first: int
     seen: bool
 
 
 def release_index(experiment: Experiment) -> int:
-    """Index of the first sample at which a cart that a hand pulled, held or pushed is surely free; 0 where none did.
+    """Index of the first sample at which a cart that a hand is seen to hold or move is surely free; 0 where none is.
 
     Parameters
     ----------
@@ -59,7 +59,8 @@ def release_index(experiment: Experiment) -> int:
     -------
     int
     """
-    return hand(experiment).first
+    first, seen = hand(experiment)
+    return first if seen else 0
 
 
 @once

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -83,7 +83,7 @@ def screen(campaign: Campaign) -> Screened:
         for run in kept
         if run.starts == "auto" and not run.is_release and starts_in_motion(run)
     ]
-    notes += _hands(kept)
+    kept = _let_go(kept, notes)
     notes += [note for run in kept if (note := clock_note(run)) is not None]
     if not notes:
         return Screened(campaign, ())
@@ -91,20 +91,21 @@ def screen(campaign: Campaign) -> Screened:
     return Screened(campaign.model_copy(update={"experiments": tuple(kept)}), tuple(notes), faults, wrong)
 
 
-def _hands(runs: Sequence[Experiment]) -> list[str]:
-    """Say what is left out of releases: where a hand is seen of each, where it may have held the cart of all."""
-    hands = [(run, hand(run)) for run in runs]
-    notes = [
-        f"Run {run.name!r}: the first {held.first} samples are left out: a hand held or moved the cart."
-        for run, held in hands
-        if held.seen
+def _let_go(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
+    """Begin each release where no hand can hold the cart anymore; say so of all, and of each where a hand is seen."""
+    hands = {run.name: hand(run) for run in runs}
+    notes += [
+        f"Run {name!r}: the first {first} samples are left out: a hand held or moved the cart."
+        for name, (first, seen) in hands.items()
+        if seen
     ]
-    unsure = {run.name: held.first for run, held in hands if held.first and not held.seen}
-    if unsure:
-        who = f"Release {', '.join(map(repr, unsure))}"
-        what = f"the first {counted(max(unsure.values()), 'sample')}"
+    unseen = {name: first for name, (first, seen) in hands.items() if first and not seen}
+    if unseen:
+        runs = [run.slice(unseen[run.name]) if run.name in unseen else run for run in runs]
+        who = f"{'Releases' if len(unseen) > 1 else 'Release'} {', '.join(map(repr, unseen))}"
+        what = f"the first {counted(max(unseen.values()), 'sample')}"
         notes.append(f"{who}: {what} at most are left out: a hand may still have held the cart.")
-    return notes
+    return runs
 
 
 def split_campaign(campaign: Campaign) -> tuple[Campaign, tuple[str, ...]]:
