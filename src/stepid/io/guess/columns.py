@@ -139,26 +139,32 @@ def _from_preamble(columns: Sequence[Column], above: Sequence[str]) -> list[Colu
 
 def _by_content(columns: Sequence[Column], told: Collection[str]) -> tuple[Column, ...]:
     """Roles of columns whose names tell none; a role that somebody `told` has its column already."""
-    if not any(c.role == "time" for c in columns):
-        # of columns called x, one that rises evenly is the abscissa
-        rising = [c for c in columns if c.role == "position" and c.unit is None and _kind(c.values) == "time"]
-        if rising and sum(c.role == "position" for c in columns) > 1:
-            columns = [replace(c, role="time") if c is rising[0] else c for c in columns]
-    have = {c.role for c in columns}
-    named = any(c.name for c in columns)
+    columns = _abscissa_as_time(columns)
+    found = {c.role for c in columns}
+    if not any(c.name for c in columns):
+        found &= {"time"}  # without names, several columns may be positions or inputs
+    taken: set[str | None] = {*told, *found}
     out = []
     for c in columns:
-        role = c.role
-        if role is None and (kind := _kind(c.values)) is not None:
-            # beside a column that is called time, another that rises evenly is none
-            role = "other" if kind in told or (kind in have and (named or kind == "time")) else kind
-            if role == "time":
-                have.add("time")
-        out.append(Column(c.index, c.name, role, c.unit, c.why, c.rest, c.values))
+        if c.role is None:
+            kind = _kind(c.values)
+            c = replace(c, role="other" if kind in taken else kind)
+            if kind == "time":  # another that rises evenly is none
+                taken.add("time")
+        out.append(c)
     return tuple(out)
 
 
-def _kind(values: Array) -> Role | None:
+def _abscissa_as_time(columns: Sequence[Column]) -> Sequence[Column]:
+    """Of several columns called x, the first that rises evenly is the abscissa, where none is called time."""
+    positions = [c for c in columns if c.role == "position"]
+    if len(positions) < 2 or any(c.role == "time" for c in columns):
+        return columns
+    abscissa = next((c for c in positions if c.unit is None and _kind(c.values) == "time"), None)
+    return [replace(c, role="time") if c is abscissa else c for c in columns]
+
+
+def _kind(values: Array) -> Role:
     """What a column looks like: time rises evenly, an input has few levels, a position many."""
     kept = values[np.isfinite(values)]
     if kept.size < 8:
