@@ -92,43 +92,45 @@ def parse_export(lines: Sequence[str], *, columns: Sequence[str] | None, where: 
 
 
 def _split(lines: Sequence[str], where: str) -> tuple[list[str], list[list[str]], list[int], bool]:
+    """The lines that may hold the header, the rows and their line numbers, and whether brackets enclose the rows."""
     start = next((i for i, line in enumerate(lines) if _opens(line)), None)
     if start is None:
         return *_split_bare(lines, where), False
     before, _, first = lines[start].rpartition("[")
     preamble = [*lines[:start], before]
-    for i, line in enumerate(preamble):
+    for number, line in enumerate(preamble, 1):
         if _numeric(line):
-            raise InputError(f"{where}, line {i + 1}: numbers before the opening bracket", AGAIN)
-    rows: list[list[str]] = []
-    numbers: list[int] = []
-    end = None
-    for i in range(start, len(lines)):
-        body, _, comment = (first if i == start else lines[i]).partition("%")
-        if comment or (not rows and len(_names(body)) > 1):  # the header may have slipped behind the bracket
-            preamble.append(comment or body)
-            body = body if comment else ""
-        body = body.strip()
-        if "]" in body:
-            body, _, rest = body.partition("]")
-            if rest.strip(" \t;"):
-                raise InputError(f"{where}, line {i + 1}: {rest.strip()[:24]!r} follows the closing bracket", AGAIN)
-            end = i
-        if body := body.strip().removesuffix(";").rstrip():
-            rows.append(body.split())
-            numbers.append(i + 1)
-        if end is not None:
-            break
-    if end is None:
-        raise InputError(f"{where}, line {numbers[-1] if numbers else start + 1}: no closing bracket; cut off", AGAIN)
-    for i in range(end + 1, len(lines)):
-        if _numeric(lines[i]) or _opens(lines[i]):
+            raise InputError(f"{where}, line {number}: numbers before the opening bracket", AGAIN)
+    remarks, rows, end = _enclosed([first, *lines[start + 1 :]], start + 1, where)
+    for number, line in enumerate(lines[end:], end + 1):
+        if _numeric(line) or _opens(line):
             raise InputError(
-                f"{where}, line {i + 1}: numbers after the closing bracket of line {end + 1}", "Keep one record a file."
+                f"{where}, line {number}: numbers after the closing bracket of line {end}", "Keep one record a file."
             )
     if not rows:
         raise InputError(f"{where}, line {start + 1}: no rows between the brackets", AGAIN)
-    return preamble, rows, numbers, True
+    return [*preamble, *remarks], list(rows.values()), list(rows), True
+
+
+def _enclosed(lines: Sequence[str], opening: int, where: str) -> tuple[list[str], dict[int, list[str]], int]:
+    """Comments and header from the opening bracket to the closing one, the rows by line number, the closing line."""
+    remarks: list[str] = []
+    rows: dict[int, list[str]] = {}
+    for number, line in enumerate(lines, opening):
+        body, _, comment = line.partition("%")
+        if comment:
+            remarks.append(comment)
+        elif not rows and len(_names(body)) > 1:  # the header may have slipped behind the bracket
+            remarks.append(body)
+            continue
+        body, closing, rest = body.strip().partition("]")
+        if rest.strip(" \t;"):
+            raise InputError(f"{where}, line {number}: {rest.strip()[:24]!r} follows the closing bracket", AGAIN)
+        if row := body.strip().removesuffix(";").split():
+            rows[number] = row
+        if closing:
+            return remarks, rows, number
+    raise InputError(f"{where}, line {max(rows, default=opening)}: no closing bracket; cut off", AGAIN)
 
 
 def _split_bare(lines: Sequence[str], where: str) -> tuple[list[str], list[list[str]], list[int]]:
