@@ -21,6 +21,7 @@ from stepid.effects.base import Effect, Moment
 from stepid.errors import InputError
 from stepid.simulation.compiled import Address, numba
 from stepid.simulation.fingerprint import fingerprint
+from stepid.simulation.kernel import AT_REST, BREAKAWAY, DELAY, EVALUATE, KINK, READING, RELAX, REMEMBER, SWITCHES
 
 _METHODS = (
     "force",
@@ -53,7 +54,7 @@ def defined(effect: Effect) -> tuple[str, ...]:
 
 
 def source(effect: Effect, methods: Iterable[str]) -> str:
-    """Python source of the law that the kernel calls, see the order of `stepid.simulation.kernel.EVALUATE`.
+    """Python source of the law that the kernel calls; kinds and the places in `m` are those of the kernel.
 
     Parameters
     ----------
@@ -66,49 +67,58 @@ def source(effect: Effect, methods: Iterable[str]) -> str:
     str
     """
     n_values = len(effect.parameters) + len(effect.run_parameters)
-    own = [f"own[{j}]" for j in range(effect.n_extra + effect.n_memory)]
-    sides = [f"sides[{j}]" for j in range(effect.n_switches)]
-    has = dict.fromkeys(_METHODS, False) | dict.fromkeys(methods, True)
-
-    def row(items: list[str]) -> str:
-        return "(" + "".join(f"{item}, " for item in items) + ")"
-
-    def write(values: str, count: int, first: int = 0) -> list[str]:
-        return [f"found = {values}", *(f"out[{first + j}] = found[{j}]" for j in range(count))]
-
-    breakaway = next((f"{name}(p, moment)" for name in ("breakaway", "friction") if has[name]), "0.0")
-    extra, memory = row(own[: effect.n_extra]), row(own[effect.n_extra :])
-    answers: list[list[str]] = [
-        [
-            f"out[0] = {'force(p, moment)' if has['force'] else '0.0'}",
-            f"out[1] = {'friction(p, moment)' if has['friction'] else '0.0'}",
-            f"out[2] = {'drive(p, moment)' if has['drive'] else 'm[5]'}",
-            *(
-                write("rates(p, moment)", effect.n_extra, 3)
-                if has["rates"]
-                else [f"out[{3 + j}] = 0.0" for j in range(effect.n_extra)]
-            ),
+    n_extra, n_own = effect.n_extra, effect.n_extra + effect.n_memory
+    sides, extra = _tuple("sides", 0, effect.n_switches), _tuple("own", 0, n_extra)
+    memory = _tuple("own", n_extra, n_own)
+    has = set(methods)
+    arguments = {"remember": f"p, {memory}, m[7], m[0]", "relax": "p, moment, m[7]", "at_rest": "p, y[0], m[5]"}
+    arguments |= {"delay": "p", "reading": "p, m[1]"}
+    calls = {name: f"{name}({arguments.get(name, 'p, moment')})" for name in _METHODS if name in has}
+    answers = {
+        EVALUATE: [
+            f"out[0] = {calls.get('force', '0.0')}",
+            f"out[1] = {calls.get('friction', '0.0')}",
+            f"out[2] = {calls.get('drive', 'm[5]')}",
+            *(_written(calls.get("rates"), n_extra, first=3) or _zeros(n_extra, first=3)),
         ],
-        write("switches(p, moment)", effect.n_switches) if has["switches"] else [],
-        [f"return {breakaway}"],
-        write(f"remember(p, {memory}, m[7], m[0])" if has["remember"] else memory, effect.n_memory),
-        write("relax(p, moment, m[7])", effect.n_extra) if has["relax"] else [],
-        write("at_rest(p, y[0], m[5])", len(own)) if has["at_rest"] else [f"out[{j}] = 0.0" for j in range(len(own))],
-        ["return delay(p)"] if has["delay"] else [],
-        ["return reading(p, m[1])"] if has["reading"] else [],
-        ["return kink(p, moment)"] if has["kink"] else [],
-    ]
+        SWITCHES: _written(calls.get("switches"), effect.n_switches),
+        BREAKAWAY: _returned(calls.get("breakaway", calls.get("friction", "0.0"))),
+        REMEMBER: _written(calls.get("remember", memory), effect.n_memory),
+        RELAX: _written(calls.get("relax"), n_extra),
+        AT_REST: _written(calls.get("at_rest"), n_own) or _zeros(n_own),
+        DELAY: _returned(calls.get("delay")),
+        READING: _returned(calls.get("reading")),
+        KINK: _returned(calls.get("kink")),
+    }
     lines = [
         "def law(kind, values, m, y, own, sides, out):",
-        f"    p = {row([f'values[{j}]' for j in range(n_values)])}",
+        f"    p = {_tuple('values', 0, n_values)}",
         f"    moment = Moment(y[0], y[1], m[0], m[1], m[2], m[3], m[4], m[5], "
-        f"{row(sides)}, {extra}, {memory}, m[6], m[9], m[10])",
+        f"{sides}, {extra}, {memory}, m[6], m[9], m[10])",
     ]
-    for kind, answer in enumerate(answers):
+    for kind, answer in answers.items():
         if answer:
-            lines += [f"    if kind == {kind}:", *(f"        {line}" for line in answer)]
-            lines += ["        return 0.0"] if not answer[-1].startswith("return") else []
+            ending = [] if answer[-1].startswith("return") else ["return 0.0"]
+            lines += [f"    if kind == {kind}:", *(f"        {line}" for line in (*answer, *ending))]
     return "\n".join([*lines, "    return 0.0", ""])
+
+
+def _tuple(array: str, first: int, end: int) -> str:
+    """A tuple of an array's numbers from `first` to before `end`."""
+    return "(" + "".join(f"{array}[{j}], " for j in range(first, end)) + ")"
+
+
+def _written(call: str | None, count: int, *, first: int = 0) -> list[str]:
+    """Lines that write the values of a call to `out`, from `first` on; none where there is no call."""
+    return [f"found = {call}", *(f"out[{first + j}] = found[{j}]" for j in range(count))] if call else []
+
+
+def _zeros(count: int, *, first: int = 0) -> list[str]:
+    return [f"out[{first + j}] = 0.0" for j in range(count)]
+
+
+def _returned(call: str | None) -> list[str]:
+    return [f"return {call}"] if call else []
 
 
 @cache
