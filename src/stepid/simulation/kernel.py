@@ -816,37 +816,52 @@ def _change_input(w: Work, t: float, since: float, polynomial: Array) -> None:
 
 
 @compiled
+def _next_change(coefficients: Array, piece: int, level: float) -> int:
+    """First piece of the input, from `piece` on, that does not just hold a level; their number where none does."""
+    while piece < len(coefficients) and coefficients.shape[1] == 1 and coefficients[piece, 0] == level:
+        piece += 1
+    return piece
+
+
+@compiled
+def _begins(time: Array, delay: float, piece: int) -> float:
+    """Time at which a piece of the input begins to act, s; infinite for one after the last."""
+    return time[piece] + delay if piece < time.size else np.inf
+
+
+@compiled
+def _update_input(w: Work, t: float, time: Array, coefficients: Array, delay: float, coming: int) -> int:
+    """Let the pieces of the input act that have begun, `coming` being the next; return the next after them."""
+    latest = -1
+    while not _begins(time, delay, coming) > t:
+        latest = coming
+        coming = _next_change(coefficients, latest + 1, coefficients[latest, 0])
+    if latest >= 0:
+        _change_input(w, t, time[latest] + delay, coefficients[latest])
+    return coming
+
+
+@compiled
 def _follow_record(w: Work, time: Array, coefficients: Array, delay: float, reading: Array, states: Array) -> None:
     """Follow one record from where it begins, sample by sample; what comes after a runaway is not a number."""
-    n, t, piece, fresh = time.size, time[0], -1, False
-    h = time[1] - t if n > 1 else 1.0
-    for i in range(n):
-        runaway = not abs(w.y[0]) < w.far
-        reading[i] = np.nan if runaway else _seen(w, t)
-        for r in range(states.shape[0]):
-            states[r, i] = np.nan if runaway else w.y[r]
-        if i == n - 1:
-            break
-        while t < time[i + 1] and not runaway:
-            changed = False
-            while piece + 1 < n:
-                level = w.u[1] if piece < 0 else coefficients[piece, 0]
-                differs = coefficients.shape[1] > 1 or coefficients[piece + 1, 0] != level
-                if differs and time[piece + 1] + delay > t:
-                    break  # what is held on unchanged is no other piece
-                piece += 1
-                changed = changed or differs
-            if changed:
-                _change_input(w, t, time[piece] + delay, coefficients[piece])
-                fresh = False
-            until = time[i + 1]
-            if piece + 1 < n:
-                until = min(until, time[piece + 1] + delay)
+    t, fresh, coming = time[0], False, _next_change(coefficients, 0, w.u[1])
+    h = time[1] - t if time.size > 1 else 1.0
+    for i in range(time.size):
+        while t < time[i]:
+            previous, coming = coming, _update_input(w, t, time, coefficients, delay, coming)
+            fresh = fresh and coming == previous
+            until = min(time[i], _begins(time, delay, coming))
             if w.leaps and w.m[HELD] == 0.0 and _leaps(w, t, until):
                 fresh = False
             else:
                 h, fresh = _advance(w, t, until, h, fresh)
             t = until
+        if not abs(w.y[0]) < w.far:
+            reading[i:], states[:, i:] = np.nan, np.nan
+            return
+        reading[i] = _seen(w, t)
+        for r in range(states.shape[0]):
+            states[r, i] = w.y[r]
 
 
 @compiled
