@@ -140,6 +140,8 @@ def test_paper_layout_with_a_true_header(tmp_path):
     check(read_ecp(write(tmp_path / "b.m", behind), counts_per_meter=SCALE, input=STEP))
     inside = figure_5(rows).replace("dat = [\n", "").replace("% Sample", "[ Sample")
     check(read_ecp(write(tmp_path / "c.m", inside), counts_per_meter=SCALE, input=STEP))
+    remark = figure_5(rows).replace("dat = [", "dat = [ % all in [counts]")
+    check(read_ecp(write(tmp_path / "e.m", remark), counts_per_meter=SCALE, input=STEP))
     script = figure_5(rows).replace("\n]", "\n];  % done\nplot(dat(:,2), dat(:,4))\n")
     check(read_ecp(write(tmp_path / "d.m", script), counts_per_meter=SCALE, input=STEP))
 

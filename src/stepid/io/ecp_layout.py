@@ -96,12 +96,13 @@ def _split(lines: Sequence[str], where: str) -> tuple[list[str], list[list[str]]
     start = next((i for i, line in enumerate(lines) if _opens(line)), None)
     if start is None:
         return *_split_bare(lines, where), False
-    before, _, first = lines[start].rpartition("[")
+    opening, percent, comment = lines[start].partition("%")
+    before, _, first = opening.rpartition("[")
     preamble = [*lines[:start], before]
     for number, line in enumerate(preamble, 1):
         if _numeric(line):
             raise InputError(f"{where}, line {number}: numbers before the opening bracket", AGAIN)
-    remarks, rows, end = _enclosed([first, *lines[start + 1 :]], start + 1, where)
+    remarks, rows, end = _enclosed([first + percent + comment, *lines[start + 1 :]], start + 1, where)
     for number, line in enumerate(lines[end:], end + 1):
         if _numeric(line) or _opens(line):
             raise InputError(
