@@ -15,6 +15,7 @@ from stepid.core.mass_offset import WEIGHT as WEIGHT
 from stepid.core.mass_offset import WEIGHT_UNCERTAINTY as WEIGHT_UNCERTAINTY
 from stepid.core.mass_offset import MassOffset as MassOffset
 from stepid.core.mass_offset import chained
+from stepid.core.noise import record_grid
 from stepid.core.quantities import InputUnit, Motion, in_own_quantities, middle_dot
 from stepid.core.samples import CLOSE, InputBetween, Starts, check_samples, off_even_clock
 from stepid.core.slices import segment
@@ -87,8 +88,8 @@ class Experiment(Model):
 
     @property
     def resolution(self) -> float | None:
-        """Position of one encoder count, m, or None where the scale is not known."""
-        return None if self.counts_per_meter is None else 1.0 / abs(self.counts_per_meter)
+        """Position of one encoder count, m; without a scale the step that all readings lie on, if there is one."""
+        return record_grid(self) if self.counts_per_meter is None else 1.0 / abs(self.counts_per_meter)
 
     @property
     def is_release(self) -> bool:

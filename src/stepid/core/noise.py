@@ -160,6 +160,12 @@ def _windows(values: Array) -> Array:
     return out
 
 
+@once
+def record_grid(experiment: Experiment) -> float | None:
+    """`apparent_resolution` of a record's readings."""
+    return apparent_resolution(experiment.position)
+
+
 def apparent_resolution(position: Array) -> float | None:
     """Step of the grid that all readings lie on, m, or None where they lie on none.
 

@@ -14,15 +14,17 @@ from stepid.diagnosis.wording import whole_percent
 from stepid.fitting.deviations import deviation_std, scatter_values
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
-from stepid.simulation.layout import DEVIATIONS
+from stepid.simulation.layout import DEVIATIONS, STARTS
 
-_UNITS = {q.name: q.unit for q in DEVIATIONS} | {"rest": "m"}
+_UNITS = {q.name: q.unit for q in (*DEVIATIONS, *STARTS)} | {"rest": "m"}
 _NOTABLE = 3.0  # times the standard error of a rest position, that its scatter must be to be told
 _WORDS = {
     "start_time": "The runs start within ±{0:.3g} ms of one another (standard deviation)",
     "gain": "The gain differs from run to run by {1:.2g} % (standard deviation)",
     "damping": "The damping differs from run to run by {1:.2g} % (standard deviation)",
     "friction": "The friction differs from run to run by {1:.2g} % (standard deviation)",
+    "start_position": "The runs start off their rest position by {0:.3g} mm (standard deviation)",
+    "start_velocity": "The runs start with {0:.3g} mm/s (standard deviation)",
 }
 
 
@@ -34,7 +36,7 @@ class Scatter(Model):
     deviation : float
         Standard deviation over the runs, in `unit`; of gain, damping and friction relative.
     unit : str
-        ``"s"``, ``"m"`` or ``""``.
+        ``"s"``, ``"m"``, ``"m/s"`` or ``""``.
     explained : float
         Part of the misfit's power that it explains, between 0 and 1.
     """

@@ -19,7 +19,7 @@ from stepid.diagnosis.selection.proposal import Proposal
 from stepid.diagnosis.selection.search import Search
 from stepid.effects.base import Effect
 from stepid.effects.drive import acts_on_input
-from stepid.fitting.deviations import with_deviations
+from stepid.fitting.deviations import with_deviations, without_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build
@@ -83,13 +83,7 @@ def _alike(found: Found, names: tuple[str, ...]) -> Optimum | None:
     if not fitted:
         return None
     nearest = min(fitted, key=lambda c: len(c.deviations))
-    optimum, problem = nearest.optimum, nearest.optimum.problem
-    if not nearest.deviations:
-        return optimum
-    active = problem.active.copy()
-    active[problem.layout.deviations] = False
-    local = np.where(active, optimum.local, 0.0)
-    return minimize(replace(problem, active=active), optimum.shared, local, tolerance=found.context.tolerance)
+    return without_deviations(nearest.optimum, found.context.tolerance) if nearest.deviations else nearest.optimum
 
 
 def linear_candidate(context: FitContext) -> Candidate:

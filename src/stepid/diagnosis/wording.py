@@ -44,6 +44,8 @@ _DIFFER_WORDS = {
     "gain": "gains differ",
     "damping": "damping differs",
     "friction": "friction differs",
+    "start_position": "start positions differ",
+    "start_velocity": "start velocities differ",
 }
 
 

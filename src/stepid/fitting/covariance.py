@@ -25,8 +25,8 @@ _STEPS = 6
 _BELIEVED = 4.0  # standard deviations of a weight's error
 _MISFIT = 1.2  # times the floor, beyond which what is left is not noise
 _ENOUGH = 0.01  # in 2 ln L, below which a step is not worth a simulation
-_NOTABLE, _REACHED = 1.02, 1.05  # times the floor, before and after weights are free within their uncertainty
-_CHANCE = 2.33  # standard deviations of χ², one in a hundred
+_REACHED = 1.05  # times the floor, where weights are free within their uncertainty
+_CHANCE = 0.01  # that χ² is larger
 
 
 def effect_parameters(effects: tuple[Effect, ...]) -> dict[str, Parameter]:
@@ -226,15 +226,17 @@ def _loss(optimum: Optimum, level: float) -> float:
 
 @once
 def by_weights(linear: Optimum, floor: float) -> Optimum | None:
-    """The linear plant with the most likely added masses, where errors of these leave only noise.
+    """The linear plant with the most likely added masses, where errors of these are seen and leave only noise.
 
-    They must be such as their uncertainty makes, by χ².
+    They must be such as their uncertainty makes, and gain more than errors of noise do, by χ².
     """
-    likely = most_likely(linear, floor) if linear.rms > _NOTABLE * floor else linear
+    likely = most_likely(linear, floor)
     if likely is linear or likely.rms > _REACHED * floor:
         return None
     found = weight_errors(likely.problem.records).found
-    return likely if float(found @ found) <= found.size + _CHANCE * math.sqrt(2.0 * found.size) else None
+    most = float(chdtri(found.size, _CHANCE))
+    seen = _loss(linear, floor) - _loss(likely, floor) > most
+    return likely if seen and float(found @ found) <= most else None
 
 
 def _parameters(names: tuple[tuple[str, str], ...], effects: tuple[Effect, ...]) -> tuple[Parameter, ...]:

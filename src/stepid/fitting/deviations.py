@@ -12,6 +12,8 @@ import numpy.typing as npt
 from stepid.core.base import Array
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
+from stepid.fitting.problem import free_starts
+from stepid.simulation.layout import STARTS
 
 SCATTER = ("start_time", "gain", "damping", "friction")
 """What runs of a healthy plant differ by; their rest positions differ, too, and need no parameter."""
@@ -21,6 +23,7 @@ FAULTS = ("damping", "stiffness", "added_mass", "gain", "start_time")
 Mask = npt.NDArray[np.bool_]
 Kind = str | tuple[int, str]  # in all runs; in one run, by index
 
+_STARTS = tuple(q.name for q in STARTS)
 _MOST = 0.25  # relative: labs scatter by 1 to 6 %, and two runs of the latter differ by more once in 300; more is a law
 _LATE = 3.0  # samples: a trigger comes within two; what comes later in all runs is a delay
 _SLIGHT = 1e-6  # of the largest singular value: the sensitivities are no better than that
@@ -51,6 +54,9 @@ def applies(problem: Problem, kind: str) -> Mask:
     every = np.ones(len(records.runs), dtype=bool)
     if kind == "start_time":
         return records.driven & ~records.moving
+    if kind in _STARTS:
+        free: Mask = free_starts(records, effects)[problem.layout.deviation(kind)]
+        return ~free
     if kind == "gain":
         return records.driven
     if kind == "friction":
@@ -69,17 +75,24 @@ def with_deviations(problem: Problem, kinds: Iterable[str]) -> Problem:
     ----------
     problem : Problem
     kinds : iterable of str
-        Of `SCATTER`, or ``"stiffness"``. Start times are free in every driven run, unless an effect delays the input.
-        They differ by three samples, the others by a quarter at most: what differs by more does not scatter, it follows
-        a law or is a fault.
+        Of `SCATTER` or `STARTS`, or ``"stiffness"``. Start times are free in every driven run, unless an effect delays
+        the input. They differ by three samples, relative changes by a quarter at most: what differs by more does not
+        scatter, it follows a law or is a fault.
     """
     active, most = problem.active.copy(), np.full(problem.active.shape, np.inf)
     for kind in kinds:
         use, row = applies(problem, kind), problem.layout.deviation(kind)
         use[_references(problem, kind, use)] = False
         active[row] |= use
-        most[row] = _LATE * problem.records.sample_time if kind == "start_time" else _MOST
+        late = _LATE * problem.records.sample_time
+        most[row] = late if kind == "start_time" else np.inf if kind in _STARTS else _MOST
     return replace(problem, active=active, most=most)
+
+
+def starts_kept(problem: Problem, effects: tuple[Effect, ...]) -> frozenset[str]:
+    """`STARTS` that are free in a problem and would not be with some of its effects."""
+    lost = problem.active[:2] & ~free_starts(problem.records, effects)
+    return frozenset(name for name, runs in zip(_STARTS, lost, strict=True) if runs.any())
 
 
 def without_deviations(optimum: Optimum, tolerance: float) -> Optimum:
@@ -91,10 +104,12 @@ def without_deviations(optimum: Optimum, tolerance: float) -> Optimum:
     tolerance : float
         As in `stepid.fitting.levenberg_marquardt.minimize`.
     """
-    rows = optimum.problem.layout.deviations
-    active, local = optimum.problem.active.copy(), optimum.local.copy()
-    active[rows], local[rows] = False, 0.0
-    return minimize(replace(optimum.problem, active=active), optimum.shared, local, tolerance=tolerance) or optimum
+    problem = optimum.problem
+    active = problem.active.copy()
+    active[problem.layout.deviations] = False
+    active[:2] &= free_starts(problem.records, problem.simulator.effects)
+    local = np.where(active, optimum.local, 0.0)
+    return minimize(replace(problem, active=active), optimum.shared, local, tolerance=tolerance) or optimum
 
 
 def with_fault(problem: Problem, run: int, kind: str) -> Problem:
@@ -112,7 +127,9 @@ def _references(problem: Problem, kind: str, use: Mask) -> list[int]:
     """Runs that stand for the plant: the first of those whose common deviation is a free global parameter."""
     records, n = problem.records, len(problem.records.runs)
     groups = {"damping": records.damper, "stiffness": records.spring}.get(kind, np.zeros(n, dtype=np.intp))
-    if kind == "start_time" and not any(type(e).delay is not Effect.delay for e in problem.simulator.effects):
+    if kind in _STARTS or (
+        kind == "start_time" and not any(type(e).delay is not Effect.delay for e in problem.simulator.effects)
+    ):
         return []
     if kind == "gain" and not problem.free[problem.layout.force_gain]:
         return []
@@ -125,8 +142,8 @@ def scatter_values(optimum: Optimum) -> dict[str, Array]:
     Returns
     -------
     dict
-        ``"rest"`` [m] and kinds of `SCATTER` to array, shape (R,), not a number in runs that have none. Damping's are
-        about the mean of each damper label.
+        ``"rest"`` [m] and kinds of `SCATTER` and `STARTS` to array, shape (R,), not a number in runs that have none.
+        Damping's are about the mean of each damper label.
     """
     problem = optimum.problem
     records, of = problem.records, problem.layout
@@ -134,7 +151,7 @@ def scatter_values(optimum: Optimum) -> dict[str, Array]:
     left = records.position - optimum.solved.reading
     rest = np.add.reduceat(left * square, records.first) / np.add.reduceat(square, records.first)
     out = {"rest": rest - rest.mean()}
-    for kind in SCATTER:
+    for kind in (*SCATTER, *_STARTS):
         row = of.deviation(kind)
         if not problem.active[row].any():
             continue
@@ -144,7 +161,8 @@ def scatter_values(optimum: Optimum) -> dict[str, Array]:
         for g in np.unique(groups[use]):
             own = use & (groups == g)
             if own.sum() > 1:
-                values[own] = optimum.local[row, own] - optimum.local[row, own].mean()
+                common = 0.0 if kind in _STARTS else optimum.local[row, own].mean()
+                values[own] = optimum.local[row, own] - common
         out[kind] = values
     return out
 

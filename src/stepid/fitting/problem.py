@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Parameter, Scales
@@ -51,12 +52,17 @@ def build(records: Records, effects: tuple[Effect, ...], *, tolerance: float = F
     if not records.driven.any():
         free[of.force_gain] = False
     active = np.zeros((of.n_run, len(records.runs)), dtype=bool)
-    active[0] = records.moving | any(e.rests_anywhere or e.never_rests for e in effects)
-    active[1] = records.moving | any(e.never_rests for e in effects)
+    active[:2] = free_starts(records, effects)
     active[2 : of.own_states.start] = True
     unknown = [not e.settled for e in effects for _ in range(e.n_extra + e.n_memory)]
     active[of.own_states] = records.moving & np.array(unknown, dtype=bool)[:, None]
     return Problem(sim, free, lower, upper, active)
+
+
+def free_starts(records: Records, effects: Sequence[Effect]) -> npt.NDArray[np.bool_]:
+    """Whether each run's displacement and velocity at the first sample are free with some effects, shape (2, R)."""
+    shaken = any(e.never_rests for e in effects)
+    return np.stack([records.moving | any(shaken or e.rests_anywhere for e in effects), records.moving | shaken])
 
 
 def _least_values(parameters: list[Parameter], sim: Simulator) -> Array:
@@ -74,8 +80,7 @@ def start_local(problem: Problem, like: Optimum | None = None) -> Array:
     records = problem.records
     local = np.zeros((problem.layout.n_run, len(records.runs)))
     if like is not None:
-        local[:2] = like.local[:2]
-        local[0, ~problem.active[0]] = 0.0
+        local[:2] = np.where(problem.active[:2], like.local[:2], 0.0)
         own = problem.layout.deviations
         local[own] = np.where(problem.active[own], like.local[like.problem.layout.deviations], 0.0)
         return local

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.noise import apparent_resolution, record_noise
+from stepid.core.noise import record_noise
 from stepid.core.words import length
 from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.records import Records
@@ -166,9 +166,9 @@ def mend(run: Experiment) -> Mended:
     if run.position.size < 4 * _SIDE:
         return Mended(run, nothing, ())
     y = np.array(run.position)
-    resolution = run.resolution or apparent_resolution(y)
-    noise = max(record_noise(run), (resolution or 0.0) / math.sqrt(12), 1e-7 * float(np.ptp(y)), 1e-15)
-    least = _COUNTS * (resolution or 0.0)
+    resolution = run.resolution or 0.0
+    noise = max(record_noise(run), resolution / math.sqrt(12), 1e-7 * float(np.ptp(y)), 1e-15)
+    least = _COUNTS * resolution
     stuck, out = nothing.copy(), nothing.copy()
     for _ in range(_PASSES):
         if not _take(y, _stuck(y, noise, least), stuck):

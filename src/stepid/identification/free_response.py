@@ -9,7 +9,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.noise import apparent_resolution, noise_level
+from stepid.core.noise import noise_level
 from stepid.core.words import length
 from stepid.errors import NoOvershootError, NoStepError, NotSettledError
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
@@ -82,7 +82,7 @@ def release_characteristics(experiment: Experiment, *, peak: Peak) -> Characteri
     """Read damped frequency and damping ratio off a swing without input; see `stepid.characterize`."""
     who = f"run {experiment.name!r}"
     time, position = experiment.time, experiment.position
-    grid = experiment.resolution or apparent_resolution(position) or 0.0
+    grid = experiment.resolution or 0.0
     noise = noise_level(position[position.size // 2 :], resolution=grid)
     rest = float(np.median(position[-max(position.size // 20, 5) :]))
     if np.abs(position - rest).max() <= max(6 * noise, 3 * grid):

@@ -10,7 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.noise import apparent_resolution, noise_level
+from stepid.core.noise import noise_level
 from stepid.core.releases import release_index
 from stepid.core.samples import means_of_blocks
 from stepid.core.words import length
@@ -80,7 +80,7 @@ def remainder(run: Experiment, *, damped_frequency: float, damping_ratio: float)
     time, y = run.time[first:] - run.time[first], run.position[first:]
     decay = damped_frequency * damping_ratio / math.sqrt(1 - damping_ratio**2)
     rates, residual, fitted = _fitted(_samples(run, time, y), np.array([decay, damped_frequency]))
-    grid = run.resolution or apparent_resolution(y) or 0.0
+    grid = run.resolution or 0.0
     noise = noise_level(residual, resolution=grid)
     period = 2 * math.pi / rates[1]
     width = max(2, round(0.1 * period / run.sample_time))

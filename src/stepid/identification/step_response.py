@@ -9,7 +9,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.noise import apparent_resolution, noise_level
+from stepid.core.noise import noise_level
 from stepid.core.words import length
 from stepid.errors import NoOvershootError, NoStepError, NotSettledError
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
@@ -138,7 +138,7 @@ def _response(experiment: Experiment, step: Step) -> _Response:
             f"{who} is held for only {time.size} samples, the response is cut before its peak",
             "Hold the step until the plant rests, and record until then.",
         )
-    grid = experiment.resolution or apparent_resolution(experiment.position) or 0.0
+    grid = experiment.resolution or 0.0
     noise = noise_level(position[position.size // 2 :], resolution=grid)
     rest, rest_spread = _rest(experiment, step, who, noise, grid)
     swing = position - rest

@@ -775,8 +775,7 @@ def _begin(w: Work, t: float, start: Array, moving: bool, scale: float) -> None:
             slope = (_standing_force(w, t, x + step) - f) / step
             x -= f / min(slope, -0.05 * w.q[Q_STIFFNESS])  # in a gap there is no slope: leap out of it
     _stand(w, x + start[0])
-    if moving or w.restless:
-        w.y[1] = start[1]
+    w.y[1] = start[1]
     if moving:
         for j in range(2, w.states):
             w.y[j] += start[j]

@@ -23,6 +23,8 @@ DEVIATIONS: tuple[Parameter, ...] = (
 )
 """By how much a run differs from the plant: later by, relative change of force gain, damping, dry friction (what an
 effect holds the cart with, in N) and stiffness, mass beside what its record says."""
+STARTS: tuple[Parameter, ...] = (Parameter("start_position", "m", -np.inf), Parameter("start_velocity", "m/s", -np.inf))
+"""What else a run may differ by: where a cart that is to begin at rest begins, from the spring's rest position."""
 LEAST_MASS = 1e-3  # of the largest difference of added masses, or of 1 kg if that is less
 
 
@@ -98,8 +100,8 @@ class ParameterLayout:
         return 2 + int(self.own_states.stop - self.own_states.start)
 
     def deviation(self, name: str) -> int:
-        """Row of one deviation among the parameters of a run."""
-        return int(self.deviations.start) + _NAMES.index(name)
+        """Row of one of `DEVIATIONS` or `STARTS` among the parameters of a run."""
+        return _STARTS.index(name) if name in _STARTS else int(self.deviations.start) + _NAMES.index(name)
 
     @cached_property
     def n_global(self) -> int:
@@ -163,7 +165,7 @@ class ParameterLayout:
             plants[..., column] *= 1.0 + local[:, self.deviation(name)]
 
 
-_NAMES = [q.name for q in DEVIATIONS]
+_NAMES, _STARTS = [q.name for q in DEVIATIONS], [q.name for q in STARTS]
 
 
 def own_state_names(effects: tuple[Effect, ...]) -> list[str]:

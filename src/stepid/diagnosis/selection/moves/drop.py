@@ -6,20 +6,25 @@ import numpy as np
 
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, standing
 from stepid.fitting.absent import without
+from stepid.fitting.deviations import starts_kept
 from stepid.fitting.multistart import Start
 from stepid.fitting.multistart_race import race_starts
 from stepid.fitting.score_test import columns, score
 
 
 class Drop:
-    """Take each effect or condition of a set away: a smaller set can have been stuck where the larger one was not."""
+    """Take each effect or condition of a set away: a smaller set can have been stuck where the larger one was not.
+
+    An effect with which runs may begin off their rest, or in motion, is taken away without that freedom and with it:
+    what the freedom does is no sign of the effect.
+    """
 
     name = "drop"
 
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
         """Propose the node's effects without one of them."""
         out = []
-        for place, effect in enumerate(node.effects if node.size > 1 else ()):
+        for place, effect in enumerate(node.effects):
             own = node.best.problem.layout.values[place]
             values = tuple(float(v) for v in node.best.shared[own])
             moved, left = without(node.best, own, np.array(effect.faint(values, 0.0)))
@@ -31,6 +36,12 @@ class Drop:
                 for shared in (moved, node.best.shared)
             )
             effects = tuple(node.effects[i] for i in rest)
+            begun = starts_kept(node.best.problem, effects)
+            if begun:
+                kept = node.deviations | begun
+                out.append(Proposal(effects, kept, starts, node.key, node.best, left, 1.0, self.name))
+            if not rest:  # that is the root
+                continue
             if len(effects) == 1:  # where what is taken away had taken mass or stiffness from the plant
                 fit = context.fit
                 starts += tuple(race_starts(fit, effects[0], score(fit.coarse_linear, columns(fit, effects))))

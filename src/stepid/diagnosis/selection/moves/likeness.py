@@ -68,25 +68,26 @@ class ForceAlong:
 
     def by(self, regressors: Sequence[Regressor]) -> Likeness | None:
         """What some effects can do in its place; None where a law cannot have such a strength."""
-        forces = np.column_stack([self._plain, *(f[self._seen] for one in regressors for f in one.forces)])
-        found = _least_squares(forces, self._force)
-        left = self._force - forces @ found
-        out, at = [], 2
+        own = np.column_stack([f[self._seen] for one in regressors for f in one.forces])
+        plain = self._followed.shape[1]
+        found = _least_squares(np.column_stack([self._followed, own]), self._force)
+        left = self._force - own @ found[plain:]
+        out, at = [], plain
         for one in regressors:
             values = one.values(found[at : at + len(one.forces)])
             if values is None:
                 return None
             out.append(values)
             at += len(one.forces)
-        linear, displacement = self._beside(found[:2], left)
+        linear, displacement = self._beside(left)
         return Likeness(self._power_beyond(left) / self._beyond, tuple(out), linear, displacement)
 
-    def _beside(self, plain: Array, left: Array) -> tuple[Array, Array]:
+    def _beside(self, left: Array) -> tuple[Array, Array]:
         """The linear plant and each run's displacement where they stand in for what effects leave of the force."""
         spring, damper, drive, *rests = _least_squares(self._followed, left)
         linear = self._linear.copy()
-        linear[self._layout.stiffness] -= plain[0] + spring
-        linear[self._layout.damping] -= plain[1] + damper
+        linear[self._layout.stiffness] -= spring
+        linear[self._layout.damping] -= damper
         linear[self._layout.force_gain] += drive
         stiffness = linear[self._layout.stiffness][self._spring]
         pushed = np.divide(rests, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
