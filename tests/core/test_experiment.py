@@ -33,7 +33,8 @@ def test_an_experiment_holds_what_it_was_given():
     assert run.model_copy(update={"time": 2 * T}).sample_time == pytest.approx(0.01)  # computed anew
     assert run.model_copy().sample_time == run.sample_time
     assert (run.base, run.input_before, run.counts_per_meter) == ("cart and damper", 0.1, -226600.0)
-    assert experiment().resolution is None
+    assert experiment().resolution == pytest.approx(0.01)  # that all of its readings lie on
+    assert experiment(position=np.sqrt(np.arange(10.0))).resolution is None
     assert experiment().base == "cart"
 
 

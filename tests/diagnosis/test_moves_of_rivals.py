@@ -114,10 +114,19 @@ def test_drop_takes_each_effect_away() -> None:
     two = node(fit, {"coulomb_friction": {"level": 0.2}, "quadratic_damping": {"coefficient": 1.0}})
     found = Drop().propose(two, context(fit))
     sound(Drop(), two, found)
-    assert sorted(sets(found)) == [("coulomb_friction",), ("quadratic_damping",)]
+    assert sorted(sets(found)) == [("coulomb_friction",), ("quadratic_damping",), ("quadratic_damping",)]
     left = {p.effects[0].name: p.left for p in found}
     assert left["coulomb_friction"] < 0.2 * left["quadratic_damping"]
-    assert Drop().propose(node(fit, FRICTION), context(fit)) == []
+
+
+def test_friction_is_taken_away_with_the_starts_that_it_frees_and_without() -> None:
+    fit = prepared("friction")
+    two = node(fit, {"coulomb_friction": {"level": 0.2}, "quadratic_damping": {"coefficient": 1.0}})
+    kept = {p.deviations for p in Drop().propose(two, context(fit)) if p.effects[0].name == "quadratic_damping"}
+    assert kept == {frozenset(), frozenset({"start_position"})}
+    (alone,) = Drop().propose(node(fit, FRICTION), context(fit))
+    assert alone.key == (frozenset(), frozenset({"start_position"}))
+    assert Drop().propose(node(fit, {"quadratic_damping": {"coefficient": 1.0}}), context(fit)) == []
 
 
 def test_what_cannot_be_foreseen_without_an_effect_may_cost_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -32,7 +32,8 @@ def test_a_stretch_of_one_count_weighs_as_six_readings() -> None:
     expected = np.repeat([1.0, 1.0, math.sqrt(6 / 24), math.sqrt(6 / 7)], [3, 6, 24, 7])
     np.testing.assert_allclose(noise_floor.weights(records(y, counts_per_meter=1e4), 1e-5), expected)
     assert set(noise_floor.weights(records(y, counts_per_meter=1e4), 7e-5)) == {1.0}  # noise moves the counts
-    assert set(noise_floor.weights(records(y), 1e-5)) == {1.0}
+    np.testing.assert_allclose(noise_floor.weights(records(y), 1e-5), expected)  # as all readings lie on a grid
+    assert set(noise_floor.weights(records(np.sqrt(y)), 1e-5)) == {1.0}
 
 
 def test_white_noise_of_any_size_has_no_structure() -> None:

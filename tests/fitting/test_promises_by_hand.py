@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
 import stepid
 from stepid.core.base import Array
@@ -72,22 +73,25 @@ def test_a_step_along_one_column_is_that_of_least_squares(monkeypatch: pytest.Mo
 
 
 def test_runs_scatter_about_the_mean_of_those_that_have_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    row = {"start_time": 0, "gain": 1, "damping": 2, "friction": 3}
-    active = np.zeros((4, 4), bool)
-    active[[0, 2]] = True
-    local = np.array([[0.1, 0.2, 0.6, 9.0], [9.0] * 4, [1.0, 2.0, 5.0, 7.0], [9.0] * 4])
+    row = {name: i for i, name in enumerate((*deviations.SCATTER, "start_position", "start_velocity"))}
+    active = np.zeros((6, 4), bool)
+    active[[0, 2, 4]] = True
+    begun = [0.001, -0.002, 0.004, 9.0]
+    local = np.array([[0.1, 0.2, 0.6, 9.0], [9.0] * 4, [1.0, 2.0, 5.0, 7.0], [9.0] * 4, begun, [9.0] * 4])
     position = np.array([1.0, 3.0, 2.0, 2.0, 5.0, 5.0, 0.0, 0.0])
     records = SimpleNamespace(
         weight=np.array([1.0, 2.0, 1, 1, 1, 1, 1, 1]), position=position, first=np.arange(0, 8, 2),
         damper=np.array([0, 0, 0, 1]), runs=[None] * 4,
     )  # fmt: skip
-    use = {"start_time": np.array([True, True, True, False]), "damping": np.ones(4, bool)}
+    three = np.array([True, True, True, False])
+    use = {"start_time": three, "damping": np.ones(4, bool), "start_position": three}
     monkeypatch.setattr(deviations, "applies", lambda _, kind: use[kind])
     problem = SimpleNamespace(records=records, layout=SimpleNamespace(deviation=row.get), active=active)
     solved = SimpleNamespace(reading=np.zeros(8))
     optimum: Any = SimpleNamespace(problem=problem, local=local, solved=solved)
     found = deviations.scatter_values(optimum)
-    assert set(found) == {"rest", "start_time", "damping"}
+    assert set(found) == {"rest", "start_time", "damping", "start_position"}
+    np.testing.assert_allclose(found["start_position"], [*begun[:3], np.nan])  # from the rest position
     rest = np.array([(1 + 4 * 3) / 5, 2.0, 5.0, 0.0])
     np.testing.assert_allclose(found["rest"], rest - rest.mean())
     np.testing.assert_allclose(found["start_time"], [-0.2, -0.1, 0.3, np.nan])
@@ -159,22 +163,23 @@ class Made:
 
 
 @pytest.mark.parametrize(
-    ("rms", "left", "square", "told"),
+    ("gain", "left", "square", "told"),
     [
-        (1.10, 1.04, 0.95, True),
-        (1.01, 1.01, 0.95, False),  # nothing is missing
-        (1.10, 1.06, 0.95, False),  # they do not explain it
-        (1.10, 1.04, 1.05, False),  # they are larger than their uncertainty makes them in one case of a hundred
+        (1.05, 1.04, 0.95, True),
+        (0.95, 1.01, 0.95, False),  # errors of noise gain as much
+        (1.05, 1.06, 0.95, False),  # they do not explain it
+        (1.05, 1.04, 1.05, False),  # they are larger than their uncertainty makes them in one case of a hundred
     ],
 )
 def test_weights_explain_what_is_left_where_their_errors_are_likely(
-    monkeypatch: pytest.MonkeyPatch, rms: float, left: float, square: float, told: bool
+    monkeypatch: pytest.MonkeyPatch, gain: float, left: float, square: float, told: bool
 ) -> None:
-    found = np.full(8, math.sqrt(square * (8 + 2.33 * math.sqrt(2 * 8)) / 8))
-    likely = Made(rms=left * 1e-5, problem=Made(records=None))
-    linear: Any = Made(rms=rms * 1e-5)
+    rare = float(chi2.ppf(0.99, 8))
+    found = np.full(8, math.sqrt(square * rare / 8))
+    likely = Made(rms=left * 1e-5, problem=Made(records="found"), cost=7e-10)
+    linear: Any = Made(rms=1e-5, problem=Made(records="known"), cost=7e-10 + (square + gain) * rare * 1e-10)
     monkeypatch.setattr(covariance, "most_likely", lambda *_: likely)
-    monkeypatch.setattr(covariance, "weight_errors", lambda _: Made(found=found))
+    monkeypatch.setattr(covariance, "weight_errors", lambda r: Made(found=found if r == "found" else np.zeros(8)))
     assert covariance.by_weights(linear, 1e-5) is (likely if told else None)
 
 

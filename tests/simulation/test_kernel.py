@@ -92,13 +92,17 @@ def test_a_record_starts_in_the_state_that_it_is_told(position: float, velocity:
     assert found.states[1, 0] == velocity
 
 
-def test_a_record_at_rest_has_no_velocity() -> None:
+def test_a_record_that_is_to_begin_at_rest_begins_with_the_velocity_of_its_run() -> None:
     told = Run(1.5, 216.0, 2.0, 7.8, PERIOD, np.zeros(50))
     shared, local = plant_of(told, [])
-    local[1] = 0.3
     sim = simulator_of(told)
     assert not sim.readings(shared[None], local[None]).any()
-    np.testing.assert_array_equal(sim.start(shared, local), np.zeros((2, 1)))
+    local[1] = 0.3
+    np.testing.assert_array_equal(sim.start(shared, local), [[0.0], [0.3]])
+    decay, swing = 2.0 / 3.0, np.sqrt(216.0 / 1.5 - (2.0 / 3.0) ** 2)
+    time = PERIOD * np.arange(50)
+    free = 0.3 / swing * np.exp(-decay * time) * np.sin(swing * time)
+    np.testing.assert_allclose(sim.readings(shared[None], local[None])[0], free, atol=1e-8)
 
 
 def test_own_states_start_with_a_plant_at_rest() -> None:

@@ -128,7 +128,8 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
     if fault is not None:
         found = Found(context, (linear_candidate(context),))
     else:
-        suspected = accuse(context.linear, context.floor, sure=how.criteria.size)
+        weights = context.by_weights is not None  # errors that they may have: nothing is wrong with a run
+        suspected = None if weights else accuse(context.linear, context.floor, sure=how.criteria.size)
         found = explored(context, how.catalogue, how.criteria, how.effort, how.tell)
         fault_of_run = fault_beside(found, how.criteria)
         if suspected is not None and outweighs(suspected.cost, context.linear, found, how.criteria):

@@ -23,8 +23,8 @@ _WORDS = {
     "gain": "The gain differs from run to run by {1:.2g} % (standard deviation)",
     "damping": "The damping differs from run to run by {1:.2g} % (standard deviation)",
     "friction": "The friction differs from run to run by {1:.2g} % (standard deviation)",
-    "start_position": "The runs start off their rest position by {0:.3g} mm (standard deviation)",
-    "start_velocity": "The runs start with {0:.3g} mm/s (standard deviation)",
+    "start_position": "The runs start off their rest position by {2} (standard deviation)",
+    "start_velocity": "The runs start with a speed of {2}/s (standard deviation)",
 }
 
 
@@ -100,6 +100,6 @@ def scatter_words(scatter: dict[str, Scatter]) -> tuple[str, ...]:
         if kind == "rest":  # every model has one for each run: it is no misfit
             out.append(f"The rest position differs from run to run by {length(s.deviation)} (standard deviation).")
             continue
-        said = _WORDS[kind].format(1e3 * s.deviation, 1e2 * s.deviation)
+        said = _WORDS[kind].format(1e3 * s.deviation, 1e2 * s.deviation, length(s.deviation))
         out.append(f"{said}: {whole_percent(s.explained)} of the misfit's power.")
     return tuple(out)

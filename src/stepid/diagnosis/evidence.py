@@ -95,7 +95,7 @@ def weigh(context: FitContext, candidates: Sequence[Candidate]) -> list[Weighed]
 
 def chosen_at(criteria: Criteria, found: Candidate) -> float:
     """What effects and conditions cost where an answer is chosen, in QBIC: each must earn more than chance does."""
-    return criteria.further * (len(found.effects) + len(found.deviations))
+    return criteria.further * found.complexity
 
 
 def at_floor(context: FitContext, criteria: Criteria, found: Candidate) -> bool:

@@ -46,6 +46,13 @@ class Found(NamedTuple):
         """The candidate of most evidence."""
         return weigh(self.context, self.candidates)[0].candidate
 
+    @property
+    def simpler(self) -> list[Candidate]:
+        """Candidates with effects that are no more complex than the likeliest, the simplest first."""
+        most = self.likeliest.complexity
+        able = [c for c in self.candidates if c.effects and c.complexity <= most]
+        return sorted(able, key=lambda c: (c.complexity, c.optimum.cost))
+
 
 def outweighs(cost: float, plain: Optimum, found: Found, criteria: Criteria) -> bool:
     """Tell whether one fault of one run beside a plain fit, which leaves `cost` [m²], is better than what was found.
@@ -108,7 +115,7 @@ def explored(
             found = Found(context, (linear,))
         else:
             found = Found(context, tuple(_search(context, catalogue, criteria, effort, tell)))
-        again = refined(context, found.best) if look < _LOOKS else None
+        again = refined(context, found.best, found.simpler) if look < _LOOKS else None
         if again is None:
             return found
         same = Found(again, _fitted_again(again, found.candidates))

@@ -1,12 +1,16 @@
-"""What the residual of the best answer says about the readings: wrong ones, their color, a floor that was too high."""
+"""What the best answers say about the data: wrong readings, their color, a floor that was too high, weights."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
 from stepid.core.noise import floor_from_residual
 from stepid.core.words import length
 from stepid.diagnosis.selection.candidate import Candidate
+from stepid.fitting.covariance import by_weights
 from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_color import colored_floor
@@ -14,6 +18,7 @@ from stepid.fitting.noise_floor import least_floor
 from stepid.fitting.problem import build
 from stepid.fitting.reading_faults import outliers_of
 from stepid.fitting.record_fault import RecordFault
+from stepid.simulation.records import Records
 
 _BELOW = 0.85  # times the floor that a fit leaves where the floor was read too high
 _NOISE = 1.5  # times the floor that most of a residual may be, for what stands out of it to be wrong readings
@@ -21,19 +26,34 @@ _MANY = 0.02  # share of samples, beyond which they are no isolated wrong readin
 _UNTRUSTED = 1e-6  # square-root weight of a reading that is left out
 
 
-def refined(context: FitContext, best: Candidate) -> FitContext | None:
-    """Look again at the readings, by what the best answer leaves; a new context where that changes what is known."""
+def refined(context: FitContext, best: Candidate, simpler: Iterable[Candidate] = ()) -> FitContext | None:
+    """Look again at the data, by what the best answer leaves; a new context where that changes what is known.
+
+    Parameters
+    ----------
+    context : FitContext
+    best : Candidate
+    simpler : iterable of Candidate
+        Those that errors of the weights may stand beside, the simplest first.
+    """
     for look in (_without_outliers, _with_color, _with_lower_floor):
         found = look(context, best)
         if found is not None:
             return found
-    return None
+    return _with_weights(context, simpler)
+
+
+def _with_weights(context: FitContext, simpler: Iterable[Candidate]) -> FitContext | None:
+    """Take the added masses with which a simpler answer leaves only noise, as far as their uncertainty allows."""
+    likely = next(filter(None, (by_weights(c.optimum, context.floor) for c in simpler)), None)
+    if likely is None:
+        return None
+    return _again(context, context.floor, replace(context.records, added_mass=likely.problem.records.added_mass))
 
 
 def _again(
-    context: FitContext, floor: float, weight: np.ndarray, faults: tuple[RecordFault, ...] = ()
+    context: FitContext, floor: float, records: Records, faults: tuple[RecordFault, ...] = ()
 ) -> FitContext | None:
-    records = context.records if weight is context.records.weight else context.records.reweighted(weight)
     linear = context.linear
     if records is not context.records:
         fitted = minimize(build(records, (), workers=context.workers), linear.shared, linear.local)
@@ -67,7 +87,7 @@ def _without_outliers(context: FitContext, best: Candidate) -> FitContext | None
         said = "1 reading stands out by" if one else f"{int(mask.sum())} readings stand out by up to"
         words = f"Run {run.name!r}: {said} {length(size)}. {'It is' if one else 'They are'} left out."
         faults.append(RecordFault(run=run.name, kind="outliers", size=size, unit="m", words=words))
-    return _again(context, context.floor, weight, tuple(faults)) if faults else None
+    return _again(context, context.floor, context.records.reweighted(weight), tuple(faults)) if faults else None
 
 
 def _with_color(context: FitContext, best: Candidate) -> FitContext | None:
@@ -76,7 +96,7 @@ def _with_color(context: FitContext, best: Candidate) -> FitContext | None:
     floor, colored = colored_floor(context.records, best.optimum.residual)
     if colored is None or floor <= context.floor:
         return None
-    found = _again(context, floor, context.records.weight)
+    found = _again(context, floor, context.records)
     if found is not None:
         found.colored = colored
     return found
@@ -90,4 +110,4 @@ def _with_lower_floor(context: FitContext, best: Candidate) -> FitContext | None
     floor = max(floor_from_residual(best.optimum.residual, parameters=count), least_floor(context.records))
     if floor >= _BELOW * context.floor:
         return None
-    return _again(context, floor, context.records.weight)
+    return _again(context, floor, context.records)

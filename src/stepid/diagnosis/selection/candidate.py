@@ -10,7 +10,7 @@ from stepid.fitting.levenberg_marquardt import Optimum
 LEADING = 2  # effects at most in what is named where a rest remains
 
 Deviations = frozenset[str]
-"""Conditions that differ from run to run: names of `stepid.fitting.deviations.SCATTER`."""
+"""Conditions that differ from run to run: names as `stepid.fitting.deviations.with_deviations` takes them."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,11 @@ class Candidate:
     def key(self) -> Key:
         """What tells it from others, whatever the order of its effects."""
         return frozenset(self.names), self.deviations
+
+    @property
+    def complexity(self) -> int:
+        """Number of effects and of conditions that differ from run to run."""
+        return len(self.effects) + len(self.deviations)
 
 
 def is_free(found: Candidate) -> bool:

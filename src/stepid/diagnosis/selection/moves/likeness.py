@@ -52,7 +52,9 @@ class ForceAlong:
         self._follows = np.linalg.qr(self._followed[:, self._followed.any(axis=0)])[0]
         # of a force that rest positions stand in for nothing but rounding is left
         faint = np.sqrt(np.finfo(float).eps) * float(self._force @ self._force)
-        self._beyond = max(self._power_beyond(self._force), faint, np.finfo(float).tiny)
+        beyond = self._power_beyond(self._force)
+        self._beyond = max(beyond, faint, np.finfo(float).tiny)
+        self._beside_effects = self._followed if beyond > faint else self._plain
 
     def _power_beyond(self, force: Array) -> float:
         """Power of the part of a force that a fit without effects cannot follow, N²."""
@@ -69,8 +71,8 @@ class ForceAlong:
     def by(self, regressors: Sequence[Regressor]) -> Likeness | None:
         """What some effects can do in its place; None where a law cannot have such a strength."""
         own = np.column_stack([f[self._seen] for one in regressors for f in one.forces])
-        plain = self._followed.shape[1]
-        found = _least_squares(np.column_stack([self._followed, own]), self._force)
+        plain = self._beside_effects.shape[1]
+        found = _least_squares(np.column_stack([self._beside_effects, own]), self._force)
         left = self._force - own @ found[plain:]
         out, at = [], plain
         for one in regressors:
