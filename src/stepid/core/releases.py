@@ -70,8 +70,8 @@ def hand(experiment: Experiment) -> Hand:
     Only a record without input, of which nobody said how it starts, may begin with a hand. A free cart swings
     from its farthest point across its rest: the hand is off where that motion, followed back, has a quarter of its
     speed. Where the free swing, carried back, goes through what came before, no hand is seen. It may still have held
-    the cart for some samples: what is lost by leaving them out is little, and a swing fitted through them is another.
-    Only a cart that surely moves at the first sample is free there.
+    the cart for some samples, until the first that is surely away from there: what is lost by leaving them out is
+    little, and a swing fitted through them is another. Only a cart that surely moves at the first sample is free there.
 
     Parameters
     ----------
@@ -97,7 +97,16 @@ def hand(experiment: Experiment) -> Hand:
         far = int(np.flatnonzero(side * away[:end] > _FAR * float(np.abs(away).max()))[-1])
         first = _slow(speed, max(0, min(begin, far) - width), end, width)[1]
         seen = _rests(experiment, first)
-    return Hand(first if seen or not _moves(experiment, width, float(speed.max())) else 0, seen)
+    if seen:
+        return Hand(first, True)
+    return Hand(0 if _moves(experiment, width, float(speed.max())) else min(first, _still(experiment)), False)
+
+
+def _still(experiment: Experiment) -> int:
+    """First sample that is surely not where the first one is: before it the cart may be held."""
+    y = experiment.position
+    away = np.abs(y - y[0]) > max(_CHANCE * np.sqrt(2.0) * record_noise(experiment), experiment.resolution or 0.0)
+    return int(np.argmax(away)) if away.any() else y.size
 
 
 def _moves(experiment: Experiment, width: int, fastest: float) -> bool:

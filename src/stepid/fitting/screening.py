@@ -104,7 +104,10 @@ def _let_go(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
         runs = [run.slice(unseen[run.name]) if run.name in unseen else run for run in runs]
         who = f"{'Releases' if len(unseen) > 1 else 'Release'} {', '.join(map(repr, unseen))}"
         what = f"the first {counted(max(unseen.values()), 'sample')}"
-        notes.append(f"{who}: {what} at most are left out: a hand may still have held the cart.")
+        notes.append(
+            f"{who}: {what} at most are left out: a hand may still have held the cart. "
+            'Say starts="motion" where none did.'
+        )
     return runs
 
 
