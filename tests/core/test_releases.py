@@ -7,7 +7,7 @@ import pytest
 
 import stepid
 from stepid.core.base import Array
-from stepid.core.releases import hand, release_index
+from stepid.core.hand import hand, release_index
 
 STEP = 0.01  # s
 

@@ -11,7 +11,6 @@ from pydantic import BeforeValidator, model_validator
 from stepid.core.base import Finite, Label, Model, NonNegative, Positive, Vector
 from stepid.core.collection import Runs, as_tuple, check_names
 from stepid.core.frames import make_frame, tidy_frame
-from stepid.core.mass_offset import WEIGHT as WEIGHT
 from stepid.core.mass_offset import WEIGHT_UNCERTAINTY as WEIGHT_UNCERTAINTY
 from stepid.core.mass_offset import MassOffset as MassOffset
 from stepid.core.mass_offset import chained
@@ -45,15 +44,15 @@ class Experiment(Model):
     spring, damper, base : str
         Runs with the same label share one stiffness, one damping constant, one base mass.
     counts_per_meter : float or None
-        The encoder's scale and sign, kept for writing back and for the resolution.
+        The encoder's scale and sign, for writing back and the resolution. Without it the readings tell their step.
     input_before : float
         V before the first sample; the plant rests there unless the record starts in motion.
     input_between : "held", "lines" or "smooth"
         What the input does between two samples: each value is held until the next (a logged DAC), values are joined by
         straight lines (``scipy.signal.lsim``), or by the cubic spline through all of them.
     starts : "auto", "rest" or "motion"
-        How the record starts: at rest under `input_before`, or in motion, as a slice of a longer record does. Of one
-        that starts in motion `fit` and `diagnose` fit the initial position and velocity. "auto" looks at the data.
+        At rest under `input_before`, or in motion, as a slice of a longer record: then the initial position and
+        velocity are fitted, from the first sample on. "auto" looks at the data.
 
     Raises
     ------

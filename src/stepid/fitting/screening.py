@@ -12,8 +12,9 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.copies import copies
 from stepid.core.experiment import Campaign, Experiment
+from stepid.core.hand import hand
 from stepid.core.noise import record_noise
-from stepid.core.releases import hand, split_releases
+from stepid.core.releases import split_releases
 from stepid.core.samples import means_of_blocks
 from stepid.core.units import UNIT, check_speed, check_travel
 from stepid.core.words import counted

@@ -10,8 +10,8 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.hand import release_index
 from stepid.core.noise import noise_level
-from stepid.core.releases import release_index
 from stepid.core.samples import means_of_blocks
 from stepid.core.words import length
 

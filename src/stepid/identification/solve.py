@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array
-from stepid.core.experiment import WEIGHT, WEIGHT_UNCERTAINTY
+from stepid.core.mass_offset import WEIGHT, WEIGHT_UNCERTAINTY
 from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.takes import a, able, optional, takes

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
-from stepid.core.releases import release_index
+from stepid.core.hand import release_index
 from stepid.core.samples import InputBetween, course, is_even
 from stepid.simulation.clock import clock
 from stepid.simulation.starts import starts_in_motion

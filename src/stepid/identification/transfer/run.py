@@ -11,8 +11,8 @@ import numpy.typing as npt
 from stepid.core.arguments import as_experiment
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.hand import release_index
 from stepid.core.quantities import in_own_quantities
-from stepid.core.releases import release_index
 from stepid.core.samples import CLOSE, course, off_even_clock
 from stepid.core.takes import described
 from stepid.errors import ConvergenceError, InputError

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.core.experiment import WEIGHT
+from stepid.core.mass_offset import WEIGHT
 from stepid.core.quantities import MOTIONS
 from stepid.errors import InputError
 from stepid.io.ecp import FEWEST

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from stepid.core.experiment import WEIGHT
+from stepid.core.mass_offset import WEIGHT
 from stepid.io.guess.draft import Draft, quantities_of_drafts
 from stepid.io.guess.words import COUNTS
 
