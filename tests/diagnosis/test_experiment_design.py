@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -67,3 +68,26 @@ def test_a_weight_tells_friction_by_weight_from_coulomb_friction_where_there_is_
     assert by_weight is not None
     told = next_experiment(friction, [by_weight], floor=1e-8, tell=lambda one: "F" if one is friction else "w")
     assert "a release with half of the moving mass added" in told
+
+
+def test_no_run_tells_a_friction_that_differs_by_direction_from_coulomb_friction() -> None:
+    """It is Coulomb friction about another rest position, and where a cart rests is unknown in every run."""
+    records = lay_out(example.campaign())
+    friction = fits(records)[1]
+    level = float(friction.shared[-1])
+    problem = build(records, resolve(["asymmetric_friction"]))
+    uneven = minimize(problem, np.append(friction.shared[:-1], [0.8 * level, 1.2 * level]), friction.local)
+    assert uneven is not None
+    told = next_experiment(friction, [uneven], floor=1e-6, tell=lambda one: "even" if one is friction else "uneven")
+    assert re.match(r"None of the usual extra runs would tell even from uneven", told)
+
+
+def test_runs_in_which_the_answer_runs_away_are_not_proposed() -> None:
+    records = lay_out(stepid.Campaign(name="releases", experiments=(released(0.0), released(0.5))))
+    linear, friction = fits(records)
+    far = friction.shared.copy()
+    far[friction.problem.layout.damping] = -50.0  # swings grow until they are cut off
+    told = next_experiment(
+        replace(friction, shared=far), [linear], floor=1e-6, tell=lambda one: "none" if one is linear else "wild"
+    )
+    assert re.match(r"None of the usual extra runs would tell wild from none", told)

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.words import digits, length
-from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.levenberg_marquardt import Optimum, minimize
+from stepid.fitting.problem import build
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import Simulator
 
 _HALF, _LARGER = 0.5, 1.6  # times the largest step or displacement so far
 _FASTER = 4  # times as many readings a second
 _WAIT = 4  # samples before a step
+_STEPS = 8  # of a fit of what is free in every run
 
 
 class Proposal(NamedTuple):
@@ -75,13 +77,45 @@ def _proposals(records: Records, displacement: float, mass: float) -> list[Propo
     return [Proposal(*one) for one in steps]
 
 
-def _answers(records: Records, optimum: Optimum, displacements: Sequence[float]) -> Array:
-    """What a fitted model reads in runs that begin still and displaced [m]; not finite where it runs away; (S,) [m]."""
-    sim = Simulator(records, optimum.problem.simulator.effects)
-    begin = np.zeros((1, sim.layout.n_run, len(records.runs)))
-    begin[0, 0] = displacements
-    out: Array = sim.readings(optimum.shared[None], begin)[0]
-    return out
+class _Simulated(NamedTuple):
+    """Proposed runs that a model can do, with its answers for readings; where they begin [m], and their words."""
+
+    records: Records
+    displacements: list[float]
+    words: list[str]
+
+
+def _simulated(fitted: Records, chosen: Optimum, proposals: Sequence[Proposal]) -> _Simulated:
+    """Simulate proposed runs with a fitted model; one in which it runs away is left out."""
+    records = fitted.like([one.run for one in proposals])
+    sim = Simulator(records, chosen.problem.simulator.effects)
+    begin = np.zeros((1, sim.layout.n_run, len(proposals)))
+    begin[0, 0] = [one.displacement for one in proposals]
+    answers = sim.readings(chosen.shared[None], begin)[0]
+    able = [one for one, piece in zip(proposals, records.pieces(), strict=True) if np.isfinite(answers[piece]).all()]
+    if not able:
+        return _Simulated(records, [], [])
+    records = fitted.like([one.run for one in able])
+    read = np.concatenate([answers[piece] for piece in sim.records.pieces() if np.isfinite(answers[piece]).all()])
+    records = replace(records, position=read, moving=~records.driven)
+    return _Simulated(records, [one.displacement for one in able], [one.words for one in able])
+
+
+def _gaps(records: Records, rival: Optimum, displacements: Sequence[float]) -> list[float]:
+    """RMS [m] by which each run's position differs from what a rival reads; infinite where it runs away.
+
+    Where runs begin, their rest positions and phases are free in every run, as they are in fits: what they can do tells
+    no models apart.
+    """
+    problem = build(records, rival.problem.simulator.effects)
+    local = np.zeros((problem.layout.n_run, len(records.runs)))
+    local[0] = displacements
+    alone = replace(problem, free=np.zeros_like(problem.free))
+    fitted = minimize(alone, rival.shared, local, iterations=_STEPS)
+    if fitted is None:
+        return [np.inf] * len(records.runs)
+    left = records.centered(records.position - fitted.solved.reading)
+    return [float(np.sqrt(np.mean(left[piece] ** 2))) for piece in records.pieces()]
 
 
 def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tell: Callable[[Optimum], str]) -> str:
@@ -96,25 +130,21 @@ def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tel
     tell : callable
         Names an optimum in words.
     """
-    best: tuple[float, str] = (0.0, "")
     fitted, start = chosen.problem.records, chosen.local[0]
     mass = float(chosen.problem.layout.mass(chosen.shared)[0])
-    proposals = _proposals(fitted, float(start[np.argmax(np.abs(start))]), mass)
-    records = fitted.like([one.run for one in proposals])
-    begin = [one.displacement for one in proposals]
-    base = _answers(records, chosen, begin)
-    apart = [records.centered(base - _answers(records, rival, begin)) for rival in rivals]
-    for one, piece in zip(proposals, records.pieces(), strict=True):
-        gaps = [float(np.sqrt(np.mean(a[piece] ** 2))) for a in apart if np.isfinite(a[piece]).all()]
-        if gaps and min(gaps) > best[0]:
-            best = (min(gaps), one.words)
+    able = _simulated(fitted, chosen, _proposals(fitted, float(start[np.argmax(np.abs(start))]), mass))
+    best, words = 0.0, ""
+    if able.words:
+        gaps = np.min([_gaps(able.records, rival, able.displacements) for rival in rivals], axis=0)
+        gaps = np.where(np.isfinite(gaps), gaps, 0.0)
+        best, words = float(gaps.max()), able.words[int(np.argmax(gaps))]
     names = " or ".join(tell(r) for r in rivals)
-    if best[0] < 0.5 * floor:
+    if best < 0.5 * floor:
         return (
             f"None of the usual extra runs would tell {tell(chosen)} from {names}: in all of them the models differ by "
             "less than half the noise. Lower the noise, or sample faster."
         )
     return (
-        f"To tell {tell(chosen)} from {names}, record {best[1]}. There the models differ by {length(best[0])} RMS, "
-        f"{digits(best[0] / floor)} times the noise."
+        f"To tell {tell(chosen)} from {names}, record {words}. There the models differ by {length(best)} RMS, "
+        f"{digits(best / floor)} times the noise."
     )
