@@ -55,7 +55,7 @@ def weights_are_enough(e: EvidenceRecord) -> Answer | None:
     """Errors of the added masses within their uncertainty are enough, and no single effect is."""
     if e.context.by_weights is None:
         return None
-    one = len(e.best.effects) == 1 and e.at_floor(e.best) and not is_free(e.best)
+    one = e.best.effects and e.best.complexity == 1 and e.at_floor(e.best) and not is_free(e.best)
     if one and not e.barred(e.best) and not e.followed(e.best):
         return None
     return Answer("adequate", e.linear, (), (_WEIGHTS,))

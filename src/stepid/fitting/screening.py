@@ -102,7 +102,7 @@ def _let_go(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
     ]
     unseen = {name: first for name, (first, seen) in hands.items() if first and not seen}
     if unseen:
-        runs = [run.slice(unseen[run.name]) if run.name in unseen else run for run in runs]
+        runs = [_free(run, unseen[run.name]) if run.name in unseen else run for run in runs]
         who = f"{'Releases' if len(unseen) > 1 else 'Release'} {', '.join(map(repr, unseen))}"
         what = f"the first {counted(max(unseen.values()), 'sample')}"
         notes.append(
@@ -110,6 +110,10 @@ def _let_go(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
             'Say starts="motion" where none did.'
         )
     return runs
+
+
+def _free(run: Experiment, first: int) -> Experiment:
+    return run.slice(first).model_copy(update={"starts": "motion"})
 
 
 def split_campaign(campaign: Campaign) -> tuple[Campaign, tuple[str, ...]]:

@@ -40,7 +40,6 @@ def _structure(effects: tuple[Effect, ...]) -> Any:
     work.relaxing = max((row + 1 for row, i in enumerate(order) if changes(effects[i], "relax")), default=0)
     work.kinked = any(changes(e, "kink") for e in effects)
     work.rated = any(e.n_extra for e in effects)
-    work.restless = any(e.never_rests for e in effects)
     return room
 
 

@@ -25,22 +25,24 @@ class Drop:
         """Propose the node's effects without one of them."""
         out = []
         for place, effect in enumerate(node.effects):
+            rest = [i for i in range(len(node.effects)) if i != place]
+            effects = tuple(node.effects[i] for i in rest)
+            begun = starts_kept(node.best.problem, effects)
+            if not (rest or begun):  # that is the root
+                continue
             own = node.best.problem.layout.values[place]
             values = tuple(float(v) for v in node.best.shared[own])
             moved, left = without(node.best, own, np.array(effect.faint(values, 0.0)))
             left = left if np.isfinite(left) else node.cost  # not to be foreseen: it may cost nothing
             of = node.best.problem.layout
-            rest = [i for i in range(len(node.effects)) if i != place]
             starts = tuple(
                 Start(shared[of.linear], tuple(tuple(map(float, shared[of.values[i]])) for i in rest))
                 for shared in (moved, node.best.shared)
             )
-            effects = tuple(node.effects[i] for i in rest)
-            begun = starts_kept(node.best.problem, effects)
             if begun:
                 kept = node.deviations | begun
                 out.append(Proposal(effects, kept, starts, node.key, node.best, left, 1.0, self.name))
-            if not rest:  # that is the root
+            if not rest:
                 continue
             if len(effects) == 1:  # where what is taken away had taken mass or stiffness from the plant
                 fit = context.fit
