@@ -8,6 +8,7 @@ import pytest
 import stepid
 from stepid.core.base import Array
 from stepid.core.hand import hand, release_index
+from stepid.fitting.screening import screen
 
 STEP = 0.01  # s
 
@@ -61,6 +62,20 @@ def test_what_a_hand_may_have_held_unseen_is_left_out(hold: int, samples: int) -
     assert not (begin.seen and hold == 0)
     assert release_index(run) == (begin.first if begin.seen else 0)
     assert hold <= begin.first <= hold + max(samples / 7, 3)
+
+
+@pytest.mark.parametrize("hold", [0, 2])
+def test_what_a_hand_may_have_held_is_cut_where_records_are_screened(hold: int) -> None:
+    y = np.concatenate([np.full(hold, 0.01), swing(0.01, samples=100, ratio=0.05)])
+    held, moving = record(y), record(y[hold + 10 :]).model_copy(update={"name": "b"})
+    found = screen(stepid.Campaign(name="c", experiments=(held, moving)))
+    kept = [run.position.size for run in found.campaign.experiments]
+    assert hold < y.size - kept[0] <= hold + 4
+    assert kept[1] == moving.position.size
+    (note,) = [note for note in found.notes if "hand" in note]
+    assert note.startswith("Release 'a': the first ")
+    again = screen(found.campaign)
+    assert [run.position.size for run in again.campaign.experiments] == kept  # what is cut once moves
 
 
 @pytest.mark.parametrize("phase", [-0.05, 0.1])

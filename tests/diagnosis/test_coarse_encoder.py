@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import rubbing_carts
 import stepid
 from hidden import Run, fast
+from stepid.fitting.fit import prepare
 
 STEP = 1e-4  # m, of the encoder; the largest deflection is some 60 of them
 
@@ -45,3 +47,14 @@ def test_rounding_is_no_cogging_beside_friction(seed: int) -> None:
 
 def test_a_linear_plant_stays_linear() -> None:
     assert stepid.diagnose(coarse(3, {})).verdict == "adequate"
+
+
+def test_readings_on_a_grid_are_rounded_whether_counts_are_said_or_not() -> None:
+    step = 2e-5
+    plain = rubbing_carts.campaign(2)
+    read = [run.model_copy(update={"position": step * np.round(run.position / step)}) for run in plain.experiments]
+    counted = [run.model_copy(update={"counts_per_meter": 1 / step}) for run in read]
+    untold, told = (plain.model_copy(update={"experiments": tuple(runs)}) for runs in (read, counted))
+    assert prepare(untold).floor == pytest.approx(prepare(told).floor, rel=1e-9)
+    assert prepare(untold).rounding == pytest.approx(step / np.sqrt(12))
+    assert stepid.diagnose(untold).effects == stepid.diagnose(told).effects == ("coulomb_friction",)

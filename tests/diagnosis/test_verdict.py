@@ -53,6 +53,10 @@ def test_errors_of_the_weights_dispute_a_name_and_stand_for_none() -> None:
     enough = ask("weights_are_enough", context=known, undetermined=("coulomb_friction.level",))
     assert enough is not None
     assert (enough.verdict, enough.shown) == ("adequate", LINEAR)
+    refuted = ask("weights_are_enough", context=known, still_followed="velocity")
+    assert refuted is not None  # an effect that cannot be named does not stand before them
+    late = candidate(["coulomb_friction"], deviations=["start_time"])
+    assert ask("weights_are_enough", context=known, best=late) is not None  # nor one with a condition
 
 
 def test_a_wrong_input_explains_nothing() -> None:
