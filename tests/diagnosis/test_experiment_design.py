@@ -80,6 +80,11 @@ def test_no_run_tells_a_friction_that_differs_by_direction_from_coulomb_friction
     assert uneven is not None
     told = next_experiment(friction, [uneven], floor=1e-6, tell=lambda one: "even" if one is friction else "uneven")
     assert re.match(r"None of the usual extra runs would tell even from uneven", told)
+    linear = fits(records)[0]
+    names = {id(friction): "even", id(uneven): "uneven", id(linear): "linear"}
+    told = next_experiment(friction, [uneven, linear], floor=1e-6, tell=lambda one: names[id(one)])
+    assert re.match(r"To tell even from linear, record ", told)
+    assert told.endswith("That run does not tell it from uneven.")
 
 
 def test_runs_in_which_the_answer_runs_away_are_not_proposed() -> None:

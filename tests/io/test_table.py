@@ -17,7 +17,7 @@ def test_one_column_without_time_or_header(tmp_path):
     np.testing.assert_array_equal(run.position, CM * 0.01)
     np.testing.assert_array_equal(run.time, 0.005 * np.arange(100))
     assert run.is_release
-    assert (run.name, run.added_mass, run.spring, run.resolution) == ("data0000", 0.986, "high", None)
+    assert (run.name, run.added_mass, run.spring, run.counts_per_meter) == ("data0000", 0.986, "high", None)
 
 
 def test_files_that_continue_each_other(tmp_path):

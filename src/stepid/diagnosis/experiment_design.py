@@ -18,6 +18,7 @@ from stepid.simulation.simulator import Simulator
 _HALF, _LARGER = 0.5, 1.6  # times the largest step or displacement so far
 _FASTER = 4  # times as many readings a second
 _WAIT = 4  # samples before a step
+_SEEN = 0.5  # of the noise, by which models must differ
 _STEPS = 8  # of a fit of what is free in every run
 
 
@@ -133,18 +134,25 @@ def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tel
     fitted, start = chosen.problem.records, chosen.local[0]
     mass = float(chosen.problem.layout.mass(chosen.shared)[0])
     able = _simulated(fitted, chosen, _proposals(fitted, float(start[np.argmax(np.abs(start))]), mass))
-    best, words = 0.0, ""
-    if able.words:
-        gaps = np.min([_gaps(able.records, rival, able.displacements) for rival in rivals], axis=0)
-        gaps = np.where(np.isfinite(gaps), gaps, 0.0)
-        best, words = float(gaps.max()), able.words[int(np.argmax(gaps))]
-    names = " or ".join(tell(r) for r in rivals)
-    if best < 0.5 * floor:
+    gaps = np.array([_gaps(able.records, rival, able.displacements) for rival in rivals if able.words])
+    gaps = np.where(np.isfinite(gaps), gaps, 0.0)
+    told = [i for i, own in enumerate(gaps) if own.max() >= _SEEN * floor]
+    if not told:
         return (
-            f"None of the usual extra runs would tell {tell(chosen)} from {names}: in all of them the models differ by "
-            "less than half the noise. Lower the noise, or sample faster."
+            f"None of the usual extra runs would tell {tell(chosen)} from {_names(rivals, tell)}: in all of them the "
+            "models differ by less than half the noise. Lower the noise, or sample faster."
         )
-    return (
-        f"To tell {tell(chosen)} from {names}, record {words}. There the models differ by {length(best)} RMS, "
-        f"{digits(best / floor)} times the noise."
+    if gaps[told].min(axis=0).max() < _SEEN * floor:  # no run tells all of them
+        told = told[:1]
+    apart = gaps[told].min(axis=0)
+    run, best = int(np.argmax(apart)), float(apart.max())
+    others = [rival for i, rival in enumerate(rivals) if i not in told]
+    said = (
+        f"To tell {tell(chosen)} from {_names([rivals[i] for i in told], tell)}, record {able.words[run]}. There the "
+        f"models differ by {length(best)} RMS, {digits(best / floor)} times the noise."
     )
+    return f"{said} That run does not tell it from {_names(others, tell)}." if others else said
+
+
+def _names(rivals: Sequence[Optimum], tell: Callable[[Optimum], str]) -> str:
+    return " or ".join(map(tell, rivals))
