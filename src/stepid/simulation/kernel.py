@@ -87,7 +87,6 @@ WORK = np.dtype(
         ("relaxing", np.int64),  # how many effects until the last one whose states follow the drive in closed form
         ("kinked", np.int64),  # whether some of these turn a corner
         ("rated", np.int64),  # whether own states have a rate
-        ("restless", np.int64),  # whether the cart may be in motion at the start of any record
         ("m", np.float64, MOMENT),
         ("u", np.float64, 5),  # the input: since when, and its polynomial in the time since then
         ("sides", np.float64, MOST_SWITCHES),  # of the switches, -1 or 1
