@@ -42,6 +42,6 @@ def campaign(seed: int) -> stepid.Campaign:
 def test_a_rest_position_that_moves_with_the_first_step_is_no_effect(seed: int) -> None:
     d = stepid.diagnose(campaign(seed))
     assert (d.verdict, d.effects) == ("adequate", ())
-    assert d.scatter["start_position"].unit == "m"
-    assert d.scatter["start_position"].explained > 0.5
+    assert d.scatter["start_offset"].unit == "m"
+    assert d.scatter["start_offset"].explained > 0.5
     assert any("The runs start off their rest position by " in note for note in d.notes)

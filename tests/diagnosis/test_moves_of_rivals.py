@@ -123,9 +123,9 @@ def test_friction_is_taken_away_with_the_starts_that_it_frees_and_without() -> N
     fit = prepared("friction")
     two = node(fit, {"coulomb_friction": {"level": 0.2}, "quadratic_damping": {"coefficient": 1.0}})
     kept = {p.deviations for p in Drop().propose(two, context(fit)) if p.effects[0].name == "quadratic_damping"}
-    assert kept == {frozenset(), frozenset({"start_position"})}
+    assert kept == {frozenset(), frozenset({"start_offset"})}
     (alone,) = Drop().propose(node(fit, FRICTION), context(fit))
-    assert alone.key == (frozenset(), frozenset({"start_position"}))
+    assert alone.key == (frozenset(), frozenset({"start_offset"}))
     assert Drop().propose(node(fit, {"quadratic_damping": {"coefficient": 1.0}}), context(fit)) == []
 
 

@@ -73,7 +73,7 @@ def test_a_step_along_one_column_is_that_of_least_squares(monkeypatch: pytest.Mo
 
 
 def test_runs_scatter_about_the_mean_of_those_that_have_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    row = {name: i for i, name in enumerate((*deviations.SCATTER, "start_position", "start_velocity"))}
+    row = {name: i for i, name in enumerate((*deviations.SCATTER, "start_offset", "start_velocity"))}
     active = np.zeros((6, 4), bool)
     active[[0, 2, 4]] = True
     begun = [0.001, -0.002, 0.004, 9.0]
@@ -84,14 +84,14 @@ def test_runs_scatter_about_the_mean_of_those_that_have_it(monkeypatch: pytest.M
         damper=np.array([0, 0, 0, 1]), runs=[None] * 4,
     )  # fmt: skip
     three = np.array([True, True, True, False])
-    use = {"start_time": three, "damping": np.ones(4, bool), "start_position": three}
+    use = {"start_time": three, "damping": np.ones(4, bool), "start_offset": three}
     monkeypatch.setattr(deviations, "applies", lambda _, kind: use[kind])
     problem = SimpleNamespace(records=records, layout=SimpleNamespace(deviation=row.get), active=active)
     solved = SimpleNamespace(reading=np.zeros(8))
     optimum: Any = SimpleNamespace(problem=problem, local=local, solved=solved)
     found = deviations.scatter_values(optimum)
-    assert set(found) == {"rest", "start_time", "damping", "start_position"}
-    np.testing.assert_allclose(found["start_position"], [*begun[:3], np.nan])  # from the rest position
+    assert set(found) == {"rest", "start_time", "damping", "start_offset"}
+    np.testing.assert_allclose(found["start_offset"], [*begun[:3], np.nan])  # from the rest position
     rest = np.array([(1 + 4 * 3) / 5, 2.0, 5.0, 0.0])
     np.testing.assert_allclose(found["rest"], rest - rest.mean())
     np.testing.assert_allclose(found["start_time"], [-0.2, -0.1, 0.3, np.nan])

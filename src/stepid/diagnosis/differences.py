@@ -23,7 +23,7 @@ _WORDS = {
     "gain": "The gain differs from run to run by {1:.2g} % (standard deviation)",
     "damping": "The damping differs from run to run by {1:.2g} % (standard deviation)",
     "friction": "The friction differs from run to run by {1:.2g} % (standard deviation)",
-    "start_position": "The runs start off their rest position by {2} (standard deviation)",
+    "start_offset": "The runs start off their rest position by {2} (standard deviation)",
     "start_velocity": "The runs start with a speed of {2}/s (standard deviation)",
 }
 

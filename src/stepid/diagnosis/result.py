@@ -196,7 +196,7 @@ class Diagnosis(Written):
     probability : float or None
         That the answered set holds the truth; None where no effect is named.
     scatter : mapping
-        ``"start_time"``, ``"gain"``, ``"rest"``, ``"damping"``, ``"friction"``, ``"start_position"`` or
+        ``"start_time"``, ``"gain"``, ``"rest"``, ``"damping"``, ``"friction"``, ``"start_offset"`` or
         ``"start_velocity"`` to `Scatter`: what the runs differ by.
     faults : tuple of RecordFault
         Faults of single records.

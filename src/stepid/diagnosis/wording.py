@@ -44,7 +44,7 @@ _DIFFER_WORDS = {
     "gain": "gains differ",
     "damping": "damping differs",
     "friction": "friction differs",
-    "start_position": "start positions differ",
+    "start_offset": "start offsets differ",
     "start_velocity": "start velocities differ",
 }
 

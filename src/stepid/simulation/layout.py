@@ -23,7 +23,7 @@ DEVIATIONS: tuple[Parameter, ...] = (
 )
 """By how much a run differs from the plant: later by, relative change of force gain, damping, dry friction (what an
 effect holds the cart with, in N) and stiffness, mass beside what its record says."""
-STARTS: tuple[Parameter, ...] = (Parameter("start_position", "m", -np.inf), Parameter("start_velocity", "m/s", -np.inf))
+STARTS: tuple[Parameter, ...] = (Parameter("start_offset", "m", -np.inf), Parameter("start_velocity", "m/s", -np.inf))
 """What else a run may differ by: where a cart that is to begin at rest begins, from the spring's rest position."""
 LEAST_MASS = 1e-3  # of the largest difference of added masses, or of 1 kg if that is less
 
