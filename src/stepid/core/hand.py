@@ -91,8 +91,13 @@ def hand(experiment: Experiment) -> Hand:
 
 def _still(experiment: Experiment) -> int:
     """First sample that is surely not where the first one is: before it the cart may be held."""
-    y = experiment.position
-    away = np.abs(y - y[0]) > max(_CHANCE * np.sqrt(2.0) * record_noise(experiment), experiment.resolution or 0.0)
+    small = max(_CHANCE * np.sqrt(2.0) * record_noise(experiment), experiment.resolution or 0.0)
+    return _away(experiment.position, small)
+
+
+def _away(y: Array, small: float) -> int:
+    """First of some readings that is farther from the first of them; their number if none is."""
+    away = np.abs(y - y[0]) > small
     return int(np.argmax(away)) if away.any() else y.size
 
 
@@ -167,10 +172,8 @@ def _rests(experiment: Experiment, first: int) -> bool:
     if carried is None:
         return False
     y, off = experiment.position[:first], carried[0]
-    noise = record_noise(experiment)
-    small = max(_SEEN * noise, experiment.resolution or 0.0)
-    away = np.abs(y - y[0]) > small
-    still = int(np.argmax(away)) if away.any() else y.size
+    small = max(_SEEN * record_noise(experiment), experiment.resolution or 0.0)
+    still = _away(y, small)
     if still < _RESTING:
         return False
     power = float(np.mean(off[:still] ** 2))

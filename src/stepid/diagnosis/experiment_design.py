@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.experiment import Experiment
+from stepid.core.noise import rms
 from stepid.core.words import digits, length
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import build
@@ -78,45 +79,37 @@ def _proposals(records: Records, displacement: float, mass: float) -> list[Propo
     return [Proposal(*one) for one in steps]
 
 
-class _Simulated(NamedTuple):
-    """Proposed runs that a model can do, with its answers for readings; where they begin [m], and their words."""
-
-    records: Records
-    displacements: list[float]
-    words: list[str]
-
-
-def _simulated(fitted: Records, chosen: Optimum, proposals: Sequence[Proposal]) -> _Simulated:
-    """Simulate proposed runs with a fitted model; one in which it runs away is left out."""
+def _answered(fitted: Records, chosen: Optimum, proposals: Sequence[Proposal]) -> list[Proposal]:
+    """Proposed runs with what a fitted model reads in them; one in which it runs away is left out."""
     records = fitted.like([one.run for one in proposals])
     sim = Simulator(records, chosen.problem.simulator.effects)
     begin = np.zeros((1, sim.layout.n_run, len(proposals)))
     begin[0, 0] = [one.displacement for one in proposals]
     answers = sim.readings(chosen.shared[None], begin)[0]
-    able = [one for one, piece in zip(proposals, records.pieces(), strict=True) if np.isfinite(answers[piece]).all()]
-    if not able:
-        return _Simulated(records, [], [])
-    records = fitted.like([one.run for one in able])
-    read = np.concatenate([answers[piece] for piece in sim.records.pieces() if np.isfinite(answers[piece]).all()])
-    records = replace(records, position=read, moving=~records.driven)
-    return _Simulated(records, [one.displacement for one in able], [one.words for one in able])
+    read = [
+        one._replace(run=one.run.model_copy(update={"position": answers[piece]}))
+        for one, piece in zip(proposals, records.pieces(), strict=True)
+    ]
+    return [one for one in read if np.isfinite(one.run.position).all()]
 
 
-def _gaps(records: Records, rival: Optimum, displacements: Sequence[float]) -> list[float]:
-    """RMS [m] by which each run's position differs from what a rival reads; infinite where it runs away.
+def _gaps(fitted: Records, rival: Optimum, answered: Sequence[Proposal]) -> list[float]:
+    """RMS [m] by which each answered run differs from what a rival reads; 0, which tells nothing, where that fails.
 
     Where runs begin, their rest positions and phases are free in every run, as they are in fits: what they can do tells
     no models apart.
     """
+    records = fitted.like([one.run for one in answered])
+    records = replace(records, moving=~records.driven)
     problem = build(records, rival.problem.simulator.effects)
-    local = np.zeros((problem.layout.n_run, len(records.runs)))
-    local[0] = displacements
+    local = np.zeros((problem.layout.n_run, len(answered)))
+    local[0] = [one.displacement for one in answered]
     alone = replace(problem, free=np.zeros_like(problem.free))
-    fitted = minimize(alone, rival.shared, local, iterations=_STEPS)
-    if fitted is None:
-        return [np.inf] * len(records.runs)
-    left = records.centered(records.position - fitted.solved.reading)
-    return [float(np.sqrt(np.mean(left[piece] ** 2))) for piece in records.pieces()]
+    found = minimize(alone, rival.shared, local, iterations=_STEPS)
+    if found is None:
+        return [0.0] * len(answered)
+    left = records.centered(records.position - found.solved.reading)
+    return [rms(left[piece]) for piece in records.pieces()]
 
 
 def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tell: Callable[[Optimum], str]) -> str:
@@ -133,9 +126,8 @@ def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tel
     """
     fitted, start = chosen.problem.records, chosen.local[0]
     mass = float(chosen.problem.layout.mass(chosen.shared)[0])
-    able = _simulated(fitted, chosen, _proposals(fitted, float(start[np.argmax(np.abs(start))]), mass))
-    gaps = np.array([_gaps(able.records, rival, able.displacements) for rival in rivals if able.words])
-    gaps = np.where(np.isfinite(gaps), gaps, 0.0)
+    able = _answered(fitted, chosen, _proposals(fitted, float(start[np.argmax(np.abs(start))]), mass))
+    gaps = np.array([_gaps(fitted, rival, able) for rival in rivals if able])
     told = [i for i, own in enumerate(gaps) if own.max() >= _SEEN * floor]
     if not told:
         return (
@@ -148,7 +140,7 @@ def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tel
     run, best = int(np.argmax(apart)), float(apart.max())
     others = [rival for i, rival in enumerate(rivals) if i not in told]
     said = (
-        f"To tell {tell(chosen)} from {_names([rivals[i] for i in told], tell)}, record {able.words[run]}. There the "
+        f"To tell {tell(chosen)} from {_names([rivals[i] for i in told], tell)}, record {able[run].words}. There the "
         f"models differ by {length(best)} RMS, {digits(best / floor)} times the noise."
     )
     return f"{said} That run does not tell it from {_names(others, tell)}." if others else said

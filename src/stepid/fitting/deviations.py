@@ -127,9 +127,9 @@ def _references(problem: Problem, kind: str, use: Mask) -> list[int]:
     """Runs that stand for the plant: the first of those whose common deviation is a free global parameter."""
     records, n = problem.records, len(problem.records.runs)
     groups = {"damping": records.damper, "stiffness": records.spring}.get(kind, np.zeros(n, dtype=np.intp))
-    if kind in _STARTS or (
-        kind == "start_time" and not any(type(e).delay is not Effect.delay for e in problem.simulator.effects)
-    ):
+    if kind in _STARTS:
+        return []
+    if kind == "start_time" and not any(type(e).delay is not Effect.delay for e in problem.simulator.effects):
         return []
     if kind == "gain" and not problem.free[problem.layout.force_gain]:
         return []

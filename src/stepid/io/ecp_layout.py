@@ -96,13 +96,13 @@ def _split(lines: Sequence[str], where: str) -> tuple[list[str], list[list[str]]
     start = next((i for i, line in enumerate(lines) if _opens(line)), None)
     if start is None:
         return *_split_bare(lines, where), False
-    opening, percent, comment = lines[start].partition("%")
-    before, _, first = opening.rpartition("[")
+    bracket = lines[start].partition("%")[0].rindex("[")
+    before, first = lines[start][:bracket], lines[start][bracket + 1 :]
     preamble = [*lines[:start], before]
     for number, line in enumerate(preamble, 1):
         if _numeric(line):
             raise InputError(f"{where}, line {number}: numbers before the opening bracket", AGAIN)
-    remarks, rows, end = _enclosed([first + percent + comment, *lines[start + 1 :]], start + 1, where)
+    remarks, rows, end = _enclosed([first, *lines[start + 1 :]], start + 1, where)
     for number, line in enumerate(lines[end:], end + 1):
         if _numeric(line) or _opens(line):
             raise InputError(
