@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from stepid.diagnosis.evidence import price
+from stepid.diagnosis.evidence import effective_samples, price
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.selection.effort import Effort
 from stepid.fitting.candidate_fit import CandidateFit
@@ -58,12 +58,15 @@ def _at_rest(context: FitContext, best: Optimum, effort: Effort) -> Optimum:
     active = problem.active.copy()
     active[:2] &= context.records.moving
     active[problem.layout.own_states] &= context.records.moving
-    if np.array_equal(active, problem.active) or not _worth_holding(context, best, active, effort):
+    if np.array_equal(active, problem.active):
         return best
     rests = replace(problem, active=active)
-    counts = np.add.reduceat(context.records.weight**2, context.records.first)
+    counts = effective_samples(context.records, problem.residual(best.solved))
     before, after = (price(o, counts, context.floor**2) for o in (best, replace(best, problem=rests)))
-    most = max(best.cost, context.rounding_cost) + (before - after) * context.floor**2
+    worth, least = (before - after) / float(counts.sum()), max(best.cost, context.rounding_cost)
+    if not _worth_holding(context, best, active, least * math.exp(effort.stuck * worth)):
+        return best
+    most = least * math.exp(worth)
     held = minimize(
         rests,
         best.shared,
@@ -75,8 +78,8 @@ def _at_rest(context: FitContext, best: Optimum, effort: Effort) -> Optimum:
     return best if held is None or held.cost >= most else held
 
 
-def _worth_holding(context: FitContext, best: Optimum, active: npt.NDArray[np.bool_], effort: Effort) -> bool:
-    """Tell whether initial states may be those at rest: by one linearized step, with room for its error."""
+def _worth_holding(context: FitContext, best: Optimum, active: npt.NDArray[np.bool_], most: float) -> bool:
+    """Tell whether initial states may be those at rest: by one linearized step, that leaves at most so much [m²]."""
     problem = best.problem
     jacobian, residual = problem.jacobian(best.solved), problem.residual(best.solved)
     if not np.isfinite(jacobian).all() or best.cost < context.rounding_cost:
@@ -89,5 +92,4 @@ def _worth_holding(context: FitContext, best: Optimum, active: npt.NDArray[np.bo
     size[size == 0] = np.inf
     q = np.linalg.qr((jacobian / size)[:, kept])[0]
     left = residual - q @ (q.T @ residual)
-    worth = own.size * math.log(context.records.size)
-    return bool(float(left @ left) - best.cost < effort.stuck * worth * context.floor**2)
+    return float(left @ left) < most
