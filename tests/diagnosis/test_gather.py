@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, evidence
+from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, evidence, losing
 from stepid.diagnosis import free_law, gather, left_out, vetoes
 from stepid.diagnosis.free_law import FreeLaw
 from stepid.diagnosis.selection.candidate import Candidate, includes
@@ -274,3 +274,14 @@ def test_conditions_that_differ_lead_only_if_they_predict(names: list[str], monk
         predicting(monkeypatch, *able)
         monkeypatch.setattr(left_out.LeftOut, "_plain", lambda *_: LINEAR.optimum)
         assert evidence(alike, free, LINEAR).lead is leading
+
+
+@pytest.mark.parametrize(("worse", "leads"), [(2.0, True), (20.0, False)])
+def test_conditions_stand_in_for_an_effect_with_as_much_evidence(
+    worse: float, leads: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pair = candidate(["free_play", "cogging"], times=2.0)
+    alone = losing(pair, worse, ["free_play"], deviations=["damping"])
+    predicting(monkeypatch, alone, pair)
+    monkeypatch.setattr(left_out.LeftOut, "_plain", lambda *_: alone.optimum)
+    assert evidence(alone, pair, LINEAR).lead is (alone if leads else pair)
