@@ -85,6 +85,15 @@ def asleep(on: int, level: float = 0.5, noise: float = NOISE) -> stepid.Campaign
     return changed(whole, 2, input=commanded)
 
 
+def test_a_weak_first_level_is_no_amplifier_that_was_off() -> None:
+    """Changes as small meet a cart that moves already: they say nothing of what one at rest answers to."""
+    stairs = np.repeat([0.004, 0.5, 0.503, 0.3, 0.302, 0.0], 80)
+    whole = campaign(4, masses=(0.0, 1.5, 0.5), drives=[inputs(0.5), inputs(-0.5), stairs], noise=2e-4)
+    screened = screen(whole)
+    assert screened.campaign["case 3"].time.size == stairs.size
+    assert not any("amplifier" in note for note in screened.notes)
+
+
 @pytest.mark.parametrize(("on", "first"), [(800, 800), (60, 400), (500, 800), (900, 1200)])
 def test_a_stretch_with_the_amplifier_off_is_left_out(on: int, first: int) -> None:
     screened = screen(asleep(on))

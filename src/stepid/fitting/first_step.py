@@ -89,7 +89,7 @@ def _already_moving(seen: list[_Seen]) -> frozenset[str]:
 def _unusable(one: _Seen, usual: float, moving: Collection[str]) -> _Stretch | None:
     """The stretch at a run's start in which the drive was not on, something jumped or the cart already moves."""
     found = one.answers
-    weakest = min((abs(a.change) for a in found if a.lag is not None), default=np.inf)
+    weakest = min((abs(a.change) for a in found if a.lag is not None and a.rests), default=np.inf)
     alive = (i for i, a in enumerate(found) if not _dead(a, weakest, usual, one.run.sample_time))
     dead = next(alive, len(found))
     if dead:
