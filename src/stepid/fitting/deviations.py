@@ -48,6 +48,11 @@ class Promise(NamedTuple):
     errors: Array
 
 
+def conditions(kinds: frozenset[str]) -> int:
+    """Number of conditions that these are: offset and velocity of a start are one."""
+    return len(kinds.difference(_STARTS)) + (not kinds.isdisjoint(_STARTS))
+
+
 def applies(problem: Problem, kind: str) -> Mask:
     """Runs in which a deviation makes sense, shape (R,)."""
     records, effects = problem.records, problem.simulator.effects

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from stepid.effects.base import Effect
+from stepid.fitting.deviations import conditions
 from stepid.fitting.levenberg_marquardt import Optimum
 
 LEADING = 2  # effects at most in what is named where a rest remains
@@ -34,8 +35,8 @@ class Candidate:
 
     @property
     def complexity(self) -> int:
-        """Number of effects and of conditions that differ from run to run."""
-        return len(self.effects) + len(self.deviations)
+        """Number of effects and of conditions that differ from run to run: offset and velocity of a start are one."""
+        return len(self.effects) + conditions(self.deviations)
 
 
 def is_free(found: Candidate) -> bool:
