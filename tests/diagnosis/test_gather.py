@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, evidence, losing
-from stepid.diagnosis import free_law, gather, left_out, vetoes
+from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, evidence
+from stepid.diagnosis import free_law, gather, lead, left_out, vetoes
 from stepid.diagnosis.free_law import FreeLaw
 from stepid.diagnosis.selection.candidate import Candidate, includes
 from stepid.effects import resolve
@@ -276,12 +276,13 @@ def test_conditions_that_differ_lead_only_if_they_predict(names: list[str], monk
         assert evidence(alike, free, LINEAR).lead is leading
 
 
-@pytest.mark.parametrize(("worse", "leads"), [(2.0, True), (20.0, False)])
-def test_conditions_stand_in_for_an_effect_with_as_much_evidence(
-    worse: float, leads: bool, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("late", [False, True])
+def test_conditions_stand_in_for_an_effect_unless_all_runs_start_late(
+    late: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pair = candidate(["free_play", "cogging"], times=2.0)
-    alone = losing(pair, worse, ["free_play"], deviations=["damping"])
+    alone = candidate(["free_play"], times=2.1, deviations=["start_time"])
     predicting(monkeypatch, alone, pair)
     monkeypatch.setattr(left_out.LeftOut, "_plain", lambda *_: alone.optimum)
-    assert evidence(alone, pair, LINEAR).lead is (alone if leads else pair)
+    monkeypatch.setattr(lead, "starts_late", lambda optimum: late and optimum is alone.optimum)
+    assert evidence(alone, pair, LINEAR).lead is (pair if late else alone)

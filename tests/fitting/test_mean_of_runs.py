@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -16,7 +18,7 @@ from stepid.fitting.covariance import estimates
 from stepid.fitting.deviations import with_deviations
 from stepid.fitting.fit import fit_effects, prepare, unpack
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
-from stepid.fitting.mean_of_runs import centered
+from stepid.fitting.mean_of_runs import centered, starts_late
 
 GAINS = (0.02, -0.015, 0.03, 0.0, -0.025, 0.01)
 
@@ -99,3 +101,20 @@ def test_a_diagnosis_names_the_parts() -> None:
     done = stepid.diagnose(whole)
     assert "gain" in done.scatter
     assert done.parameters["force_gain"].parts["runs"] > done.parameters["force_gain"].parts["noise"]
+
+
+@pytest.mark.parametrize(
+    ("late", "delay"),
+    [
+        ((8.0, 8.1, 7.9, 8.0), True),
+        ((-3.0, -3.2, -2.8, -3.1), True),
+        ((1.0, -1.0, 0.4, 0.2), False),
+        ((3.0, 0.1, 1.4, 2.2), False),  # half of it is scatter
+    ],
+)
+def test_start_times_that_all_runs_share_are_a_delay(late: tuple[float, ...], delay: bool) -> None:
+    linear = prepare(campaign(1)).linear
+    assert not starts_late(linear)
+    free = replace(linear, problem=with_deviations(linear.problem, ("start_time",)), local=linear.local.copy())
+    free.local[free.problem.layout.deviation("start_time")] = 1e-3 * np.array(late)
+    assert starts_late(free) is delay

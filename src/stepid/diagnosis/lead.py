@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from stepid.diagnosis.evidence import Weighed, least_share, predicts
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, includes
 from stepid.diagnosis.vetoes import effects_of
+from stepid.fitting.mean_of_runs import starts_late
 
 if TYPE_CHECKING:
     from stepid.diagnosis.gather import EvidenceRecord
@@ -93,8 +94,8 @@ class Leads:
     def _without_trifle(self, pair: Candidate) -> Candidate:
         """One effect of two, where it leads, and the other takes no such part of what it leaves or does not predict.
 
-        The one may have conditions that differ from run to run: what these stand in for, with as much evidence, is no
-        effect. A delay that all runs share is one, though start times can follow it.
+        The one may have conditions that differ from run to run: what these can stand in for is no effect. A delay that
+        all runs share is one, though start times follow it.
         """
         if len(pair.effects) < 2:
             return pair
@@ -102,16 +103,12 @@ class Leads:
             w.candidate for w in self.able if len(w.candidate.effects) == 1
             and includes(pair.effects, w.candidate.effects) and self._takes(self._told.linear, w.candidate)
         ]  # fmt: skip
-        trifles = [c for c in inside if not self._takes(c, pair) and self._stands_in(c, pair)]
+        trifles = [c for c in inside if not self._takes(c, pair) and not (c.deviations and starts_late(c.optimum))]
         found = next(filter(self._leads, trifles), None)
         if found is not None or self._leads(pair):
             return found or pair
         others = (c for c in inside if c not in trifles)
         return next(filter(self._leads, others), trifles[0] if trifles else pair)
-
-    def _stands_in(self, one: Candidate, pair: Candidate) -> bool:
-        """Tell whether one effect has no conditions beside those of a pair, or as much evidence with them."""
-        return one.deviations <= pair.deviations or self._loss(one) < self._loss(pair) + self._told.criteria.tie
 
     def taken(self, before: Candidate, after: Candidate) -> float:
         """Share of the power above the floor that one candidate leaves, which another takes."""

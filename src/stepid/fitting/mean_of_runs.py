@@ -15,6 +15,7 @@ from stepid.fitting.levenberg_marquardt import Optimum, Problem
 
 NORMAL = 1.96
 """Standard deviations of half a 95 % interval."""
+_SHARED = 3.0  # standard deviations of start times about their mean, from which on the mean is what matters
 
 
 class Common(NamedTuple):
@@ -82,6 +83,14 @@ def centered(optimum: Optimum) -> Optimum:
         if own.kind != "start_time":
             local[row, own.runs] /= 1.0 + mean
     return replace(optimum, shared=shared, local=local)
+
+
+def starts_late(optimum: Optimum) -> bool:
+    """Tell whether runs whose start times are free all start as late: what they share is a delay, no scatter."""
+    problem = optimum.problem
+    row = problem.layout.deviation("start_time")
+    late = optimum.local[row, problem.active[row]]
+    return bool(late.size and not _changed(problem, "start_time") and abs(late.mean()) > _SHARED * late.std())
 
 
 def mean_of_runs(optimum: Optimum) -> Array:

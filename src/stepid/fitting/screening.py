@@ -88,10 +88,11 @@ def screen(campaign: Campaign) -> Screened:
 
 
 def _begun(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
-    """Tell which driven runs start in motion; where one surely does others may be slices, too, that show it less."""
+    """Tell which driven runs start in motion; where half of them surely do the others are slices, too, if they move."""
     asked = [run for run in runs if run.starts == "auto" and not run.is_release]
     sure = {run.name for run in asked if starts_in_motion(run)}
-    more = {run.name for run in asked if sure and starts_in_motion(run, True)} - sure
+    slices = bool(sure) and 2 * len(sure) >= len(asked)
+    more = {run.name for run in asked if slices and starts_in_motion(run, True)} - sure
     notes += [
         f"Run {run.name!r} starts in motion: its initial position and velocity are fitted, too."
         for run in asked

@@ -38,7 +38,7 @@ def starts_in_motion(experiment: Experiment, among: bool = False) -> bool:
     ----------
     experiment : Experiment
     among : bool
-        Whether another driven record of the campaign surely starts in motion: slices come together, and less is enough.
+        Whether half of the campaign's driven records surely start in motion: slices come together, and less is enough.
 
     Returns
     -------
