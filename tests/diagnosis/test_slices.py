@@ -30,27 +30,8 @@ def slices(*first: int, noise: float = 1e-5) -> stepid.Campaign:
     return stepid.Campaign(name="slices", experiments=runs)
 
 
-def test_half_of_them_that_surely_move_tell_of_the_others() -> None:
-    d = stepid.diagnose(slices(100, 220, 440, 520))
-    assert d.verdict == "adequate"
-    assert not d.scatter
-    assert [note for note in d.notes if "starts in motion" in note] == [
-        f"Run 'from {first}' starts in motion: its initial position and velocity are fitted, too."
-        for first in (100, 220, 440, 520)
-    ]
-    assert d.gap.after < 1.1 * d.gap.noise
-
-
-def test_one_of_many_tells_nothing() -> None:
-    alone = slices(100, 220, 440, 480, 580)
-    notes = stepid.fit(alone).notes
-    assert [note for note in notes if "starts in motion" in note] == [
-        "Run 'from 100' starts in motion: its initial position and velocity are fitted, too."
-    ]
-
-
-@pytest.mark.parametrize("first", [(220, 440), (60, 220, 440), (220, 480, 580)])
-def test_where_none_surely_moves_starts_off_rest_are_no_effect(first: tuple[int, ...]) -> None:
+@pytest.mark.parametrize("first", [(220, 440), (60, 220, 440), (220, 480, 580), (100, 220, 440, 580)])
+def test_starts_off_rest_are_no_effect(first: tuple[int, ...]) -> None:
     d = stepid.diagnose(slices(*first))
     assert d.verdict == "adequate"
     assert set(d.scatter) <= {"start_offset", "start_velocity"}

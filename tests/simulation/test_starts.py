@@ -35,13 +35,9 @@ def tones(samples: int = 600) -> np.ndarray:
 SQUARE = np.tile(np.repeat([0.5, 0.0], 80), 4)
 
 
-STAIRS = np.repeat(np.random.default_rng(5).uniform(-1, 1, 40), 37)
-
-
-@pytest.mark.parametrize("among", [False, True])
-@pytest.mark.parametrize("volts", [tones(), SQUARE, STAIRS, np.full(300, 0.5), np.append(np.zeros(40), tones())])
-def test_a_record_from_rest_starts_at_rest(volts: np.ndarray, among: bool) -> None:
-    assert not starts_in_motion(record(volts), among)
+@pytest.mark.parametrize("volts", [tones(), SQUARE, np.full(300, 0.5), np.append(np.zeros(40), tones())])
+def test_a_record_from_rest_starts_at_rest(volts: np.ndarray) -> None:
+    assert not starts_in_motion(record(volts))
 
 
 @pytest.mark.parametrize("first", range(130, 200, 7))
@@ -52,12 +48,6 @@ def test_a_slice_of_a_driven_record_starts_in_motion(first: int) -> None:
 @pytest.mark.parametrize("first", [15, 30, 95, 120])
 def test_a_slice_between_two_steps_starts_in_motion(first: int) -> None:
     assert starts_in_motion(record(SQUARE, first))
-
-
-@pytest.mark.parametrize("first", [60, 220, 440, 480, 580])
-def test_a_slice_that_moves_little_at_first_is_one_among_slices(first: int) -> None:
-    assert not starts_in_motion(record(STAIRS, first))
-    assert starts_in_motion(record(STAIRS, first), True)
 
 
 def test_a_slice_in_which_the_cart_has_come_to_rest_starts_at_rest() -> None:

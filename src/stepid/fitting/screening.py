@@ -79,26 +79,17 @@ def screen(campaign: Campaign) -> Screened:
             f"campaign {campaign.name!r}: no run can be used. {' '.join(notes)}",
             "Check that the drive was on and the encoder is the right one, and each run's file; record them again.",
         )
-    kept = _let_go(_begun(kept, notes), notes)
+    notes += [
+        f"Run {run.name!r} starts in motion: its initial position and velocity are fitted, too."
+        for run in kept
+        if run.starts == "auto" and not run.is_release and starts_in_motion(run)
+    ]
+    kept = _let_go(kept, notes)
     notes += [note for run in kept if (note := clock_note(run)) is not None]
     if not notes:
         return Screened(campaign, ())
     wrong = {run.name: mended[run.name].wrong[-run.position.size :] for run in kept if mended[run.name].faults}
     return Screened(campaign.model_copy(update={"experiments": tuple(kept)}), tuple(notes), faults, wrong)
-
-
-def _begun(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
-    """Tell which driven runs start in motion; where half of them surely do the others are slices, too, if they move."""
-    asked = [run for run in runs if run.starts == "auto" and not run.is_release]
-    sure = {run.name for run in asked if starts_in_motion(run)}
-    slices = bool(sure) and 2 * len(sure) >= len(asked)
-    more = {run.name for run in asked if slices and starts_in_motion(run, True)} - sure
-    notes += [
-        f"Run {run.name!r} starts in motion: its initial position and velocity are fitted, too."
-        for run in asked
-        if run.name in sure | more
-    ]
-    return [run.model_copy(update={"starts": "motion"}) if run.name in more else run for run in runs]
 
 
 def _let_go(runs: list[Experiment], notes: list[str]) -> list[Experiment]:

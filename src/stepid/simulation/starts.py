@@ -26,7 +26,7 @@ _FEWEST = 16  # samples
 
 
 @once
-def starts_in_motion(experiment: Experiment, among: bool = False) -> bool:
+def starts_in_motion(experiment: Experiment) -> bool:
     """Tell whether a record starts in motion: what `Experiment.starts` says, or with "auto" what the data show.
 
     A record without input that moves was released. A driven one is at rest where the readings before the first change
@@ -37,8 +37,6 @@ def starts_in_motion(experiment: Experiment, among: bool = False) -> bool:
     Parameters
     ----------
     experiment : Experiment
-    among : bool
-        Whether half of the campaign's driven records surely start in motion: slices come together, and less is enough.
 
     Returns
     -------
@@ -56,12 +54,9 @@ def starts_in_motion(experiment: Experiment, among: bool = False) -> bool:
         return False
     period = _period(experiment)
     if changes.size <= _BUSY * experiment.input.size and lead >= _LEAD:
-        share = 0.0 if among else _SHARE * min(1.0, 2 * np.pi * lead / period)  # of a swing that so short a time shows
+        share = _SHARE * min(1.0, 2 * np.pi * lead / period)  # a swing's share that so short a time shows
         return float(np.ptp(experiment.position[: lead + 1])) > max(quiet, share * travel)
-    soon = max(1, round(period / _ROUND))
-    busy = changes.size > _BUSY * experiment.input.size
-    speed, away = (_FREE, _FREE) if among else (_FREE, _OFF) if busy else (_STEPPED, np.inf)
-    return _moves_by_itself(experiment, round(_PERIODS * period), soon, speed, away)
+    return _moves_by_itself(experiment, round(_PERIODS * period), max(1, round(period / _ROUND)), changes.size)
 
 
 def _period(experiment: Experiment) -> float:
@@ -72,18 +67,15 @@ def _period(experiment: Experiment) -> float:
     return float(y.size / at)
 
 
-def _moves_by_itself(experiment: Experiment, window: int, soon: int, least_speed: float, least_away: float) -> bool:
-    """Tell by the initial state of a fit in integral form to `window` samples; `soon` samples show its speed.
-
-    It is motion from these shares of half the travel on: of a swing with that speed, and away from rest.
-    """
+def _moves_by_itself(experiment: Experiment, window: int, soon: int, changes: int) -> bool:
+    """Tell by the initial state of a fit in integral form to `window` samples; `soon` samples show its speed."""
     n = min(max(window, _FEWEST), experiment.time.size)
     y = experiment.position[:n] - experiment.position[0]
     time = experiment.time[:n] - experiment.time[0]
+    busy = changes > _BUSY * experiment.input.size
     columns = [np.ones(n), time, 0.5 * time**2, *_integrals(time, y)]
     volts = experiment.input[:n] - experiment.input_before
-    changes = bool(np.any(volts != volts[0]))
-    if changes:
+    if np.any(volts != volts[0]):
         columns.append(_integrals(time, volts, course(time, volts, experiment.input_between))[1])
     a = np.column_stack(columns)
     size = np.linalg.norm(a, axis=0)
@@ -101,12 +93,11 @@ def _moves_by_itself(experiment: Experiment, window: int, soon: int, least_speed
     omega, half = float(np.sqrt(stiffness)), 0.5 * float(np.ptp(experiment.position))
     speed, spread = slope - damping * first, float(np.sqrt(covariance[1, 1]))
     seen = (y[min(soon, n - 1)] - y[0]) * np.sign(speed) >= 0.5 * abs(speed) * time[min(soon, n - 1)]
-    if seen and abs(speed) > max(least_speed * half * omega, _SURE * spread):
-        return True
-    if not changes:  # from where the cart would rest without the input is not known
-        return False
+    fast: bool = abs(speed) > max((_FREE if busy else _STEPPED) * half * omega, _SURE * spread) and seen
+    if fast or not busy:
+        return bool(fast)
     away, unsure = first - push / stiffness, float(np.sqrt(covariance[2, 2])) / stiffness
-    return bool(abs(away) > max(least_away * half, _SURE * unsure))
+    return bool(abs(away) > max(_OFF * half, _SURE * unsure))
 
 
 def _integrals(time: Array, values: Array, pieces: Array | None = None) -> tuple[Array, Array]:
