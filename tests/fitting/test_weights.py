@@ -103,6 +103,16 @@ def test_runs_that_carry_the_same_weights_share_their_error() -> None:
     np.testing.assert_allclose(np.sum(errors.spread**2, axis=1), 5e-6 * np.array([0, 1, 3, 4, 1]) * 5)
 
 
+def test_weights_far_lighter_than_their_uncertainty_are_told() -> None:
+    whole = made()
+    runs = tuple(run.model_copy(update={"added_mass": 1e-6 * run.added_mass}) for run in whole)
+    light = whole.model_copy(update={"experiments": runs})
+    (note,) = stepid.fit(light).notes
+    assert note.startswith("The largest added mass, 2e-06 kg, is taken as known to 1e-05 kg only")
+    assert "State the weight_uncertainty" in note
+    assert not stepid.fit(light.model_copy(update={"weight_uncertainty": 5e-9})).notes
+
+
 def test_no_weights_count_where_no_run_differs_in_mass() -> None:
     found = stepid.fit(made().model_copy(update={"experiments": made().experiments[1:2]}))
     assert all("weights" not in e.parts for e in found.parameters.values())

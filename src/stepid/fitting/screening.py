@@ -13,6 +13,7 @@ from stepid.core.base import Array
 from stepid.core.copies import copies
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.hand import hand
+from stepid.core.mass_offset import WEIGHT, weight_spread
 from stepid.core.noise import record_noise
 from stepid.core.releases import split_releases
 from stepid.core.samples import means_of_blocks
@@ -85,11 +86,25 @@ def screen(campaign: Campaign) -> Screened:
         if run.starts == "auto" and not run.is_release and starts_in_motion(run)
     ]
     kept = _let_go(kept, notes)
+    notes += _on_light_weights(campaign)
     notes += [note for run in kept if (note := clock_note(run)) is not None]
     if not notes:
         return Screened(campaign, ())
     wrong = {run.name: mended[run.name].wrong[-run.position.size :] for run in kept if mended[run.name].faults}
     return Screened(campaign.model_copy(update={"experiments": tuple(kept)}), tuple(notes), faults, wrong)
+
+
+def _on_light_weights(campaign: Campaign) -> list[str]:
+    """Say where the added masses are not known at all, as of rigs far smaller than those of the default uncertainty."""
+    heaviest, of = max(run.added_mass for run in campaign.experiments), campaign.weight_uncertainty
+    known = weight_spread(heaviest, of)
+    if not known >= heaviest / 2 > 0:
+        return []
+    return [
+        f"The largest added mass, {heaviest:.3g} kg, is taken as known to {known:.2g} kg only, by the campaign's "
+        f"weight_uncertainty of {of:.2g} kg for a weight of {WEIGHT:g} kg: no mass, stiffness or force is determined. "
+        "State the weight_uncertainty of these weights."
+    ]
 
 
 def _let_go(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
