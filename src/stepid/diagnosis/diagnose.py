@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from typing import NamedTuple
 
 from stepid.core.arguments import as_campaign, as_workers
-from stepid.core.experiment import Campaign
+from stepid.core.experiment import Campaign, Experiment
 from stepid.core.quantities import in_own_quantities, spoken_now
 from stepid.core.recorded import recorded
 from stepid.core.takes import a, able, each, optional, takes
@@ -24,7 +24,7 @@ from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.verdict import judge
 from stepid.effects import CATALOGUE, Effect, a_catalogue, among_themselves
 from stepid.errors import UndeterminedError
-from stepid.fitting.eccentricity import find_eccentricity, without_eccentricity
+from stepid.fitting.eccentricity import Eccentricity, find_eccentricity, without_eccentricity
 from stepid.fitting.fit import prepare
 from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.multistart import FitContext
@@ -124,39 +124,64 @@ def _prepared(campaign: Campaign, how: _How) -> Diagnosis:
 
 def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tuple[RecordFault, ...] = ()) -> Diagnosis:
     """Diagnose what was laid out; a run that is plainly at fault is left out, and the rest diagnosed anew."""
-    fault = find_input_fault(context)
-    if fault is not None:
+    wrong_input = find_input_fault(context)
+    if wrong_input is not None:
         found = Found(context, (linear_candidate(context),))
     else:
-        weights = context.by_weights is not None  # errors that they may have: nothing is wrong with a run
-        suspected = None if weights else accuse(context.linear, context.floor, sure=how.criteria.size)
         found = explored(context, how.catalogue, how.criteria, how.effort, how.tell)
-        fault_of_run = fault_beside(found, how.criteria)
-        if suspected is not None and outweighs(suspected.cost, context.linear, found, how.criteria):
-            fault_of_run = suspected.fault
-        elif fault_of_run is None and found.best.effects and not at_floor(found.context, how.criteria, found.best):
-            fault_of_run = find_fault(found.best.optimum, found.context.floor, sure=how.criteria.size)
-        if fault_of_run is not None and len(context.records.runs) > 2:
-            rest = tuple(e for e in campaign.experiments if e.name != fault_of_run.run)
-            others = campaign.model_copy(update={"experiments": rest})
-            told = fault_of_run.model_copy(update={"words": f"{fault_of_run.words} It is left out of this diagnosis."})
-            done = _diagnosed(others, prepare(others, workers=how.workers), how, (*accused, told))
-            return done.model_copy(update={"data": campaign})
+        fault = _fault_of_run(context, found, how.criteria)
+        if fault is not None:
+            others = [run for run in campaign.experiments if run.name != fault.run]
+            told = _and(fault, "It is left out of this diagnosis.")
+            return _anew(campaign, others, how, (*accused, told))
     how.tell(Progress("runs held out", best=found.best.names))
     faults = (*accused, *found.context.faults)
-    if fault is None and not at_floor(found.context, how.criteria, found.best):
-        plain = [c for c in found.candidates if not c.effects]  # runs that differ leave the line bare
-        looked = (find_eccentricity(c.optimum, found.context.floor) for c in (found.best, *plain))
-        eccentric = next(filter(None, looked), None)
-        if eccentric is not None and all(f.kind != eccentric.fault.kind for f in accused):
-            corrected = without_eccentricity(campaign, eccentric)
-            told = eccentric.fault.model_copy(update={"words": f"{eccentric.fault.words} It is subtracted."})
-            done = _diagnosed(corrected, prepare(corrected, workers=how.workers), how, (*accused, told))
-            if done.effects or done.verdict == "adequate":
-                return done.model_copy(update={"data": campaign})
-            faults += (eccentric.fault,)
-    evidence = EvidenceRecord(found.context, how.criteria, found.candidates, fault, faults)
+    eccentric = None if wrong_input is not None else _eccentricity(found, how.criteria, accused)
+    if eccentric is not None:
+        corrected = without_eccentricity(campaign, eccentric).experiments
+        done = _anew(campaign, corrected, how, (*accused, _and(eccentric.fault, "It is subtracted.")))
+        if done.effects or done.verdict == "adequate":
+            return done
+        faults += (eccentric.fault,)
+    evidence = EvidenceRecord(found.context, how.criteria, found.candidates, wrong_input, faults)
     return report(campaign, evidence, judge(evidence))
+
+
+def _anew(campaign: Campaign, runs: Sequence[Experiment], how: _How, accused: tuple[RecordFault, ...]) -> Diagnosis:
+    """Diagnose some runs, or corrected ones, in the place of a campaign's."""
+    other = campaign.model_copy(update={"experiments": tuple(runs)})
+    done = _diagnosed(other, prepare(other, workers=how.workers), how, accused)
+    return done.model_copy(update={"data": campaign})
+
+
+def _and(fault: RecordFault, words: str) -> RecordFault:
+    return fault.model_copy(update={"words": f"{fault.words} {words}"})
+
+
+def _fault_of_run(context: FitContext, found: Found, criteria: Criteria) -> RecordFault | None:
+    """What is plainly wrong with one run of more than two: beside the linear plant, beside the answer, or in its rest.
+
+    Where errors of the weights that they may have are enough, nothing is wrong beside the linear plant.
+    """
+    if len(context.records.runs) <= 2:
+        return None
+    alone = accuse(context.linear, context.floor, sure=criteria.size) if context.by_weights is None else None
+    if alone is not None and outweighs(alone.cost, context.linear, found, criteria):
+        return alone.fault
+    beside = fault_beside(found, criteria)
+    if beside is not None or not found.best.effects or at_floor(found.context, criteria, found.best):
+        return beside
+    return find_fault(found.best.optimum, found.context.floor, sure=criteria.size)
+
+
+def _eccentricity(found: Found, criteria: Criteria, accused: tuple[RecordFault, ...]) -> Eccentricity | None:
+    """A line in position on the readings, where a rest remains and none was subtracted yet."""
+    if at_floor(found.context, criteria, found.best):
+        return None
+    plain = [c for c in found.candidates if not c.effects]  # runs that differ leave the line bare
+    looked = (find_eccentricity(c.optimum, found.context.floor) for c in (found.best, *plain))
+    line = next(filter(None, looked), None)
+    return line if line is not None and all(f.kind != line.fault.kind for f in accused) else None
 
 
 @takes(
