@@ -46,6 +46,12 @@ def weight_spread(mass: float, weight_uncertainty: float) -> float:
     return weight_uncertainty * math.sqrt(abs(mass) / WEIGHT)
 
 
+def known_in_words(heaviest: float, weight_uncertainty: float) -> str:
+    """How well the largest added mass [kg] is taken as known, the beginning of a sentence."""
+    known = weight_spread(heaviest, weight_uncertainty)
+    return f"The largest added mass, {heaviest:.3g} kg, is taken as known to {known:.2g} kg"
+
+
 def weight_parts(added: Array, uncertainty: float) -> Array:
     """Errors of the added masses [kg] as independent parts of unit variance, shape (R, K).
 

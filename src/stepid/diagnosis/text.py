@@ -8,7 +8,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from stepid.core.estimate import Estimate
-from stepid.core.mass_offset import weight_spread
+from stepid.core.mass_offset import known_in_words
 from stepid.core.tables import Rows, html_table, text_table
 from stepid.core.words import digits, length
 from stepid.diagnosis.headline import advice_beside, answer
@@ -58,10 +58,9 @@ def _of_weights(d: Diagnosis) -> tuple[str, ...]:
     if base.parts.get("weights", 0.0) < base.uncertainty / math.sqrt(2):
         return ()
     heaviest = max(run.added_mass for run in d.data)
-    known = weight_spread(heaviest, d.data.weight_uncertainty)
     return (
         f"Most of the base mass's uncertainty of {per_cent(base.uncertainty / base.value)} comes from the weights. "
-        f"The largest added mass, {heaviest:.3g} kg, is taken as known to {known:.2g} kg, by the campaign's "
+        f"{known_in_words(heaviest, d.data.weight_uncertainty)}, by the campaign's "
         f"weight_uncertainty of {d.data.weight_uncertainty:.2g} kg. Stiffness, damping and forces share it.",
     )
 

@@ -13,7 +13,7 @@ from stepid.core.base import Array
 from stepid.core.copies import copies
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.hand import hand
-from stepid.core.mass_offset import WEIGHT, weight_spread
+from stepid.core.mass_offset import WEIGHT, known_in_words, weight_spread
 from stepid.core.noise import record_noise
 from stepid.core.releases import split_releases
 from stepid.core.samples import means_of_blocks
@@ -97,13 +97,11 @@ def screen(campaign: Campaign) -> Screened:
 def _on_light_weights(campaign: Campaign) -> list[str]:
     """Say where the added masses are not known at all, as of rigs far smaller than those of the default uncertainty."""
     heaviest, of = max(run.added_mass for run in campaign.experiments), campaign.weight_uncertainty
-    known = weight_spread(heaviest, of)
-    if not known >= heaviest / 2 > 0:
+    if not weight_spread(heaviest, of) >= heaviest / 2 > 0:
         return []
     return [
-        f"The largest added mass, {heaviest:.3g} kg, is taken as known to {known:.2g} kg only, by the campaign's "
-        f"weight_uncertainty of {of:.2g} kg for a weight of {WEIGHT:g} kg: no mass, stiffness or force is determined. "
-        "State the weight_uncertainty of these weights."
+        f"{known_in_words(heaviest, of)} only, by the campaign's weight_uncertainty of {of:.2g} kg for a weight of "
+        f"{WEIGHT:g} kg: no mass, stiffness or force is determined. State the weight_uncertainty of these weights."
     ]
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from stepid.diagnosis.evidence import effective_samples, price
+from stepid.diagnosis.evidence import effective_samples
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.selection.effort import Effort
 from stepid.fitting.candidate_fit import CandidateFit
@@ -60,15 +60,14 @@ def _at_rest(context: FitContext, best: Optimum, effort: Effort) -> Optimum:
     active[problem.layout.own_states] &= context.records.moving
     if np.array_equal(active, problem.active):
         return best
-    rests = replace(problem, active=active)
     counts = effective_samples(context.records, problem.residual(best.solved))
-    before, after = (price(o, counts, context.floor**2) for o in (best, replace(best, problem=rests)))
-    worth, least = (before - after) / float(counts.sum()), max(best.cost, context.rounding_cost)
+    price = float((problem.active & ~active).sum(axis=0) @ np.log(counts))  # what is free in both costs the same
+    worth, least = price / float(counts.sum()), max(best.cost, context.rounding_cost)
     if not _worth_holding(context, best, active, least * math.exp(effort.stuck * worth)):
         return best
     most = least * math.exp(worth)
     held = minimize(
-        rests,
+        replace(problem, active=active),
         best.shared,
         np.where(active, best.local, 0.0),
         tolerance=context.tolerance,
