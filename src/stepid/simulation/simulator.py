@@ -23,7 +23,7 @@ Index = npt.NDArray[np.intp]
 
 FINE = 1e-8  # of the typical displacement, error of one step: RMS errors below a thousandth of a count on a 2 cm swing
 COARSE = 1e-6  # the same while searching
-SEEN = 150  # steps a sample: a mode that needs more is too fast to show in the samples
+SEEN = 40  # steps a sample, `HASTY` times (COARSE / FINE)^(1/5): a mode that needs more is too fast to show in them
 HASTY = 15  # the same while searching: what ends a fit needs a tenth of it, 4 where friction falls within 10 µm/s
 PATIENT = 20_000  # the same where one plant is to be simulated, whatever it takes
 _STILL = 1e-9  # m, a record that moves less does not move
