@@ -80,6 +80,13 @@ def test_less_than_a_period_is_no_disturbance_however_well_it_fits(monkeypatch: 
         assert said == [{"a slow shift of the rest position"}, set() if noise else {OWN}]
 
 
+def test_a_mode_that_does_not_swing_once_within_the_records_is_none() -> None:
+    effect = resolve(["flexible_coupling"])[0]
+    for swings, words in ((0.9, "a slow shift of the rest position"), (1.1, "")):
+        rate = 2 * math.pi * swings / SWING.duration
+        assert effect.unseen((0.3, 0.3 * rate**2, 0.1), SWING) == words
+
+
 def at(effects: tuple[Effect, ...], values: tuple[float, ...]) -> Candidate:
     """A candidate of one effect at these values."""
     layout = SimpleNamespace(values=(slice(0, len(values)),))

@@ -86,6 +86,10 @@ class FlexibleCoupling(Effect):
     def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
         return "the plant's own oscillation" if swing.near(float(np.sqrt(values[1] / values[0]))) else ""
 
+    def unseen(self, values: tuple[float, ...], swing: Swing) -> str:
+        rate = math.sqrt(values[1] / values[0]) / math.tau
+        return "a slow shift of the rest position" if rate * swing.duration < swing.swings else ""
+
     def remark(self, values: tuple[float, ...]) -> str:
         rate = math.sqrt(values[1] / values[0]) / math.tau
         return f"The second mass alone swings at {rate:.3g} Hz: a further mode of the plant."
