@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.diagnosis.constancy import CONDITIONS, by_condition, scatter_columns
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import effective_samples
 from stepid.diagnosis.free_forces import free_forces
@@ -89,11 +90,8 @@ def _free_laws(context: FitContext, optimum: Optimum, records: Records) -> tuple
     free = ~at_bound(optimum)
     jacobian, place = jacobian[:, free], np.flatnonzero(problem.free)
     place = place[free[: place.size]]
-    own = _basis(jacobian)
-    rest = residual - own @ (own.T @ residual)
-    every = float((records.weight**2).sum()) * context.floor**2
-    left = float(rest @ rest) - (context.noise_cost if records is context.decimated else every)
-    count = float(effective_samples(records, residual).sum()) - own.shape[1]
+    noise = context.noise_cost if records is context.decimated else float((records.weight**2).sum()) * context.floor**2
+    left = _Left(records, residual, jacobian, noise, context.floor)
     laws, found = free_forces(context, optimum), []
     forces = [force for _, some, _ in laws for force in some]
     responses = responses_along(replace(optimum, problem=problem), records, forces)
@@ -101,17 +99,39 @@ def _free_laws(context: FitContext, optimum: Optimum, records: Records) -> tuple
     parts = np.split(records.weighted(responses.T).T, ends[:-1], axis=1)
     for (state, _, overtones), part in zip(laws, parts, strict=True):
         pushed = part[:, np.isfinite(part).all(axis=0)]
-        law = _basis(pushed - own @ (own.T @ pushed))
-        taken = float(np.sum((law.T @ rest) ** 2))
-        spare = max(count - law.shape[1], 1.0)
-        chance = law.shape[1] * (float(rest @ rest) - taken) / spare
-        power = max(taken - chance, 0.0)
-        share = min(power / left, 1.0) if left > 0 else 0.0
-        noise = max(chance, law.shape[1] * context.floor**2)  # readings that rest weigh less
-        beyond = _deviate(taken / noise, law.shape[1], spare) if noise > 0 else 0.0
         changes = _changes(optimum, place, np.hstack([jacobian, pushed]), residual)
-        found.append(FreeLaw(state, share, power, beyond, overtones, changes))
+        found.append(left.taken_by(pushed, state, overtones, changes))
+    varied = by_condition(optimum, place, jacobian, records)
+    if varied.size:
+        beside = np.hstack([jacobian, scatter_columns(replace(optimum, problem=problem, solved=solved))])
+        found.append(_Left(records, residual, beside, noise, context.floor).taken_by(varied, CONDITIONS, True))
     return tuple(found)
+
+
+class _Left:
+    """What a fit leaves, m, beyond what changes of the reading that are known can do to it."""
+
+    def __init__(self, records: Records, residual: Array, known: Array, noise: float, floor: float) -> None:
+        self._own, self._floor = _basis(known), floor
+        self._rest = residual - self._own @ (self._own.T @ residual)
+        self._square = float(self._rest @ self._rest)
+        self._power = self._square - noise
+        self._count = float(effective_samples(records, residual).sum()) - self._own.shape[1]
+
+    def taken_by(self, columns: Array, state: str, overtones: bool, changes: tuple[float, ...] = ()) -> FreeLaw:
+        """What further changes of the reading, shape (S, n), take of it."""
+        further = columns - self._own @ (self._own.T @ columns)
+        law = _basis(further[:, np.linalg.norm(further, axis=0) > _OPEN * np.linalg.norm(columns, axis=0)])
+        taken, pieces = float(np.sum((law.T @ self._rest) ** 2)), law.shape[1]
+        if not pieces:
+            return FreeLaw(state, 0.0, 0.0, 0.0, overtones, changes)
+        spare = max(self._count - pieces, 1.0)
+        chance = pieces * (self._square - taken) / spare
+        power = max(taken - chance, 0.0)
+        share = min(power / self._power, 1.0) if self._power > 0 else 0.0
+        noise = max(chance, pieces * self._floor**2)  # readings that rest weigh less
+        beyond = _deviate(taken / noise, pieces, spare) if noise > 0 else 0.0
+        return FreeLaw(state, share, power, beyond, overtones, changes)
 
 
 def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeLaw | None:

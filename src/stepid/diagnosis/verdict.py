@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from stepid.core.words import capitalized, length
+from stepid.diagnosis.constancy import CONDITIONS
 from stepid.diagnosis.evidence import least_share, predicts
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.result import Verdict
@@ -97,7 +98,7 @@ def rest_follows_the_motion(e: EvidenceRecord) -> Answer | None:
         return None
     said = (
         f"{_title(e.best)} leaves {length(e.best.optimum.rms)}, {e.times(e.best):.3g} times the noise floor, "
-        f"but what it leaves follows {state}: its law is another, or more is missing."
+        f"but what it leaves {_follows(state)}: its law is another, or more is missing."
     )
     found = leads(e)
     if found is None:
@@ -174,8 +175,7 @@ def leads(e: EvidenceRecord) -> Answer | None:
     said: tuple[str, ...] = (f"{taken_in_words(lead.names, taken[0])}.",)
     state = e.refuted(lead)
     if state:
-        no = f"A force of {state} whose law is none of the catalogue's does as well or better: no effect is named."
-        return Answer("unexplained", lead, (), (*said, no))
+        return Answer("unexplained", lead, (), (*said, _better(state)))
     more = "" if e.at_floor(lead) else ": more is missing"
     said += (f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor{more}.",)
     return _with_rivals(e, lead, beside, said) or Answer("named", lead, (), said)
@@ -243,6 +243,16 @@ def _beside_weights(e: EvidenceRecord, answer: Answer) -> Answer:
         return answer
     reasons = (*answer.reasons, _WEIGHTS)
     return replace(answer, verdict="ambiguous", reasons=reasons, rule=complete_but_open.__name__)
+
+
+def _follows(state: str) -> str:
+    return f"changes with {state}" if state == CONDITIONS else f"follows {state}"
+
+
+def _better(state: str) -> str:
+    if state == CONDITIONS:
+        return "Its parameters would have to change with the added mass or the input: no effect is named."
+    return f"A force of {state} whose law is none of the catalogue's does as well or better: no effect is named."
 
 
 def _title(found: Candidate) -> str:

@@ -199,7 +199,7 @@ def promised(optimum: Optimum, kinds: Iterable[Kind]) -> dict[Kind, Promise]:
     if basis is None or not basis.finite:
         return {}
     where = np.argwhere(np.any(list(masks.values()), axis=0))
-    columns = _columns(optimum, where)
+    columns = columns_by(optimum, where)
     pull, gram = basis.project(columns)
     own = np.sum(columns**2, axis=0)
     out: dict[Kind, Promise] = {}
@@ -277,7 +277,7 @@ def _fresh(problem: Problem, kind: Kind) -> Mask:
     return with_fault(problem, run, name).active & ~problem.active
 
 
-def _columns(optimum: Optimum, where: npt.NDArray[np.intp]) -> Array:
+def columns_by(optimum: Optimum, where: npt.NDArray[np.intp]) -> Array:
     """Weighted derivatives of the reading by some per-run parameters (row, run), shape (S, n); zero if not finite."""
     problem, solved = optimum.problem, optimum.solved
     active = np.zeros_like(problem.active)

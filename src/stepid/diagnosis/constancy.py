@@ -1,0 +1,64 @@
+"""Whether an effect is the same whatever the added mass and the input: its parameters are those of one plant."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.core.copies import are_repeats, have_one_label
+from stepid.fitting.deviations import SCATTER, applies, columns_by
+from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.simulation.records import Index, Records
+
+CONDITIONS = "added mass and input"
+"""Of what parameters are a law that are not the same in all conditions."""
+
+
+def conditions_of(records: Records) -> Index:
+    """Number of the condition of each run, shape (R,): those of one number have labels, added mass and input alike."""
+    firsts: list[int] = []
+    out = np.zeros(len(records.runs), dtype=np.intp)
+    for i, run in enumerate(records.runs):
+        for number, first in enumerate(firsts):
+            other = records.runs[first]
+            undriven = not (records.driven[i] or records.driven[first])
+            if are_repeats(other, run) or (undriven and have_one_label(other, run)):
+                out[i] = number
+                break
+        else:
+            out[i] = len(firsts)
+            firsts.append(i)
+    return out
+
+
+def by_condition(optimum: Optimum, place: Index, jacobian: Array, records: Records) -> Array:
+    """Change of the reading by each parameter of the effects in each condition alone, shape (S, n).
+
+    One law has one set of parameters: what a fit leaves must not ask for others in other conditions (Chow 1960,
+    Econometrica 28, 591). Empty where all runs have one condition.
+
+    Parameters
+    ----------
+    optimum : Optimum
+    place : array of int
+        Global parameter of each of the first columns of the Jacobian.
+    jacobian : array, shape (S, columns)
+    records : Records
+        Its samples.
+    """
+    condition = conditions_of(records)[records.run]
+    count = int(condition.max()) + 1
+    effects = optimum.problem.layout.values
+    columns = [c for c, p in enumerate(place) if any(own.start <= p < own.stop for own in effects)]
+    if count < 2 or not columns:
+        return np.zeros((records.size, 0))
+    return np.column_stack([np.where(condition == k, jacobian[:, c], 0.0) for c in columns for k in range(count)])
+
+
+def scatter_columns(optimum: Optimum) -> Array:
+    """Change of the reading by what repeats may differ by, in each run, shape (S, n): no law has to explain that."""
+    problem = optimum.problem
+    free = np.zeros_like(problem.active)
+    for kind in SCATTER:
+        free[problem.layout.deviation(kind)] |= applies(problem, kind)
+    return columns_by(optimum, np.argwhere(free))
