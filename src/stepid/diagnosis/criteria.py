@@ -66,7 +66,7 @@ class Criteria(Model):
     fast : float
         Shortest relaxation time, in 1/ω₀, that is not damping.
     swings : float
-        Least number of periods of a disturbance within the longest record.
+        Least number of periods of a disturbance, or of a second mass, within the longest record.
     shape : float
         Standard deviations beyond chance that a law of any shape may take of what is as small as white noise, where no
         runs differ: 1 in 4,300 for a normal deviate at 3.5, and there are a dozen laws.

@@ -35,7 +35,7 @@ class FreeLaw(NamedTuple):
     share: float
     power: float
     beyond: float = 0.0
-    overtones: bool = False  # of an effect of the fit
+    overtones: bool = False  # or anything else that is an effect's own, and not another force
     changes: tuple[float, ...] = ()
 
     @property
@@ -49,7 +49,8 @@ def free_laws(context: FitContext, optimum: Optimum, records: Records | None = N
 
     A force of position or of velocity; a damping that depends on position or time; a spring that does on time; a drive
     that does on position, velocity or time; memories of position or input, that fade at rates of any mixture. Overtones
-    of the fit's periodic effects are a law each.
+    of the fit's periodic effects are a law each, and so are parameters of its effects that are not the same in all
+    conditions (`stepid.diagnosis.constancy`).
 
     The fitted plant is pushed by each piece along its own trajectory; the responses, and those to the fit's own
     parameters, are fitted to the residual. A share is corrected for the number of coefficients (adjusted coefficient of
@@ -66,7 +67,7 @@ def free_laws(context: FitContext, optimum: Optimum, records: Records | None = N
     Returns
     -------
     tuple of FreeLaw
-        One for each state, then those of overtones; nothing is taken where the plant runs away.
+        One for each state, then those of overtones and of the conditions; nothing is taken where the plant runs away.
     """
     records = records or context.decimated
     for asked, within, laws in context.laws:
