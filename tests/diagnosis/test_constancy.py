@@ -66,7 +66,7 @@ def table() -> FitContext:
 
 def test_a_mode_that_moves_with_the_added_mass_is_no_second_mass_on_the_cart() -> None:
     law = law_of(table(), "flexible_coupling")
-    assert law.overtones  # it counts as the effect's own
+    assert law.own
     assert law.beyond > 5
     assert law.share > 0.5
 

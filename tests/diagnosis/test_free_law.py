@@ -114,7 +114,7 @@ def test_overtones_tell_a_wave_of_another_shape(outside: str | None, seen: bool)
     fitted = fit_effects(context, resolve(["periodic_disturbance"]))
     assert fitted is not None
     assert fitted.rms < 1.05 * context.floor
-    law = next(law for law in free_laws(context, fitted) if law.overtones)
+    law = next(law for law in free_laws(context, fitted) if law.own)
     assert (law.state, law.beyond > 5) == ("time", seen)
 
 

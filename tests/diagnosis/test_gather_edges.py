@@ -57,10 +57,10 @@ def test_a_lead_is_refuted_beyond_its_limits_only(law: FreeLaw, refuted: str, mo
 
 
 def test_overtones_are_the_leads_own_whatever_it_is_a_law_of(monkeypatch: pytest.MonkeyPatch) -> None:
-    law = of("time", 2.0)._replace(overtones=True)
+    law = of("time", 2.0)._replace(own=True)
     e = told(monkeypatch, law, states=("position",))
     assert e.refuted(e.lead) == "time"
-    e = told(monkeypatch, law._replace(overtones=False), states=("position",))
+    e = told(monkeypatch, law._replace(own=False), states=("position",))
     assert e.refuted(e.lead) == ""
 
 

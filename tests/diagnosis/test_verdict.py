@@ -12,6 +12,7 @@ import pytest
 from made_up_evidence import FRICTION, LINEAR, Told, ask, candidate, context, evidence
 from stepid.diagnosis import verdict, vetoes
 from stepid.diagnosis.calibration import PROBABILITY
+from stepid.diagnosis.constancy import CONDITIONS
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.verdict import RULES, Answer, judge
@@ -167,6 +168,9 @@ def test_what_is_left_has_to_be_noise_and_not_only_small() -> None:
     assert leading is not None
     assert (leading.verdict, leading.rule) == ("named", "leads")
     assert leading.reasons[-1] == found.reasons[-1]
+    changing = ask("rest_follows_the_motion", still_followed=CONDITIONS, lead=LINEAR)
+    assert changing is not None
+    assert "what it leaves changes with added mass and input: its law is another" in changing.reasons[-1]
     assert ask("rest_follows_the_motion") is None
     assert ask("rest_follows_the_motion", still_followed="velocity", floored=()) is None
 

@@ -6,6 +6,7 @@ import pytest
 
 from made_up_evidence import FRICTION, LINEAR, ask, candidate
 from stepid.diagnosis import vetoes
+from stepid.diagnosis.constancy import CONDITIONS
 
 PLAY = candidate(["free_play"])
 
@@ -31,6 +32,15 @@ def test_a_law_of_another_shape_refutes_a_lead() -> None:
     assert (found.verdict, found.alternatives) == ("unexplained", ())
     assert found.reasons[-1] == (
         "A force of position whose law is none of the catalogue's does as well or better: no effect is named."
+    )
+
+
+def test_parameters_that_change_with_the_conditions_refute_a_lead() -> None:
+    found = ask("leads", lead=candidate(["flexible_coupling"], times=3.0), other_shape=CONDITIONS)
+    assert found is not None
+    assert found.verdict == "unexplained"
+    assert found.reasons[-1] == (
+        "Its parameters would have to change with the added mass or the input: no effect is named."
     )
 
 

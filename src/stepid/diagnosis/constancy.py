@@ -11,7 +11,7 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.simulation.records import Index, Records
 
 CONDITIONS = "added mass and input"
-"""Of what parameters are a law that are not the same in all conditions."""
+"""What the parameters of a law that is another follow, as a state in words."""
 
 
 def conditions_of(records: Records) -> Index:

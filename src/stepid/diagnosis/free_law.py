@@ -27,7 +27,8 @@ class FreeLaw(NamedTuple):
     """What a law of any shape takes: of which state, the share of the rest, and that much power, m².
 
     `beyond` is what chance does not: a normal deviate as rare as the F ratio of what the law takes to what it leaves,
-    or to the noise where that is more.
+    or to the noise where that is more. `own` laws are of an effect of the fit itself, and no other force: its
+    overtones, or its parameters where they are not the same in all conditions.
     `changes` says by which share of it each effect's size, its first parameter, changes where the law stands beside it.
     """
 
@@ -35,7 +36,7 @@ class FreeLaw(NamedTuple):
     share: float
     power: float
     beyond: float = 0.0
-    overtones: bool = False  # or anything else that is an effect's own, and not another force
+    own: bool = False
     changes: tuple[float, ...] = ()
 
     @property
@@ -98,10 +99,10 @@ def _free_laws(context: FitContext, optimum: Optimum, records: Records) -> tuple
     responses = responses_along(replace(optimum, problem=problem), records, forces)
     ends = np.cumsum([len(some) for _, some, _ in laws])
     parts = np.split(records.weighted(responses.T).T, ends[:-1], axis=1)
-    for (state, _, overtones), part in zip(laws, parts, strict=True):
+    for (state, _, own), part in zip(laws, parts, strict=True):
         pushed = part[:, np.isfinite(part).all(axis=0)]
         changes = _changes(optimum, place, np.hstack([jacobian, pushed]), residual)
-        found.append(left.taken_by(pushed, state, overtones, changes))
+        found.append(left.taken_by(pushed, state, own, changes))
     varied = by_condition(optimum, place, jacobian, records)
     if varied.size:
         beside = np.hstack([jacobian, scatter_columns(replace(optimum, problem=problem, solved=solved))])
@@ -119,20 +120,20 @@ class _Left:
         self._power = self._square - noise
         self._count = float(effective_samples(records, residual).sum()) - self._own.shape[1]
 
-    def taken_by(self, columns: Array, state: str, overtones: bool, changes: tuple[float, ...] = ()) -> FreeLaw:
+    def taken_by(self, columns: Array, state: str, own: bool, changes: tuple[float, ...] = ()) -> FreeLaw:
         """What further changes of the reading, shape (S, n), take of it."""
         further = columns - self._own @ (self._own.T @ columns)
         law = _basis(further[:, np.linalg.norm(further, axis=0) > _OPEN * np.linalg.norm(columns, axis=0)])
         taken, pieces = float(np.sum((law.T @ self._rest) ** 2)), law.shape[1]
         if not pieces:
-            return FreeLaw(state, 0.0, 0.0, 0.0, overtones, changes)
+            return FreeLaw(state, 0.0, 0.0, 0.0, own, changes)
         spare = max(self._count - pieces, 1.0)
         chance = pieces * (self._square - taken) / spare
         power = max(taken - chance, 0.0)
         share = min(power / self._power, 1.0) if self._power > 0 else 0.0
         noise = max(chance, pieces * self._floor**2)  # readings that rest weigh less
         beyond = _deviate(taken / noise, pieces, spare) if noise > 0 else 0.0
-        return FreeLaw(state, share, power, beyond, overtones, changes)
+        return FreeLaw(state, share, power, beyond, own, changes)
 
 
 def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeLaw | None:

@@ -213,14 +213,15 @@ class EvidenceRecord:
 
         It takes most of the rest, or more than chance does, and more than real laws are rough. Of the lead's own state
         it shows another shape; two effects that are laws of one state follow a shape that neither has. Beside a law of
-        another state an effect must stay what it is: where its size changes, it stands in for that law.
+        another state an effect must stay what it is: where its size changes, it stands in for that law. Its parameters
+        must be the same in all conditions.
         """
         states = states_of_all(self.context, lead.optimum)
         chance, rough = allowed(self.context, self.criteria, lead, noise=self.at_floor(lead))
         for law in sorted(self._laws_left(lead), key=lambda one: -one.power):
             if not ((rough and law.share > 0.5) or law.beyond > chance):
                 continue
-            own = law.overtones or any(law.states <= state for state in states)
+            own = law.own or any(law.states <= state for state in states)
             patched = own and len(states) > 1 and set(states) == {law.states}
             if patched or (law.power > rough and (own or self._replaces(law, states))):
                 return law.state
