@@ -32,10 +32,10 @@ def conditions_of(records: Records) -> Index:
 
 
 def by_condition(optimum: Optimum, place: Index, jacobian: Array, records: Records) -> Array:
-    """Change of the reading by each parameter of the effects in each condition alone, shape (S, n).
+    """Change of the reading by each parameter of the effects in each condition alone.
 
     One law has one set of parameters: what a fit leaves must not ask for others in other conditions (Chow 1960,
-    Econometrica 28, 591). Empty where all runs have one condition.
+    Econometrica 28, 591).
 
     Parameters
     ----------
@@ -43,8 +43,14 @@ def by_condition(optimum: Optimum, place: Index, jacobian: Array, records: Recor
     place : array of int
         Global parameter of each of the first columns of the Jacobian.
     jacobian : array, shape (S, columns)
+        Weighted, by the fit's own parameters.
     records : Records
         Its samples.
+
+    Returns
+    -------
+    array, shape (S, n)
+        In the Jacobian's units; no columns where all runs have one condition, or there is no effect.
     """
     condition = conditions_of(records)[records.run]
     count = int(condition.max()) + 1
