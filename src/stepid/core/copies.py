@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -55,3 +55,17 @@ def are_repeats(one: Experiment, other: Experiment) -> bool:
 def have_one_label(one: Experiment, other: Experiment) -> bool:
     """Tell whether two runs are said to be of one plant: labels and added mass."""
     return all(getattr(one, name) == getattr(other, name) for name in _SAID)
+
+
+def grouped(
+    runs: Sequence[Experiment], alike: Callable[[Experiment, Experiment], bool] = are_repeats
+) -> list[list[int]]:
+    """Indices of runs in groups, each of those that are `alike` its first; the groups in the order of their firsts."""
+    groups: list[list[int]] = []
+    for i, run in enumerate(runs):
+        known = next((group for group in groups if alike(runs[group[0]], run)), None)
+        if known is None:
+            groups.append([i])
+        else:
+            known.append(i)
+    return groups

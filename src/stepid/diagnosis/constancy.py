@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.core.copies import are_repeats, have_one_label
+from stepid.core.copies import are_repeats, grouped, have_one_label
+from stepid.core.experiment import Experiment
 from stepid.fitting.deviations import SCATTER, applies, columns_by
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.simulation.records import Index, Records
@@ -16,19 +17,16 @@ CONDITIONS = "added mass and input"
 
 def conditions_of(records: Records) -> Index:
     """Number of the condition of each run, shape (R,): those of one number have labels, added mass and input alike."""
-    firsts: list[int] = []
     out = np.zeros(len(records.runs), dtype=np.intp)
-    for i, run in enumerate(records.runs):
-        for number, first in enumerate(firsts):
-            other = records.runs[first]
-            undriven = not (records.driven[i] or records.driven[first])
-            if are_repeats(other, run) or (undriven and have_one_label(other, run)):
-                out[i] = number
-                break
-        else:
-            out[i] = len(firsts)
-            firsts.append(i)
+    for number, group in enumerate(grouped(records.runs, _in_one_condition)):
+        out[group] = number
     return out
+
+
+def _in_one_condition(one: Experiment, other: Experiment) -> bool:
+    """Tell whether two runs are repeats, or releases of one plant, however long they are."""
+    released = one.is_release and other.is_release
+    return have_one_label(one, other) if released else are_repeats(one, other)
 
 
 def by_condition(optimum: Optimum, place: Index, jacobian: Array, records: Records) -> Array:

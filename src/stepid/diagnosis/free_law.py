@@ -93,7 +93,8 @@ def _free_laws(context: FitContext, optimum: Optimum, records: Records) -> tuple
     jacobian, place = jacobian[:, free], np.flatnonzero(problem.free)
     place = place[free[: place.size]]
     noise = context.noise_cost if records is context.decimated else float((records.weight**2).sum()) * context.floor**2
-    left = _Left(records, residual, jacobian, noise, context.floor)
+    samples = float(effective_samples(records, residual).sum())
+    left = _Left(residual, jacobian, samples, noise, context.floor)
     laws, found = free_forces(context, optimum), []
     forces = [force for _, some, _ in laws for force in some]
     responses = responses_along(replace(optimum, problem=problem), records, forces)
@@ -106,19 +107,19 @@ def _free_laws(context: FitContext, optimum: Optimum, records: Records) -> tuple
     varied = by_condition(optimum, place, jacobian, records)
     if varied.size:
         beside = np.hstack([jacobian, scatter_columns(replace(optimum, problem=problem, solved=solved))])
-        found.append(_Left(records, residual, beside, noise, context.floor).taken_by(varied, CONDITIONS, True))
+        found.append(_Left(residual, beside, samples, noise, context.floor).taken_by(varied, CONDITIONS, True))
     return tuple(found)
 
 
 class _Left:
     """What a fit leaves, m, beyond what changes of the reading that are known can do to it."""
 
-    def __init__(self, records: Records, residual: Array, known: Array, noise: float, floor: float) -> None:
+    def __init__(self, residual: Array, known: Array, samples: float, noise: float, floor: float) -> None:
         self._own, self._floor = _basis(known), floor
         self._rest = residual - self._own @ (self._own.T @ residual)
         self._square = float(self._rest @ self._rest)
         self._power = self._square - noise
-        self._count = float(effective_samples(records, residual).sum()) - self._own.shape[1]
+        self._count = samples - self._own.shape[1]
 
     def taken_by(self, columns: Array, state: str, own: bool, changes: tuple[float, ...] = ()) -> FreeLaw:
         """What further changes of the reading, shape (S, n), take of it."""

@@ -84,14 +84,13 @@ class FlexibleCoupling(Effect):
         return tuple(share * v for v in values)
 
     def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
-        return "the plant's own oscillation" if swing.near(float(np.sqrt(values[1] / values[0]))) else ""
+        return "the plant's own oscillation" if swing.near(_rate(values)) else ""
 
     def unseen(self, values: tuple[float, ...], swing: Swing) -> str:
-        rate = math.sqrt(values[1] / values[0]) / math.tau
-        return "a slow shift of the rest position" if rate * swing.duration < swing.swings else ""
+        return swing.unseen(_rate(values) / math.tau)
 
     def remark(self, values: tuple[float, ...]) -> str:
-        rate = math.sqrt(values[1] / values[0]) / math.tau
+        rate = _rate(values) / math.tau
         return f"The second mass alone swings at {rate:.3g} Hz: a further mode of the plant."
 
     @staticmethod
@@ -106,3 +105,8 @@ class FlexibleCoupling(Effect):
     @staticmethod
     def at_rest(p: Values, x: float, volts: float) -> tuple[float, ...]:
         return (x, 0.0)
+
+
+def _rate(coupling: tuple[float, ...]) -> float:
+    """Rate at which the second mass of a flexible coupling swings alone, rad/s."""
+    return math.sqrt(coupling[1] / coupling[0])

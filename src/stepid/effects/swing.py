@@ -38,3 +38,7 @@ class Swing(NamedTuple):
     def near(self, rate: float) -> bool:
         """Tell whether a rate [rad/s] cannot be told from that of a run."""
         return any(abs(rate - own) < self.resolution * own for own in self.rates)
+
+    def unseen(self, frequency: float) -> str:
+        """Say what a frequency [Hz] of too few periods in the longest record cannot be told from, or nothing."""
+        return "a slow shift of the rest position" if frequency * self.duration < self.swings else ""

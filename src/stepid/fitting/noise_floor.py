@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array
-from stepid.core.copies import are_repeats
+from stepid.core.copies import grouped
 from stepid.core.experiment import Experiment
 from stepid.core.noise import STILL, clipped_spread, predicted_noise
 from stepid.core.samples import divided_differences, is_even, means_of_blocks
@@ -121,14 +121,9 @@ def _swing(y: Array) -> float:
 
 def repeats(records: Records) -> list[tuple[int, ...]]:
     """Groups of runs recorded under the same conditions with the same input, by index."""
-    groups: list[list[int]] = []
-    for i in np.flatnonzero(~records.moving).tolist():
-        known = next((group for group in groups if are_repeats(records.runs[group[0]], records.runs[i])), None)
-        if known is None:
-            groups.append([i])
-        else:
-            known.append(i)
-    return [tuple(group) for group in groups if len(group) > 1]
+    resting = np.flatnonzero(~records.moving).tolist()
+    groups = grouped([records.runs[i] for i in resting])
+    return [tuple(resting[i] for i in group) for group in groups if len(group) > 1]
 
 
 def _spreads(records: Records) -> list[tuple[tuple[int, ...], float, float]]:
