@@ -55,6 +55,17 @@ def test_a_slice_in_which_the_cart_has_come_to_rest_starts_at_rest() -> None:
     assert not starts_in_motion(record(volts, 900))
 
 
+@pytest.mark.parametrize("early", [0.5, 1.0, 2.0, 2.9])
+@pytest.mark.parametrize("lead", [8, 15, 24])
+def test_a_trigger_that_comes_early_moves_no_cart(lead: int, early: float) -> None:
+    stiff = (PLANT[0], [1.0, 8.0, 1225.0])  # 18 samples a period: three of them show a third of the swing
+    time = STEP * np.arange(400)
+    fine = np.linspace(0.0, time[-1], 40 * time.size)
+    _, position, _ = lsim(stiff, (fine >= STEP * (lead - early)).astype(float), fine)
+    run = record((np.arange(400) >= lead).astype(float), position=np.interp(time, fine, position))
+    assert not starts_in_motion(run)
+
+
 def test_what_the_record_says_counts() -> None:
     assert starts_in_motion(record(tones(), starts="motion"))
     assert not starts_in_motion(record(tones(), 150, starts="rest"))

@@ -11,6 +11,7 @@ from stepid.core.once import once
 from stepid.core.samples import course
 
 _LEAD = 5  # samples before the first change of the input that tell rest from motion
+_EARLY = 3  # samples, by which the plant may move before the recorded input does: a trigger comes so early
 _SEEN = 3.0  # counts, and
 _NOISES = 8.0  # standard deviations of the noise, that a cart at rest may span
 _SHARE = 0.1  # of the travel, less before the first change is drift, or a plant that something shakes
@@ -30,9 +31,10 @@ def starts_in_motion(experiment: Experiment) -> bool:
     """Tell whether a record starts in motion: what `Experiment.starts` says, or with "auto" what the data show.
 
     A record without input that moves was released. A driven one is at rest where the readings before the first change
-    of the input are; where the input changes too early for that, m x″ + c x′ + k x = K_f u + d is fitted in integral
-    form to the first periods, with a free initial state, and the record is in motion where that state is as large as
-    a notable share of the travel, and its speed is seen in the first readings, too.
+    of the input are, the last three before it apart: the plant starts before the record says so where a trigger is
+    early. Where the input changes too soon for that, m x″ + c x′ + k x = K_f u + d is fitted in integral form to the
+    first periods, with a free initial state, and the record is in motion where that state is as large as a notable
+    share of the travel, and its speed is seen in the first readings, too.
 
     Parameters
     ----------
@@ -50,12 +52,14 @@ def starts_in_motion(experiment: Experiment) -> bool:
     quiet = max(_SEEN * (experiment.resolution or 0.0), _NOISES * record_noise(experiment))
     changes = np.flatnonzero(np.diff(experiment.input, prepend=experiment.input_before))
     lead = int(changes[0]) if changes.size else experiment.input.size
-    if lead >= _LEAD and float(np.ptp(experiment.position[: lead + 1])) <= quiet:
+    seen = max(lead + 1 - _EARLY, _LEAD)
+    before = float(np.ptp(experiment.position[:seen]))
+    if lead >= _LEAD and before <= quiet:
         return False
     period = _period(experiment)
     if changes.size <= _BUSY * experiment.input.size and lead >= _LEAD:
-        share = _SHARE * min(1.0, 2 * np.pi * lead / period)  # a swing's share that so short a time shows
-        return float(np.ptp(experiment.position[: lead + 1])) > max(quiet, share * travel)
+        share = _SHARE * min(1.0, 2 * np.pi * (seen - 1) / period)  # a swing's share that so short a time shows
+        return before > max(quiet, share * travel)
     return _moves_by_itself(experiment, round(_PERIODS * period), max(1, round(period / _ROUND)), changes.size)
 
 
