@@ -12,6 +12,7 @@ import numpy as np
 from stepid.core.estimate import Estimate
 from stepid.diagnosis import verdict
 from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.exchangeable import Condition
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.verdict import Answer
@@ -138,6 +139,7 @@ class Told:
     input_fault: InputFault | None = None
     other_shape: str = ""
     still_followed: str = ""
+    goes_with: Condition | None = None
     criteria: Criteria = field(default_factory=Criteria)
     context: object = field(default_factory=context)
 
@@ -158,6 +160,9 @@ class Told:
 
     def followed(self, found: Candidate) -> str:
         return self.still_followed
+
+    def systematic(self, found: Candidate) -> Condition | None:
+        return self.goes_with
 
     def patchwork(self, found: Candidate) -> str:
         return self.other_shape if len(found.effects) > 2 else ""

@@ -13,6 +13,7 @@ from made_up_evidence import FRICTION, LINEAR, Told, ask, candidate, context, ev
 from stepid.diagnosis import verdict, vetoes
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.constancy import CONDITIONS
+from stepid.diagnosis.exchangeable import Condition
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.verdict import RULES, Answer, judge
@@ -32,6 +33,7 @@ def test_the_rules_stand_in_this_order() -> None:
         "input_is_wrong",
         "linear_is_enough",
         "weights_are_enough",
+        "scatter_is_a_law",
         "runs_differ",
         "freedom_is_untested",
         "shape_is_patched",
@@ -85,6 +87,21 @@ def test_runs_that_differ_leave_a_linear_plant() -> None:
     assert found is not None
     assert (found.verdict, found.shown) == ("adequate", late)
     assert "gain and start time" in found.reasons[0]
+
+
+def test_what_goes_with_a_condition_is_no_scatter() -> None:
+    weaker = Condition("gain", "the direction of the input", 7.0)
+    unlike = candidate(deviations=["gain"])
+    found = ask("scatter_is_a_law", best=unlike, lead=LINEAR, goes_with=weaker)
+    assert found is not None
+    assert (found.verdict, found.shown) == ("unexplained", unlike)
+    assert found.reasons[-1].startswith("A linear model leaves only noise where the gain differs from run to run, but")
+    leading = ask("scatter_is_a_law", goes_with=weaker)
+    assert leading is not None
+    assert (leading.verdict, leading.rule) == ("named", "leads")
+    assert "goes with the direction of the input" in leading.reasons[-1]
+    assert ask("scatter_is_a_law") is None
+    assert ask("scatter_is_a_law", goes_with=weaker, floored=()) is None
 
 
 def test_an_open_parameter_is_not_named() -> None:

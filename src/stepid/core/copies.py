@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from stepid.core.experiment import Experiment
 from stepid.core.samples import EVEN
@@ -69,3 +70,11 @@ def grouped(
         else:
             known.append(i)
     return groups
+
+
+def group_of_each(runs: Sequence[Experiment], alike: Callable[[Experiment, Experiment], bool]) -> npt.NDArray[np.intp]:
+    """Number of the group of each run, shape (R,); see `grouped`."""
+    out = np.zeros(len(runs), dtype=np.intp)
+    for number, group in enumerate(grouped(runs, alike)):
+        out[group] = number
+    return out

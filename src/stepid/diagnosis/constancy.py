@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.core.copies import are_repeats, grouped, have_one_label
+from stepid.core.copies import are_repeats, group_of_each, have_one_label
 from stepid.core.experiment import Experiment
 from stepid.fitting.deviations import SCATTER, applies, columns_by
 from stepid.fitting.levenberg_marquardt import Optimum
@@ -17,10 +17,7 @@ CONDITIONS = "added mass and input"
 
 def conditions_of(records: Records) -> Index:
     """Number of the condition of each run, shape (R,): those of one number have labels, added mass and input alike."""
-    out = np.zeros(len(records.runs), dtype=np.intp)
-    for number, group in enumerate(grouped(records.runs, _in_one_condition)):
-        out[group] = number
-    return out
+    return group_of_each(records.runs, _in_one_condition)
 
 
 def _in_one_condition(one: Experiment, other: Experiment) -> bool:

@@ -14,6 +14,7 @@ from stepid.core.estimate import Estimate
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, chosen_at, is_white, weigh
+from stepid.diagnosis.exchangeable import Condition, followed_condition
 from stepid.diagnosis.free_law import FreeLaw, allowed, followed, free_laws
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.left_out import LeftOut
@@ -242,6 +243,11 @@ class EvidenceRecord:
         """The state that what is as small as the noise follows by more than chance, '' where there is none."""
         law = followed(self.context, self.criteria, found)
         return law.state if law else ""
+
+    def systematic(self, found: Candidate) -> Condition | None:
+        """Condition that what runs differ by under a candidate goes with, more than drawn runs would."""
+        one = followed_condition(found.optimum, self.context.floor) if found.deviations else None
+        return one if one is not None and one.beyond > self.criteria.shape else None
 
     def patchwork(self, found: Candidate) -> str:
         """The state of which all effects of a candidate of more than two are laws, '' where there is none."""

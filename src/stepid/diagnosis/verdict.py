@@ -62,6 +62,21 @@ def weights_are_enough(e: EvidenceRecord) -> Answer | None:
     return Answer("adequate", e.linear, (), (_WEIGHTS,))
 
 
+def scatter_is_a_law(e: EvidenceRecord) -> Answer | None:
+    """The best leaves only noise where runs differ, but by what goes with a condition: that is a law, no scatter."""
+    found = e.systematic(e.best) if e.at_floor(e.best) else None
+    if found is None:
+        return None
+    said = (
+        f"{_title(e.best, 'A linear model')} leaves only noise where the {effect_names((found.kind,))} differs from "
+        f"run to run, but that goes with {found.words}: it is a law, no scatter, and none of the catalogue's."
+    )
+    leading = leads(e)
+    if leading is None:
+        return Answer("unexplained", e.best, (), (said,))
+    return replace(leading, reasons=(*leading.reasons, said), rule=leads.__name__)
+
+
 def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
     """The best has a freedom in every run and, with it estimated on a first part, does not predict the rest."""
     if not is_free(e.best) or not e.at_floor(e.best):
@@ -210,6 +225,7 @@ RULES: tuple[Rule, ...] = (
     input_is_wrong,
     linear_is_enough,
     weights_are_enough,
+    scatter_is_a_law,
     runs_differ,
     freedom_is_untested,
     shape_is_patched,
@@ -255,8 +271,8 @@ def _better(state: str) -> str:
     return f"A force of {state} whose law is none of the catalogue's does as well or better: no effect is named."
 
 
-def _title(found: Candidate) -> str:
-    return effect_names(found.names) or "nothing"
+def _title(found: Candidate, plain: str = "nothing") -> str:
+    return effect_names(found.names) or plain
 
 
 def _title_of(name: str) -> str:
