@@ -207,6 +207,19 @@ def test_a_decimated_record_keeps_the_motion_and_averages_the_gap() -> None:
         assert read == pytest.approx(model[at] + float(np.mean((slow + noise)[around])), abs=1e-12)
 
 
+def test_a_kept_sample_whose_neighbors_are_all_left_out_weighs_nothing() -> None:
+    t, rng = 0.001 * np.arange(4000), np.random.default_rng(3)
+    gap = 1e-3 * np.cos(3.0 * t) + 1e-5 * rng.standard_normal(4000)
+    records = records_of(1e-2 * np.cos(6.0 * t) + gap, np.zeros(4000))
+    weight = np.where((t > 0.3) & (t < 0.6), 0.0, records.weight)
+    few = decimation.decimated(replace(records, weight=weight), linear(gap, records), period=1.0, floor=1e-5)
+    assert few.at is not None
+    out = weight[few.at] == 0
+    assert out.sum() >= 4
+    assert not few.weight[out].any()
+    assert np.isfinite(few.position).all()
+
+
 def test_a_record_of_which_every_sample_is_needed_keeps_all() -> None:
     t, rng = 0.001 * np.arange(4000), np.random.default_rng(4)
     busy = records_of(np.sin(6.0 * t), rng.standard_normal(4000))

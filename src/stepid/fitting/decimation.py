@@ -96,7 +96,8 @@ def _averages(records: Records, linear: Optimum, at: Index, bounds: Index, width
     gaps = np.concatenate([[0.0], np.cumsum(square * linear.residual)])
     low, high = at - half, at + half + 1
     total = sums[high] - sums[low]
-    return (gaps[high] - gaps[low]) / total, np.sqrt(total)
+    mean = np.divide(gaps[high] - gaps[low], total, out=np.zeros_like(total), where=total > 0)  # all may be left out
+    return mean, np.sqrt(total)
 
 
 def shortest_period(linear: Optimum) -> float:
