@@ -177,7 +177,8 @@ class Told:
         return self.too_short
 
     def barred(self, found: Candidate) -> bool:
-        return bool(self.imitated or self.undetermined) or found.names in self.not_nameable
+        open_ = bool(self.undetermined) and found.names == self.best.names
+        return bool(self.imitated) or open_ or found.names in self.not_nameable
 
     def limited(self, found: Candidate) -> dict[str, Estimate]:
         return self.sized

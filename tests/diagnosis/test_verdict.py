@@ -115,6 +115,9 @@ def test_an_open_parameter_is_not_named() -> None:
     rivaled = ask("complete_but_open", undetermined=open_, rivals=(PLAY,))
     assert rivaled is not None
     assert (rivaled.verdict, rivaled.shown, rivaled.alternatives) == ("ambiguous", PLAY, (FRICTION,))
+    both = ask("complete_but_open", undetermined=open_, rivals=(PLAY,), not_nameable=(PLAY.names,), lead=LINEAR)
+    assert both is not None
+    assert both.verdict == "unexplained"  # a rival that is open itself is no name
 
 
 def test_the_only_one_at_the_floor_is_named() -> None:

@@ -127,7 +127,7 @@ def complete_but_open(e: EvidenceRecord) -> Answer | None:
     if not e.at_floor(e.best) or not (e.undetermined or unseen):
         return None
     sure = [c for c in e.rivals if e.at_floor(c)] or list(e.simpler)
-    sure = [c for c in sure if not e.followed(c) and not (unseen and e.barred(c))]
+    sure = [c for c in sure if not e.followed(c) and not e.barred(c)]
     but = ["the data do not determine " + ", ".join(map(parameter_words, e.undetermined))] if e.undetermined else []
     but += [f"{effect_names((name,))} cannot be told from {what} here" for name, what in unseen.items()]
     said = f"{_title(e.best)} leaves only noise, but {', and '.join(but)}."
