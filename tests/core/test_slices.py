@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stepid import Experiment
+from stepid.core.slices import of_one_recording
 from stepid.errors import InputError
 
 TIME = 0.01 * np.arange(100)
@@ -54,3 +55,14 @@ def test_a_stretch_of_a_release_is_a_release() -> None:
 def test_stretches_that_cannot_be(bounds: dict[str, float], message: str) -> None:
     with pytest.raises(InputError, match=message):
         DRIVEN.slice(**bounds)
+
+
+def test_parts_that_go_on_where_others_end_are_of_one_recording() -> None:
+    first, second, third = (DRIVEN.slice(a, b) for a, b in ((0, 30), (31, 60), (60, 100)))
+    assert of_one_recording([first, second, third])
+    assert of_one_recording([third, first, second])
+    assert not of_one_recording([first, third])  # 30 samples are missing
+    assert not of_one_recording([DRIVEN])
+    assert not of_one_recording([first, first.model_copy(update={"name": "again"})])  # each has its own clock
+    other = second.model_copy(update={"damper": "another"})
+    assert not of_one_recording([first, other, third])

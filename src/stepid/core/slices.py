@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +15,8 @@ if TYPE_CHECKING:
     from stepid.core.experiment import Experiment
 
 _FEWEST = 8  # samples of a record
+_GAP = 0.05  # of the shorter part, that may be left out between two parts of one recording
+_LABELS = ("added_mass", "spring", "damper", "base")
 
 
 def segment(
@@ -56,3 +60,15 @@ def segment(
         fields["input_before"] = float(run.input[begin - 1])
         fields["starts"] = "auto" if run.is_release and run.starts != "motion" else "motion"
     return fields if name is None else fields | {"name": name}
+
+
+def of_one_recording(runs: Sequence[Experiment]) -> bool:
+    """Tell whether runs are parts of one recording: by their clock each goes on where another ends."""
+    parts = sorted(runs, key=lambda run: float(run.time[0]))
+    return len(parts) > 1 and all(_goes_on(one, other) for one, other in pairwise(parts))
+
+
+def _goes_on(one: Experiment, other: Experiment) -> bool:
+    gap, shorter = float(other.time[0] - one.time[-1]), min(float(np.ptp(run.time)) for run in (one, other))
+    alike = all(getattr(one, name) == getattr(other, name) for name in _LABELS)
+    return alike and 0.0 < gap <= max(_GAP * shorter, 2.5 * one.sample_time)

@@ -70,7 +70,7 @@ def scatter_of(
         without = _without(context, found, kind, candidates)
         share = 1.0 - optimum.cost / without if without > 0 else 0.0
         out[kind] = Scatter(deviation=spread.get(kind, 0.0), unit=_UNITS[kind], explained=min(max(share, 0.0), 1.0))
-    rest = spread.get("rest", 0.0)
+    rest = 0.0 if context.records.one_recording else spread.get("rest", 0.0)  # it has one, which a law may shift
     if rest > _NOTABLE * shown.rms / np.sqrt(samples.min()) and rest > context.floor:
         moved = float(np.sum(samples * (values["rest"] - np.average(values["rest"], weights=samples)) ** 2))
         out["rest"] = Scatter(deviation=rest, unit="m", explained=moved / (moved + shown.cost))

@@ -217,7 +217,7 @@ class EvidenceRecord:
         another state an effect must stay what it is: where its size changes, it stands in for that law. Its parameters
         must be the same in all conditions.
         """
-        states = states_of_all(self.context, lead.optimum)
+        states = self.states(lead)
         chance, rough = allowed(self.context, self.criteria, lead, noise=self.at_floor(lead))
         for law in sorted(self._laws_left(lead), key=lambda one: -one.power):
             if not ((rough and law.share > 0.5) or law.beyond > chance):
@@ -227,6 +227,10 @@ class EvidenceRecord:
             if patched or (law.power > rough and (own or self._replaces(law, states))):
                 return law.state
         return ""
+
+    def states(self, found: Candidate) -> tuple[frozenset[str], ...]:
+        """States that each effect of a candidate is a law of."""
+        return states_of_all(self.context, found.optimum)
 
     def _replaces(self, law: FreeLaw, states: tuple[frozenset[str], ...]) -> bool:
         """Tell whether a law of any shape leaves an effect of another state not what it is."""
@@ -251,7 +255,7 @@ class EvidenceRecord:
 
     def patchwork(self, found: Candidate) -> str:
         """The state of which all effects of a candidate of more than two are laws, '' where there is none."""
-        own = set(states_of_all(self.context, found.optimum)) if len(found.effects) > 2 else set()
+        own = set(self.states(found)) if len(found.effects) > 2 else set()
         states = own.pop() if len(own) == 1 else frozenset()
         return next(iter(states)) if len(states) == 1 else ""
 

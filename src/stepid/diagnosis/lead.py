@@ -123,12 +123,25 @@ class Leads:
         out: dict[frozenset[str], Candidate] = {}
         for w in self.able:
             other, names = w.candidate, frozenset(w.candidate.names)
-            if (
-                len(names) != len(lead.effects)
-                or names == frozenset(lead.names)
-                or abs(w.loss - own) >= self._told.criteria.tie
-            ):
+            if len(names) != len(lead.effects) or names == frozenset(lead.names):
                 continue
-            if w.loss < own or not includes(other.effects, lead.effects):
+            near = abs(w.loss - own) < self._told.criteria.tie
+            if (near and w.loss < own) or (
+                (near or self._as_rough(other)) and not includes(other.effects, lead.effects)
+            ):
                 out.setdefault(names, other)
         return tuple(out.values())
+
+    def _as_rough(self, other: Candidate) -> bool:
+        """Tell whether another law of one state in the lead's place leaves no more beyond it than real laws are rough.
+
+        Where a rest remains it holds both, and what is missing decides between them.
+        """
+        told, lead = self._told, self.best
+        more = other.optimum.rms**2 - lead.optimum.rms**2
+        misfit = told.linear.optimum.rms**2 - told.context.floor**2
+        if told.at_floor(lead) or other.deviations != lead.deviations or more > told.criteria.rough * misfit:
+            return False
+        own, others = (set(zip(c.names, told.states(c), strict=True)) for c in (lead, other))
+        states = [[state for _, state in few] for few in (own - others, others - own)]
+        return states[0] == states[1] and len(states[0]) == 1 and bool(states[0][0]) and not told.barred(other)

@@ -54,16 +54,16 @@ def conditions(kinds: frozenset[str]) -> int:
 
 
 def applies(problem: Problem, kind: str) -> Mask:
-    """Runs in which a deviation makes sense, shape (R,)."""
+    """Runs in which a deviation makes sense, shape (R,); parts of one recording differ in how they start only."""
     records, effects = problem.records, problem.simulator.effects
-    every = np.ones(len(records.runs), dtype=bool)
+    every = np.full(len(records.runs), not records.one_recording)
     if kind == "start_time":
-        return records.driven & ~records.moving
+        return every & records.driven & ~records.moving
     if kind in _STARTS:
         free: Mask = free_starts(records, effects)[problem.layout.deviation(kind)]
         return ~free
     if kind == "gain":
-        return records.driven
+        return every & records.driven
     if kind == "friction":
         return every & any(_held_by(e) for e in effects)
     return every

@@ -15,6 +15,7 @@ from stepid.core.base import Array
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.hand import release_index
 from stepid.core.samples import InputBetween, course, is_even
+from stepid.core.slices import of_one_recording
 from stepid.simulation.clock import clock
 from stepid.simulation.starts import starts_in_motion
 
@@ -75,6 +76,11 @@ class Records:
         """Largest input of each run, that before its record among them, V, shape (R,)."""
         before: Array = np.abs(self.before)
         return np.maximum(before, np.maximum.reduceat(np.abs(self.volts), self.first)) if self.size else before
+
+    @cached_property
+    def one_recording(self) -> bool:
+        """Whether all runs are parts of one recording, of one plant: they differ by what changes in it."""
+        return of_one_recording(self.runs)
 
     @property
     def driven(self) -> npt.NDArray[np.bool_]:
