@@ -48,7 +48,8 @@ class Criteria(Model):
         be left. At 0.75 half of the further names were wrong.
     rough : float
         Share of the misfit's power that a law of another shape may take from what a lead leaves: real laws are that
-        rough (0.1 to 0.3 per cent in recordings of real springs, hulls and pendulums).
+        rough (0.1 to 0.3 per cent in recordings of real springs, hulls and pendulums). Laws of one state that differ by
+        less are not told apart beside a rest.
     sure : float
         Weight (sum of Akaike-like weights exp(−ΔQBIC/2)) that the candidates which hold an effect must have (Burnham
         and Anderson 2002, section 4.3).
