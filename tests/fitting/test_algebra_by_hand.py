@@ -21,7 +21,7 @@ from stepid.fitting.correlation import Block
 from stepid.fitting.covariance import _precision, _triangle
 from stepid.fitting.levenberg_marquardt import Problem, _blocked, _held
 from stepid.fitting.random_effects import _information
-from stepid.fitting.run_fault import _extreme, _has_size, _told
+from stepid.fitting.run_fault import _has_size, is_extreme, told
 from stepid.simulation.records import Records, lay_out
 
 
@@ -242,10 +242,11 @@ def fault(kind: str, size: float, *, error: float = 0.0, scatter: float = 0.0) -
 
 
 def test_a_fault_is_told_in_the_unit_that_users_know() -> None:
-    assert _told(fault("stiffness", 0.5)) == 100.0
-    assert _told(fault("damping", -0.25)) == -2.0
-    assert _told(fault("gain", 1.0)) == 2.0
-    assert _told(fault("start_time", 0.03)) == 0.03
+    of = fault("stiffness", 0.5).optimum
+    assert told(of, 1, "stiffness", 0.5) == 100.0
+    assert told(of, 1, "damping", -0.25) == -2.0
+    assert told(of, 1, "gain", 1.0) == 2.0
+    assert told(of, 1, "start_time", 0.03) == 0.03
 
 
 @pytest.mark.parametrize(("kind", "unit"), [("added_mass", 3.0), ("start_time", 0.02), ("gain", 1.0), ("damping", 1.0)])
@@ -270,7 +271,7 @@ def test_the_run_with_the_largest_or_smallest_input_is_extreme() -> None:
         for i, size in enumerate((0.5, -1.0, 2.0, 0.0))
     )  # fmt: skip
     records = lay_out(stepid.Campaign(name="c", experiments=runs))
-    assert [_extreme(records, run) for run in range(4)] == [True, False, True, False]
+    assert [is_extreme(records, run) for run in range(4)] == [True, False, True, False]
 
 
 def test_errors_of_weights_that_were_found_come_back() -> None:

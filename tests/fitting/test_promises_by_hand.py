@@ -215,7 +215,7 @@ def test_a_fault_explains_what_is_missing(
     explained: bool,
 ) -> None:
     """With one sample and a floor of one: the cost is in squares of the floor."""
-    monkeypatch.setattr(run_fault, "_extreme", lambda *_: extreme)
+    monkeypatch.setattr(run_fault, "is_extreme", lambda *_: extreme)
     monkeypatch.setattr(run_fault, "count_samples", lambda _: 1)
     monkeypatch.setattr(run_fault, "noise_cost", lambda *_: 1.1)
     found: Any = Made(kind=kind, size=size, cost=left, run=0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.explore import Found, explored, fault_beside, linear_candidate, outweighs
 from stepid.diagnosis.gather import EvidenceRecord
+from stepid.diagnosis.odd_run import fault_of, suspects
 from stepid.diagnosis.progress import Progress, Tell, listener, telling
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
@@ -33,6 +35,8 @@ from stepid.fitting.run_fault import accuse, find_fault
 from stepid.fitting.screening import split_campaign
 from stepid.simulation.threads import single_threaded
 from stepid.simulation.warm_up import warm_up
+
+_SUSPECTS = 2  # runs that are left out in turn
 
 _how = {
     "catalogue": a_catalogue,
@@ -132,8 +136,10 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
         fault = _fault_of_run(context, found, how.criteria)
         if fault is not None:
             others = [run for run in campaign.experiments if run.name != fault.run]
-            told = _and(fault, "It is left out of this diagnosis.")
-            return _anew(campaign, others, how, (*accused, told))
+            return _anew(campaign, others, how, (*accused, _left_out(fault)))
+        without = _without_an_odd_run(campaign, found, how, accused)
+        if without is not None:
+            return without
     how.tell(Progress("runs held out", best=found.best.names))
     faults = (*accused, *found.context.faults)
     eccentric = None if wrong_input is not None else _eccentricity(found, how.criteria, accused)
@@ -152,6 +158,32 @@ def _anew(campaign: Campaign, runs: Sequence[Experiment], how: _How, accused: tu
     other = campaign.model_copy(update={"experiments": tuple(runs)})
     done = _diagnosed(other, prepare(other, workers=how.workers), how, accused)
     return done.model_copy(update={"data": campaign})
+
+
+def _without_an_odd_run(
+    campaign: Campaign, found: Found, how: _How, accused: tuple[RecordFault, ...]
+) -> Diagnosis | None:
+    """Diagnose without one run that takes most of the misfit, where that leaves only noise in all others."""
+    context = found.context
+    if at_floor(context, how.criteria, found.best) or context.by_weights is not None:
+        return None
+    for run in suspects(context)[:_SUSPECTS]:
+        name = context.records.runs[run].name
+        rest = campaign.model_copy(update={"experiments": tuple(e for e in campaign.experiments if e.name != name)})
+        fewer = explored(prepare(rest, workers=how.workers), how.catalogue, how.criteria, how.effort, how.tell)
+        if not at_floor(fewer.context, how.criteria, fewer.best):
+            continue
+        evidence = EvidenceRecord(fewer.context, how.criteria, fewer.candidates)
+        answer = judge(evidence)
+        fault = fault_of(context, run, answer.shown) if answer.verdict != "unexplained" else None
+        if fault is not None:
+            told = replace(evidence, faults=(*accused, _left_out(fault), *fewer.context.faults))
+            return report(rest, told, answer).model_copy(update={"data": campaign})
+    return None
+
+
+def _left_out(fault: RecordFault) -> RecordFault:
+    return _and(fault, "It is left out of this diagnosis.")
 
 
 def _and(fault: RecordFault, words: str) -> RecordFault:

@@ -102,7 +102,7 @@ def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0) -> Accusation |
         fault = RecordFault(
             run=records.runs[best.run].name,
             kind=best.kind,
-            size=_told(best),
+            size=told(best.optimum, best.run, best.kind, best.size),
             unit=UNITS[best.kind],
             words=fault_words(best.optimum, best.run, best.kind, best.size, tuple(rivals)),
         )
@@ -234,14 +234,14 @@ def _explains(found: _Found, optimum: Optimum, others: list[_Found], floor: floa
     samples = count_samples(records)
     at_floor = found.cost <= noise_cost(records, floor)
     round_ = found.kind == "gain" and any(abs((1 + found.size) / r - 1) < _NEAR for r in ROUND)
-    if found.kind != DRIFT and not round_ and _extreme(records, found.run):
+    if found.kind != DRIFT and not round_ and is_extreme(records, found.run):
         hard = found.kind not in ("gain", "damping") and optimum.cost > (_GROSS * floor) ** 2 * samples
         return at_floor and hard
     second = min((f.cost for f in others), default=np.inf)
     return at_floor or found.cost <= _STANDS_OUT * min(optimum.cost, second)
 
 
-def _extreme(records: Records, run: int) -> bool:
+def is_extreme(records: Records, run: int) -> bool:
     """Tell whether a driven run's input is the largest or smallest of all, no other near it."""
     if not records.driven[run]:
         return False
@@ -252,11 +252,11 @@ def _extreme(records: Records, run: int) -> bool:
     return bool(np.all(others > own) or np.all(others < own))
 
 
-def _told(found: _Found) -> float:
-    """Size in the unit that users know: labels in N/m and N·s/m, scales as the factor."""
-    of, records, shared = found.optimum.problem.layout, found.optimum.problem.records, found.optimum.shared
-    if found.kind == "stiffness":
-        return found.size * float(shared[of.stiffness][records.spring[found.run]])
-    if found.kind == "damping":
-        return found.size * float(shared[of.damping][records.damper[found.run]])
-    return 1.0 + found.size if found.kind == "gain" else found.size
+def told(optimum: Optimum, run: int, kind: str, size: float) -> float:
+    """Size of a deviation in the unit that users know: labels in N/m and N·s/m, scales as the factor."""
+    of, records, shared = optimum.problem.layout, optimum.problem.records, optimum.shared
+    if kind == "stiffness":
+        return size * float(shared[of.stiffness][records.spring[run]])
+    if kind == "damping":
+        return size * float(shared[of.damping][records.damper[run]])
+    return 1.0 + size if kind == "gain" else size

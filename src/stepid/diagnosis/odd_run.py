@@ -1,0 +1,132 @@
+"""One run that hides the law of the others: without it they agree, and what is wrong with it can be told then."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from stepid.core.base import Array
+from stepid.core.words import length
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.fitting.cross_validation import qualifying
+from stepid.fitting.deviations import with_fault
+from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
+from stepid.fitting.multistart import FitContext
+from stepid.fitting.problem import build, start_local
+from stepid.fitting.record_fault import RecordFault
+from stepid.fitting.run_fault import is_extreme, told
+from stepid.fitting.run_fault_words import ROUND, UNITS, fault_words
+from stepid.simulation.records import Records
+from stepid.simulation.simulator import Simulator
+
+_STANDS_OUT = 0.3  # of the linear plant's misfit, per sample, that is left without the run: as much as a fault leaves
+_SURER = 3.0  # power of that, for a run that no other is like
+_PARTS = np.array(
+    [-0.6, -0.4, -0.2, 0.2, 0.4, 0.7, 1.0, 1.5]
+)  # of the moving mass, from which a wrong one is looked for
+_LAPS = 30  # steps of a fit
+
+_Mistake = tuple[str, float, float, Optimum]
+
+
+def suspects(context: FitContext) -> list[int]:
+    """Runs without which a linear plant leaves far less, worst first, by index.
+
+    A law that all runs follow is left by any of them; a run that is wrong takes most of the misfit with it. Only runs
+    whose labels occur in others come into question.
+
+    Parameters
+    ----------
+    context : FitContext
+    """
+    records, linear = context.records, context.linear
+    count = float((records.weight**2).sum())
+    every, found = range(len(records.runs)), {}
+    for run in qualifying(records):
+        kept = [i for i in every if i != run]
+        rest = records.subset(kept)
+        problem = build(rest, ())
+        without = minimize(problem, linear.shared, linear.local[:, kept], tolerance=context.tolerance, iterations=_LAPS)
+        if without is not None:
+            found[run] = without.cost / float((rest.weight**2).sum()) / (linear.cost / count)
+    return sorted((run for run, left in found.items() if left <= _STANDS_OUT), key=lambda run: found[run])
+
+
+def fault_of(context: FitContext, run: int, shown: Candidate) -> RecordFault | None:
+    """What is wrong with a run, by the model that leaves only noise in all others; None where that may be a law.
+
+    The plant is that of the others. One label, scale or start of the run is changed, from wherever such mistakes lead:
+    what takes most of its misfit then is told. Else the run disagrees, if others like it do not.
+
+    Parameters
+    ----------
+    context : FitContext
+        Of all runs.
+    run : int
+    shown : Candidate
+        Fitted to the others.
+    """
+    records, shared = context.records, shown.optimum.shared
+    alone = build(records.subset([run]), shown.effects)
+    alone = replace(alone, free=np.zeros_like(alone.free))
+    plain = _fitted(alone, shared)
+    if plain is None or (before := plain.cost) <= 0:
+        return None
+    single = _stands_alone(records, run)
+    found = min(_mistakes(alone, shared, context, run), key=lambda one: one[2], default=None)
+    name = records.runs[run].name
+    if found is not None and found[2] <= (_STANDS_OUT**_SURER if single else _STANDS_OUT) * before:
+        kind, size, _, optimum = found
+        words = fault_words(optimum, 0, kind, size, ())
+        return RecordFault(run=name, kind=kind, size=told(optimum, 0, kind, size), unit=UNITS[kind], words=words)
+    if single:
+        return None
+    words = (
+        f"Run {name!r} disagrees by {length(plain.rms)} RMS with a model that leaves only noise in all others. "
+        "Was the cart touched, or is a label or the input wrong? Record it again."
+    )
+    return RecordFault(run=name, kind="disagreement", size=plain.rms, unit="m", words=words)
+
+
+def _mistakes(alone: Problem, shared: Array, context: FitContext, run: int) -> Iterator[_Mistake]:
+    """Mistakes of one run, each with its size as a deviation, and the cost [m²] left of it."""
+    records, of = context.records, alone.layout
+    mass, others = float(of.mass(shared)[0]), np.delete(np.arange(len(records.runs)), run)
+    stiffness, damping = shared[of.stiffness], shared[of.damping]
+    begins = {
+        "added_mass": [*np.unique(records.added_mass[others] - records.added_mass[run]), *mass * _PARTS],
+        "stiffness": [0.0, *(stiffness / stiffness[records.spring[run]] - 1.0)],
+        "damping": [0.0, *(damping / max(damping[records.damper[run]], np.finfo(float).tiny) - 1.0)],
+        "start_time": [0.0],
+    }
+    for kind, sizes in begins.items():
+        problem, row = with_fault(alone, 0, kind), of.deviation(kind)
+        for size in sizes:
+            fitted = _fitted(problem, shared, row, float(size))
+            if fitted is not None:
+                yield kind, float(fitted.local[row, 0]), fitted.cost, fitted
+    for factor in ROUND:
+        scaled = replace(alone.records, position=alone.records.position / factor)
+        sim = alone.simulator
+        fitted = _fitted(replace(alone, simulator=Simulator(scaled, sim.effects, sim.tolerance)), shared)
+        if fitted is not None:
+            yield "gain", factor - 1.0, fitted.cost * factor**2, fitted
+
+
+def _fitted(problem: Problem, shared: Array, row: int | None = None, size: float = 0.0) -> Optimum | None:
+    """What is the run's own, fitted to it from a deviation of some size."""
+    local = start_local(problem)
+    if row is not None:
+        local[row] = size
+    return minimize(problem, shared, local, iterations=_LAPS)
+
+
+def _stands_alone(records: Records, run: int) -> bool:
+    """Tell whether a law may do what it likes in a run: its mass or input is beyond the others', or alone its way."""
+    change = records.volts - records.before[records.run]
+    most, least = (f.reduceat(change, records.first) for f in (np.maximum, np.minimum))
+    way, others = np.sign(np.where(most >= -least, most, least)), np.delete(records.added_mass, run)
+    beyond = not others.min() <= records.added_mass[run] <= others.max()
+    return beyond or not np.any(np.delete(way, run) == way[run]) or is_extreme(records, run)
