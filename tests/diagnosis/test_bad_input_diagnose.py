@@ -61,13 +61,8 @@ def test_a_run_with_a_plain_mistake_is_left_out(kind: str) -> None:
     leaves_out(*LEFT_OUT[kind])
 
 
-LOST = pytest.mark.xfail(strict=True, reason="unexplained: beside friction, other effects make up for such a gain")
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "kind", [pytest.param(k, marks=[LOST] if k in ("sign, friction", "half, friction") else []) for k in SLOW]
-)
+@pytest.mark.parametrize("kind", SLOW)
 def test_a_run_with_a_plain_mistake_is_left_out_beside_friction(kind: str) -> None:
     leaves_out(*SLOW[kind])
 

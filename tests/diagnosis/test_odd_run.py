@@ -1,0 +1,95 @@
+"""One run that hides the law of the others: it is found by what the others leave without it, and told by their model."""
+
+from __future__ import annotations
+
+import pytest
+
+import stepid
+from broken_campaigns import FRICTION, campaign, changed, inputs, scaled
+from stepid.diagnosis import odd_run
+from stepid.diagnosis.odd_run import fault_of, suspects
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.effects import resolve
+from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.record_fault import RecordFault
+
+MASSES = (0.0, 0.0, 0.5, 0.5, 1.5, 1.5)
+VOLTS = (0.5, -0.5, 0.5, -0.5, 0.5, -0.5)
+BENT = {"cubic_stiffness": {"coefficient": 4e5}}
+
+
+def carts(seed: int, effects: dict[str, dict[str, float]], **told: object) -> stepid.Campaign:
+    return campaign(seed, effects, masses=MASSES, volts=VOLTS, **told)  # type: ignore[arg-type]
+
+
+def fault(whole: stepid.Campaign, run: int, *names: str) -> RecordFault | None:
+    """What is wrong with a run by a model that is fitted to the others."""
+    rest = whole.model_copy(update={"experiments": tuple(e for i, e in enumerate(whole.experiments) if i != run)})
+    fitted = fit_effects(prepare(rest), resolve(names))
+    assert fitted is not None
+    return fault_of(prepare(whole), run, Candidate(resolve(names), frozenset(), fitted, 0.0))
+
+
+@pytest.mark.parametrize("effects", [{}, FRICTION, BENT], ids=["none", "friction", "bent"])
+def test_a_law_makes_no_run_suspect(effects: dict[str, dict[str, float]]) -> None:
+    assert suspects(prepare(carts(1, effects))) == []
+
+
+def test_the_run_that_takes_the_misfit_with_it_is_suspect() -> None:
+    assert suspects(prepare(scaled(carts(2, FRICTION), 3, -1.0)))[0] == 3
+
+
+def test_a_run_whose_label_no_other_has_is_no_suspect() -> None:
+    wrong = scaled(carts(2, FRICTION), 3, -1.0)
+    assert suspects(prepare(changed(wrong, 3, damper="another"))) == []
+
+
+def test_a_wrong_mass_is_told_beside_a_bent_spring() -> None:
+    found = fault(carts(3, BENT, true_masses=(0, 0, 0.5, 1.0, 1.5, 1.5)), 3, "cubic_stiffness")
+    assert found is not None
+    assert (found.run, found.kind, found.unit) == ("case 4", "added_mass", "kg")
+    assert found.size == pytest.approx(0.5, abs=0.01)
+    assert "kg added instead of 0.5 kg it agrees: a wrong added mass" in found.words
+
+
+@pytest.mark.parametrize("factor", [-1.0, 0.5, 10.0])
+def test_a_wrong_scale_is_told_beside_friction(factor: float) -> None:
+    found = fault(scaled(carts(4, FRICTION), 3, factor), 3, "coulomb_friction")
+    assert found is not None
+    assert (found.kind, found.size) == ("gain", factor)
+
+
+def touched(alone: bool) -> stepid.Campaign:
+    """A push that no input tells, in a run that others are like, or the only one of its direction."""
+    pushed = inputs(0.5)
+    pushed[120:128] = -1.5
+    drives = [inputs(v) for v in (0.5, 0.5, 0.5, 0.5, 0.5, 0.5)]
+    hand = campaign(5, FRICTION, masses=MASSES, volts=(0.5,) * 6, drives=[*drives[:3], pushed, *drives[4:]])
+    if alone:
+        old = hand.experiments[3]
+        return changed(hand, 3, input=-inputs(0.5), position=-old.position)
+    return changed(hand, 3, input=inputs(0.5))
+
+
+def test_a_run_that_was_touched_disagrees() -> None:
+    found = fault(touched(alone=False), 3, "coulomb_friction")
+    assert found is not None
+    assert (found.run, found.kind, found.unit) == ("case 4", "disagreement", "m")
+    assert "Was the cart touched" in found.words
+
+
+def test_a_run_that_no_other_is_like_is_not_accused_of_that() -> None:
+    assert fault(touched(alone=True), 3, "coulomb_friction") is None
+
+
+@pytest.mark.slow
+def test_the_law_is_named_without_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = touched(alone=False)
+    d = stepid.diagnose(whole)
+    assert d.effects == ("coulomb_friction",)
+    assert [(f.run, f.kind) for f in d.faults] == [("case 4", "disagreement")]
+    assert d.data == whole
+    assert len(d.runs) == 5
+    assert any("It is left out of this diagnosis." in note for note in d.notes)
+    monkeypatch.setattr(odd_run, "_STANDS_OUT", 0.0)
+    assert stepid.diagnose(whole).verdict == "unexplained"  # without it all is lost
