@@ -10,6 +10,7 @@ ROUND = (-1.0, 2.0, 0.5, -2.0, -0.5, 4.0, 0.25, 10.0, 0.1, 100.0, 0.01, 1000.0, 
 """Factors that a wrong scale has."""
 UNITS = {"added_mass": "kg", "stiffness": "N/m", "damping": "N·s/m", "gain": "", "start_time": "s", DRIFT: "m/s"}
 _NEAR = 0.03  # relative, to a round factor
+_TURNED = 0.15  # the same for a turned sign: by a plant that lacks a law it is a little more or less than that
 _SAME = 0.1  # relative, to another label's stiffness or damping
 
 
@@ -74,7 +75,8 @@ def _label(optimum: Optimum, run: int, kind: str, size: float) -> str:
 
 def _factor(factor: float) -> str:
     near = min(ROUND, key=lambda r: abs(factor / r - 1))
-    if abs(factor / near - 1) > _NEAR:
+    off = abs(factor / near - 1)
+    if off > (_TURNED if near == -1.0 else _NEAR):
         return f"Its readings, or its input, are {factor:.3g} times what the others ask for: check scale and amplifier."
     if near == -1.0:
         return "With its sign turned it agrees: check the sign of its counts_per_meter, or of its input."
