@@ -162,3 +162,25 @@ def test_releases_after_the_first_begin_with_the_hand_whatever_is_said_of_the_re
     assert [part.starts for part in parts] == ["motion", "auto", "auto"]
     assert release_index(parts[0]) == 0
     assert all(release_index(part) > 0 for part in parts[1:])
+
+
+@pytest.mark.parametrize(
+    ("at", "length"), [(30, 1), (30, 2), (30, 3), (150, 1), (150, 3), (310, 1), (310, 3), (397, 1)]
+)
+def test_wrong_readings_are_no_release_and_no_hand(at: int, length: int) -> None:
+    clean = record(swing(0.01, samples=40, ratio=0.1, periods=10))
+    y = np.array(clean.position)
+    y[at : at + length] -= 0.012
+    dirty = clean.model_copy(update={"position": y})
+    assert stepid.split_releases(dirty) == (dirty,)
+    assert hand(dirty) == hand(clean)
+
+
+def test_releases_are_told_behind_wrong_readings() -> None:
+    y, free = several((0.01, -0.008, 0.012))
+    whole = stepid.split_releases(record(y))
+    dirty = y.copy()
+    dirty[[begin + 133 for begin, _ in free]] += 0.009
+    parts = stepid.split_releases(record(dirty))
+    assert [part.time.tolist() for part in parts] == [part.time.tolist() for part in whole]
+    assert [release_index(part) for part in parts] == [release_index(part) for part in whole]

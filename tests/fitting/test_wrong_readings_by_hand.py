@@ -11,9 +11,10 @@ import pytest
 
 import stepid
 from stepid.core.base import Array
+from stepid.core.outliers import outliers, stand_out
 from stepid.fitting import run_fault
 from stepid.fitting.eccentricity import find_eccentricity
-from stepid.fitting.reading_faults import _fault, _outliers, _stand_out, _stuck, mend, outliers_of, trust
+from stepid.fitting.reading_faults import _fault, _stuck, mend, outliers_of, trust
 from stepid.fitting.run_fault_words import _explanation, _factor, fault_words
 from stepid.simulation.records import lay_out
 
@@ -32,22 +33,22 @@ def test_a_block_stands_out_by_the_misfit_of_a_cubic_through_its_neighbors() -> 
     fit = np.polynomial.Polynomial.fit(places, y[places], 3)
     basis = np.vander(places, 4)
     spread = math.sqrt(np.sum((fit(places) - y[places]) ** 2) / (8 - 4))
-    score, off = _stand_out(y, 2, np.array([12]), 0.0)
+    score, off = stand_out(y, 2, np.array([12]), 0.0)
     assert off[0] == pytest.approx(y[12:14] - fit(np.array([12, 13])), rel=1e-6)
     for i, at in enumerate((12.0, 13.0)):
         row = np.vander([at], 4) @ np.linalg.pinv(basis)
         assert score[0, i] == pytest.approx(abs(off[0, i]) / spread / math.sqrt(1 + float(np.sum(row**2))), rel=1e-6)
-    loud, _ = _stand_out(y, 2, np.array([12]), 10 * spread)
+    loud, _ = stand_out(y, 2, np.array([12]), 10 * spread)
     assert loud[0] == pytest.approx(score[0] / 10)
 
 
 @pytest.mark.parametrize(("times", "length", "found"), [(10.0, 1, True), (8.0, 1, False), (10.0, 3, True)])
 def test_nine_standard_deviations_make_an_outlier(times: float, length: int, found: bool) -> None:
-    unit = _stand_out(np.eye(1, 21, 10)[0], 1, np.array([10]), 1.0)[0][0, 0]  # of one sample off by one
+    unit = stand_out(np.eye(1, 21, 10)[0], 1, np.array([10]), 1.0)[0][0, 0]  # of one sample off by one
     y = np.zeros(40)
     y[20 : 20 + length] = 1.3 * times / unit if length > 1 else times / unit
-    assert ((20, length) in [(begin, size) for _, begin, size in _outliers(y, 1.0, 0.0)]) is found
-    assert not _outliers(y, 1.0, 2 * float(y.max()))
+    assert ((20, length) in [(begin, size) for _, begin, size in outliers(y, 1.0, 0.0)]) is found
+    assert not outliers(y, 1.0, 2 * float(y.max()))
 
 
 def stopped(length: int, share: float, after: float = 1.0) -> Array:

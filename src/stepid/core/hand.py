@@ -9,6 +9,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.noise import record_noise
 from stepid.core.once import once
+from stepid.core.outliers import without_outliers
 
 if TYPE_CHECKING:
     from stepid.core.experiment import Experiment
@@ -70,7 +71,8 @@ def hand(experiment: Experiment) -> Hand:
     """
     if not experiment.is_release or experiment.starts != "auto" or float(np.ptp(experiment.position)) <= 0:
         return Hand(0, False)
-    time, away = experiment.time, experiment.position - _rest(experiment.position)
+    y = without_outliers(experiment)
+    time, away = experiment.time, y - _rest(y)
     steepest = _fall(away)
     if steepest is None:
         return Hand(0, False)
@@ -92,7 +94,7 @@ def hand(experiment: Experiment) -> Hand:
 def _still(experiment: Experiment) -> int:
     """First sample that is surely not where the first one is: before it the cart may be held."""
     small = max(_CHANCE * np.sqrt(2.0) * record_noise(experiment), experiment.resolution or 0.0)
-    return _away(experiment.position, small)
+    return _away(without_outliers(experiment), small)
 
 
 def _away(y: Array, small: float) -> int:
@@ -103,7 +105,8 @@ def _away(y: Array, small: float) -> int:
 
 def _moves(experiment: Experiment, width: int, fastest: float) -> bool:
     """Tell whether the cart surely moves at first: by the slope of a parabola there, which the readings follow."""
-    time, y = experiment.time - experiment.time[0], experiment.position - experiment.position[0]
+    y = without_outliers(experiment)
+    time, y = experiment.time - experiment.time[0], y - y[0]
     count, soon = min(max(width, _RESTING) + 1, y.size), max(width // 2, 1)
     weights = np.linalg.pinv(np.vander(time[:count], 3))[1]
     slope = float(weights @ y[:count])
@@ -143,7 +146,7 @@ def _carried_back(experiment: Experiment, first: int) -> tuple[Array, Array] | N
 
     A damped swing of about the record's period is 1, cos, sin, t·cos and t·sin over so short a time.
     """
-    y = experiment.position
+    y = without_outliers(experiment)
     period = period_of(y[first:])
     last = first + round(_HALF * period)
     if not _TERMS < last - first <= y.size - first:
@@ -159,7 +162,7 @@ def _swings_through(experiment: Experiment, first: int) -> bool:
     carried = _carried_back(experiment, first)
     if carried is None:
         return False
-    y, (off, back) = experiment.position, carried
+    y, (off, back) = without_outliers(experiment), carried
     noise = record_noise(experiment)
     covariance = noise**2 * (np.eye(first) + back @ back.T) + (_NEAR * float(np.ptp(y))) ** 2 * np.eye(first)
     chance = first + _CHANCE * np.sqrt(2.0 * first)
@@ -171,7 +174,7 @@ def _rests(experiment: Experiment, first: int) -> bool:
     carried = _carried_back(experiment, first)
     if carried is None:
         return False
-    y, off = experiment.position[:first], carried[0]
+    y, off = without_outliers(experiment)[:first], carried[0]
     small = max(_SEEN * record_noise(experiment), experiment.resolution or 0.0)
     still = _away(y, small)
     if still < _RESTING:

@@ -10,6 +10,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.hand import period_of
 from stepid.core.noise import record_noise
+from stepid.core.outliers import without_outliers
 from stepid.core.quantities import in_own_quantities
 from stepid.core.takes import described
 from stepid.errors import InputError
@@ -73,7 +74,7 @@ class _Lobe(NamedTuple):
 
 def _hands(experiment: Experiment) -> list[tuple[int, int]]:
     """Last free sample before each time that a hand takes a cart that was let go, and first of what follows."""
-    y = experiment.position
+    y = without_outliers(experiment)
     away = y - _rest_between(y)
     noise = record_noise(experiment)
     largest = float(np.abs(away).max())

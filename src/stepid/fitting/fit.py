@@ -10,6 +10,7 @@ from stepid.core.arguments import as_campaign, as_workers
 from stepid.core.experiment import Campaign
 from stepid.core.latex import parameter_name
 from stepid.core.noise import rms
+from stepid.core.outliers import Mask
 from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.words import length
@@ -31,7 +32,7 @@ from stepid.fitting.noise_color import colored_floor
 from stepid.fitting.noise_floor import bounded_floor, enough, noise_floor, repeat_notes, weights
 from stepid.fitting.problem import fit_linear, within_weights
 from stepid.fitting.profile import profiled
-from stepid.fitting.reading_faults import Mask, trust
+from stepid.fitting.reading_faults import trust
 from stepid.fitting.record_fault import ALL_RUNS
 from stepid.fitting.run_fault import find_fault
 from stepid.fitting.score_test import columns, score

@@ -15,13 +15,14 @@ from stepid.core.experiment import Campaign, Experiment
 from stepid.core.hand import hand
 from stepid.core.mass_offset import WEIGHT, known_in_words, weight_spread
 from stepid.core.noise import record_noise
+from stepid.core.outliers import Mask
 from stepid.core.releases import split_releases
 from stepid.core.samples import means_of_blocks
 from stepid.core.units import UNIT, check_speed, check_travel
 from stepid.core.words import counted
 from stepid.errors import InputError
 from stepid.fitting.first_step import from_rest
-from stepid.fitting.reading_faults import Mask, mend
+from stepid.fitting.reading_faults import mend
 from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.clock import clock_note
 from stepid.simulation.starts import starts_in_motion

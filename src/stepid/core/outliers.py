@@ -1,0 +1,156 @@
+"""Isolated wrong readings of a record: one to three samples that no motion explains."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from stepid.core.base import Array
+from stepid.core.noise import record_noise
+from stepid.core.once import once
+
+if TYPE_CHECKING:
+    from stepid.core.experiment import Experiment
+
+Mask = npt.NDArray[np.bool_]
+SIDE = 4  # neighbors on each side that tell what a sample should read
+_DEGREE = 3  # of the polynomial through them
+_OUTLIER = 9.0  # standard deviations; kinks, jumps and bounces of the motion itself stay below 3.5
+LONGEST = 3  # samples of one outlier
+_COUNTS = 3.0  # counts that rounding never makes
+MOST = 0.05  # share of a record beyond which nothing is isolated
+PASSES = 20
+SHORTEST = 4 * SIDE  # samples of a record, below which its motion is not told from an outlier
+
+
+class _Local(NamedTuple):
+    """Prediction of a block of m samples from its neighbors, shape (m, 2k), their misfit, and the spread of both."""
+
+    predict: Array
+    misfit: Array
+    spread: Array
+
+
+def _sides(count: int, after: int) -> npt.NDArray[np.intp]:
+    """Where the neighbors of a block are, counted from its begin: so many of them after it, the rest before."""
+    return np.concatenate([np.arange(after - 2 * SIDE, 0), np.arange(count, count + after)])
+
+
+@cache
+def _local(count: int, after: int = SIDE) -> _Local:
+    at = _sides(count, after) - (count - 1) / 2
+    basis = np.vander(at.astype(np.float64), _DEGREE + 1)
+    inverse = np.linalg.pinv(basis)
+    predict = np.vander(np.arange(count) - (count - 1) / 2, _DEGREE + 1) @ inverse
+    misfit = np.eye(2 * SIDE) - basis @ inverse
+    return _Local(predict, misfit, np.sqrt(1.0 + np.sum(predict**2, axis=1)))
+
+
+def stand_out(
+    y: Array, count: int, begin: npt.NDArray[np.intp], noise: float, after: int = SIDE
+) -> tuple[Array, Array]:
+    """Deviation of blocks that begin at given samples from their neighbors: in standard deviations, and in m."""
+    local = _local(count, after)
+    near = y[begin[:, None] + _sides(count, after)]
+    block = y[begin[:, None] + np.arange(count)]
+    off = block - near @ local.predict.T
+    freedom = 2 * SIDE - _DEGREE - 1
+    spread = np.sqrt(np.sum((near @ local.misfit.T) ** 2, axis=1) / freedom)
+    return np.abs(off) / local.spread / np.maximum(spread, noise)[:, None], off
+
+
+def _interpolate(y: Array, begin: int, count: int) -> None:
+    after = min(SIDE, y.size - begin - count)
+    y[begin : begin + count] = _local(count, after).predict @ y[begin + _sides(count, after)]
+
+
+def take(y: Array, found: list[tuple[float, int, int]], wrong: Mask) -> bool:
+    """Interpolate blocks (score, begin, count), the plainest first, none near another."""
+    busy = np.zeros(y.size, dtype=bool)
+    for _, begin, count in sorted(found, reverse=True):
+        around = slice(begin - SIDE, begin + count + SIDE)
+        if busy[around].any():
+            continue
+        busy[around] = True
+        wrong[begin : begin + count] = True
+        _interpolate(y, begin, count)
+    return bool(found)
+
+
+def outliers(y: Array, noise: float, least: float) -> list[tuple[float, int, int]]:
+    """Blocks of up to three samples, all of which stand out from their neighbors."""
+    found = []
+    for count in range(1, LONGEST + 1):
+        begin = np.arange(SIDE, y.size - SIDE - count + 1)
+        score, off = stand_out(y, count, begin, noise)
+        out = (score.min(axis=1) > _OUTLIER) & (np.abs(off).min(axis=1) > least)
+        found += [(float(score[i].min()), int(begin[i]), count) for i in np.flatnonzero(out)]
+    return found + _last(y, noise, least)
+
+
+def _last(y: Array, noise: float, least: float) -> list[tuple[float, int, int]]:
+    """One of the last samples that stands out, by more than any acceleration of the record does in a sample.
+
+    The first ones are not asked: there a motion may begin, which those after it do not tell.
+    """
+    found = []
+    for after in range(SIDE):
+        begin = y.size - 1 - after
+        score, off = stand_out(y, 1, np.array([begin]), noise, after)
+        fastest = float(np.abs(np.diff(y[: begin - 1], 2)).max(initial=0.0))
+        if score[0, 0] > _OUTLIER and abs(off[0, 0]) > max(least, fastest):
+            found.append((float(score[0, 0]), begin, 1))
+    return found
+
+
+def scales(experiment: Experiment) -> tuple[float, float]:
+    """Noise of a record, and what a reading that stands out is off by at least, m."""
+    y, resolution = experiment.position, experiment.resolution or 0.0
+    noise = max(record_noise(experiment), resolution / math.sqrt(12), 1e-7 * float(np.ptp(y)), 1e-15)
+    return noise, _COUNTS * resolution
+
+
+def take_outliers(y: Array, noise: float, least: float) -> Mask:
+    """Interpolate the outliers of readings where they are, and tell which they were."""
+    out = np.zeros(y.size, dtype=bool)
+    for _ in range(PASSES):
+        if not take(y, outliers(y, noise, least), out):
+            break
+    return out
+
+
+def isolated(wrong: Mask) -> bool:
+    """Tell whether there are wrong readings, and so few that they are not a motion."""
+    return bool(wrong.any()) and bool(wrong.mean() <= MOST)
+
+
+@once
+def without_outliers(experiment: Experiment) -> Array:
+    """Readings of a record, m, the outliers interpolated; as they are where there are none or too many.
+
+    Parameters
+    ----------
+    experiment : Experiment
+
+    Returns
+    -------
+    array, shape (n,)
+
+    Notes
+    -----
+    A block of one to three samples is predicted by a cubic through four neighbors on each side. It is an outlier where
+    all of it is off by many times the spread of these neighbors about their cubic, and of the record's noise: a kink, a
+    jump or a bounce of the motion disturbs the neighbors as well, an outlier does not. One of the last four samples is
+    predicted by more of them before it.
+    """
+    if experiment.position.size < SHORTEST:
+        return experiment.position
+    y = np.array(experiment.position)
+    if not isolated(take_outliers(y, *scales(experiment))):
+        return experiment.position
+    y.setflags(write=False)
+    return y
