@@ -8,6 +8,8 @@ import pytest
 import stepid
 from stepid.core.base import Array
 from stepid.core.hand import hand, release_index
+from stepid.core.noise import reading_step
+from stepid.core.releases import _Lobe, _moved
 from stepid.fitting.screening import screen
 
 STEP = 0.01  # s
@@ -184,3 +186,49 @@ def test_releases_are_told_behind_wrong_readings() -> None:
     parts = stepid.split_releases(record(dirty))
     assert [part.time.tolist() for part in parts] == [part.time.tolist() for part in whole]
     assert [release_index(part) for part in parts] == [release_index(part) for part in whole]
+
+
+@pytest.mark.parametrize("slip", [-1, 1])
+def test_a_cart_at_rest_that_slips_by_a_count_is_not_let_go_again(slip: int) -> None:
+    counts = np.round(swing(3.4, samples=40, ratio=0.05, periods=20))
+    counts[600:] += slip
+    degrees = np.round(0.085 * (70 + counts), 2)  # as a logger prints them: steps of 8 and 9 hundredths
+    run = record(np.deg2rad(degrees), noise=0.0)
+    assert run.resolution is None
+    assert stepid.split_releases(run) == (run,)
+
+
+@pytest.mark.parametrize("seed", range(1, 7))
+@pytest.mark.parametrize("noise", [1.4e-3, 2e-3, 2.6e-3])
+def test_an_even_swing_with_ragged_peaks_is_one_release(noise: float, seed: int) -> None:
+    white = np.random.default_rng(seed).standard_normal(360)
+    run = record(swing(0.017, samples=18, ratio=0.002, periods=20) + noise * white, starts="motion")
+    assert stepid.split_releases(run) == (run,)
+
+
+@pytest.mark.parametrize("cut", [7, 12, 19, 22])
+def test_a_swing_that_a_record_cuts_is_no_hand(cut: int) -> None:
+    run = record(swing(0.02, samples=30, ratio=0.004, periods=20)[cut:], starts="motion")
+    assert stepid.split_releases(run) == (run,)
+
+
+@pytest.mark.parametrize("seed", [1, 5, 7, 8])
+def test_two_ragged_releases_are_two(seed: int) -> None:
+    white = np.random.default_rng(seed).standard_normal(720)
+    both = [swing(size, samples=40, ratio=0.03, periods=9) for size in (0.02, -0.014)]
+    y = np.concatenate(both) + 1.4e-3 * np.convolve(white, [0.6, 0.6, 0.5], "same")
+    parts = stepid.split_releases(record(y, starts="motion"))
+    assert len(parts) == 2
+    assert parts[1].time[0] == pytest.approx(360 * STEP, abs=40 * STEP)
+
+
+def test_a_rest_of_two_readings_has_a_last_still_sample() -> None:
+    away = np.array([5.0, 5.0, 0.9, -0.9, 0.9, -0.9, 5.0])
+    assert _moved(away, _Lobe(0, 2, 5.0, 1.0), _Lobe(6, 7, 5.0, 1.0), 1.0) == 5
+
+
+def test_readings_step_by_what_is_stated_or_by_the_least_they_differ() -> None:
+    run = record(np.repeat([0.0, 3e-3, 5e-3, 5e-3 + 1e-14], 5), noise=0.0)
+    assert reading_step(run) == pytest.approx(2e-3)
+    assert reading_step(run.model_copy(update={"counts_per_meter": 1e4})) == pytest.approx(1e-4)
+    assert reading_step(record(np.zeros(20), noise=0.0)) == 0.0

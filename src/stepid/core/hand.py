@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.core.noise import record_noise
+from stepid.core.noise import reading_step, record_noise
 from stepid.core.once import once
 from stepid.core.outliers import without_outliers
 
@@ -93,7 +93,7 @@ def hand(experiment: Experiment) -> Hand:
 
 def _still(experiment: Experiment) -> int:
     """First sample that is surely not where the first one is: before it the cart may be held."""
-    small = max(_CHANCE * np.sqrt(2.0) * record_noise(experiment), experiment.resolution or 0.0)
+    small = max(_CHANCE * np.sqrt(2.0) * record_noise(experiment), reading_step(experiment))
     return _away(without_outliers(experiment), small)
 
 
@@ -175,7 +175,7 @@ def _rests(experiment: Experiment, first: int) -> bool:
     if carried is None:
         return False
     y, off = without_outliers(experiment)[:first], carried[0]
-    small = max(_SEEN * record_noise(experiment), experiment.resolution or 0.0)
+    small = max(_SEEN * record_noise(experiment), reading_step(experiment))
     still = _away(y, small)
     if still < _RESTING:
         return False

@@ -21,6 +21,7 @@ _LEAST = 4  # patterns of a window, the quietest, that no swing fills
 _LAPS = 3  # of the swing without noise and of what its squares and cubes explain
 _BLOCK = 4 * _WINDOW  # samples in a row that are kept for the test
 _ENOUGH = 6  # windows for each number that is fitted to them
+_SAME = 1e-9  # of the farthest reading, below which two differ by the arithmetic only
 _ORDER = 6  # a settled ring-down of 11 samples a half period leaves 5e-4 of its swing in sixth differences
 
 
@@ -175,9 +176,27 @@ def apparent_resolution(position: Array) -> float | None:
         m.
     """
     gaps = np.diff(np.unique(position))
-    gaps = gaps[gaps > 1e-9 * np.abs(position).max()] if gaps.size else gaps
+    gaps = gaps[gaps > _SAME * np.abs(position).max()] if gaps.size else gaps
     if gaps.size < 2:
         return None
     step = float(gaps.min())
     counts = gaps / step
     return step if np.all(np.abs(counts - np.round(counts)) < 0.02) and counts.max() < 1e4 else None
+
+
+@once
+def reading_step(experiment: Experiment) -> float:
+    """Step of a record's readings, m: that of its encoder where it is stated, else the least two readings differ by.
+
+    Of readings finer than the motion the latter is next to nothing. A grid need not be even: degrees that are rounded
+    lie on none.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    """
+    if experiment.resolution is not None:
+        return experiment.resolution
+    gaps = np.diff(np.unique(experiment.position))
+    gaps = gaps[gaps > _SAME * float(np.abs(experiment.position).max())]
+    return float(gaps.min(initial=np.inf)) if gaps.size else 0.0

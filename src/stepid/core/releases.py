@@ -9,7 +9,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.hand import period_of
-from stepid.core.noise import record_noise
+from stepid.core.noise import reading_step, record_noise
 from stepid.core.outliers import without_outliers
 from stepid.core.quantities import in_own_quantities
 from stepid.core.takes import described
@@ -78,29 +78,31 @@ def _hands(experiment: Experiment) -> list[tuple[int, int]]:
     away = y - _rest_between(y)
     noise = record_noise(experiment)
     largest = float(np.abs(away).max())
-    quiet = max(_QUIET * noise, _SEEN * (experiment.resolution or 0.0), _FAINT * largest)
+    quiet = max(_QUIET * noise, _SEEN * reading_step(experiment), _FAINT * largest)
     lobes, half = _lobes(away, quiet)
     out: list[tuple[int, int]] = []
     swings = 0  # lobes since the last hand
-    range_before = np.inf  # of the turn before, from one farthest point to the next: whatever the rest, it only shrinks
+    range_before = np.inf  # least from one farthest point to the next so far: whatever the rest, it only shrinks
     for before, lobe in pairwise(lobes):
-        rested = lobe.first - before.last > half
-        turn = before.size + lobe.size if lobe.side != before.side else lobe.size
+        rested = lobe.first - before.last > 2 * half  # a period: one lobe the other way may be too small
+        unseen = rested or lobe.side == before.side  # the turn between: it stayed within what is rest
+        turn = lobe.size if unseen else before.size + lobe.size
         grown = lobe.size > _AGAIN * quiet if rested else turn > _AGAIN * range_before
         if lobe.size > _NOTABLE * largest and swings + rested > 1 and grown:
             still = max(before.last, _moved(away, before, lobe, quiet) - round(half)) if rested else lobe.first
             out.append((still if rested else before.first, still))  # a hand that catches the cart shapes a swing
             swings, range_before = 0, np.inf
         else:
+            range_before = min(range_before if swings > 1 else np.inf, turn + quiet * unseen)  # a record cuts its first
             swings += lobe.side != before.side or rested
-            range_before = turn
     return out
 
 
 def _moved(away: Array, before: _Lobe, lobe: _Lobe, quiet: float) -> int:
     """Last sample of a cart at rest before a hand moves it."""
     between = away[before.last : lobe.first]
-    still = np.flatnonzero(np.abs(between - np.median(between)) < _STILL * quiet)
+    off = np.abs(between - np.median(between))
+    still = np.flatnonzero(off <= max(_STILL * quiet, float(off.min())))  # the median of two is neither of them
     return before.last + int(still[-1])
 
 
