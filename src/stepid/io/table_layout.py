@@ -87,7 +87,13 @@ def cells(text: str, separator: str | None) -> list[str]:
     if separator in ("\t", ";", ",") and text.count('"') and text.count('"') % 2 == 0:
         with suppress(csv.Error):  # a cell that is too long: it is refused as it stands
             split = next(csv.reader([text], delimiter=separator, skipinitialspace=True))
-    return [cell.strip().strip("\"'") for cell in split]
+    return [_bare(cell) for cell in split]
+
+
+def _bare(cell: str) -> str:
+    """A cell without quotation marks; behind a name an apostrophe that none opens is a prime: X and X' are two."""
+    bare = cell.strip().strip('"')
+    return bare if bare[:1].isalpha() else bare.strip("\"'")
 
 
 def is_header(row: Sequence[str], below: Sequence[str] = ()) -> bool:

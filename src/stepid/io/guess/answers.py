@@ -195,9 +195,11 @@ def _onset(draft: Draft) -> float:
         low -= 1
     if top - low < 3:
         return float(time[max(low - 1, 0)])
-    slope, offset = np.polyfit(time[low : top + 1], np.sqrt(moved[low : top + 1]), 1)
-    root = float(-offset / slope) if slope > 0 else float(time[0])
-    return float(time[int(np.argmin(np.abs(time - root)))])
+    root, middle = np.sqrt(moved[low : top + 1]), float(np.mean(time[low : top + 1]))
+    later = time[low : top + 1] - middle  # about the middle a line has a slope however short the stretch, and late
+    slope = float(later @ root) / (float(later @ later) or 1.0)  # stamps may all be the same
+    start = middle - float(np.mean(root)) / slope if slope > 0 else float(time[0])
+    return float(time[int(np.argmin(np.abs(time - start)))])
 
 
 def _clock(draft: Draft) -> Array:

@@ -16,6 +16,8 @@ from stepid.io.guess.words import RUN_WORDS, Role, read_title, role_of, tokens, 
 _LEVELS = 12  # an input steps through no more
 _EVEN = 0.3  # of the usual step, by which stamps of samples may differ; but for
 _MOST = 0.9  # of them: beside dropped samples
+_ZERO = 0.02  # of its span, from which an uneven clock starts
+_HALVES = 0.1  # of its span, by which its middle row is off the middle at most: a cart that comes to rest slows down
 UNKNOWN = "a unit that stepid does not know"
 _SENSORS = {"enc", "encoder", "sensor", "cart", "mass", "wagen", "masse", "laser"}
 
@@ -68,6 +70,8 @@ def find_columns(block: Block, chosen: Mapping[str, str] | None = None) -> tuple
     sure = any(c.role == "position" and c.unit is not None for c in out)
     out = [replace(c, role="other") if sure and c.role == "position" and c.why == UNKNOWN else c for c in out]
     told = {role for role, name in (chosen or {}).items() if called(out, name)}
+    if "position" in told:  # else an abscissa called x is one of the other positions
+        out = list(_abscissa_as_time(out))
     return _by_content(_from_preamble(_as_chosen(out, chosen or {}), block.above), told)
 
 
@@ -78,11 +82,11 @@ def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = F
         position = positions[0] if positions else None
         label = block.groups[position.index] if position else ""
         doubt = "" if position else "no column is the position by its name, unit or content"
-        choices = () if position else tuple(c.name or str(c.index) for c in columns if c.role != "time")
+        choices = () if position else _names([c for c in columns if c.role != "time"], columns)
         return (Group(_best_time(times), position, _one(inputs), label, read_name(label), doubt, choices),)
     labels = _labels(positions, block)
     if not all_runs and not _several_runs(positions, times, inputs, labels, block):
-        choices = tuple(c.name or str(c.index) for c in positions)
+        choices = _names(positions, columns)
         doubt = f"several columns may be the position: {', '.join(choices)}"
         return (Group(_best_time(times), None, _one(inputs), "", read_name(""), doubt, choices),)
     time_labels, input_labels = _labels(times, block), _labels(inputs, block)
@@ -96,6 +100,12 @@ def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = F
         )
         for i, position in enumerate(positions)
     )
+
+
+def _names(columns: Sequence[Column], every: Sequence[Column]) -> tuple[str, ...]:
+    """What columns can be called by: their names, or their numbers from 0 where they have none, or others the same."""
+    names = [c.name for c in every]
+    return tuple(c.name if c.name and names.count(c.name) == 1 else str(c.index) for c in columns)
 
 
 def called(columns: Sequence[Column], name: str) -> list[int]:
@@ -147,7 +157,7 @@ def _by_content(columns: Sequence[Column], told: Collection[str]) -> tuple[Colum
     out = []
     for c in columns:
         if c.role is None:
-            kind = _kind(c.values)
+            kind = _kind(c)
             c = replace(c, role="other" if kind in taken else kind)
             if kind == "time":  # another that rises evenly is none
                 taken.add("time")
@@ -160,18 +170,19 @@ def _abscissa_as_time(columns: Sequence[Column]) -> Sequence[Column]:
     positions = [c for c in columns if c.role == "position"]
     if len(positions) < 2 or any(c.role == "time" for c in columns):
         return columns
-    abscissa = next((c for c in positions if c.unit is None and _kind(c.values) == "time"), None)
+    abscissa = next((c for c in positions if c.unit is None and _kind(c) == "time"), None)
     return [replace(c, role="time") if c is abscissa else c for c in columns]
 
 
-def _kind(values: Array) -> Role:
-    """What a column looks like: time rises evenly, an input has few levels, a position many."""
-    kept = values[np.isfinite(values)]
+def _kind(column: Column) -> Role:
+    """What a column looks like: time rises evenly, or stands first; an input has few levels, a position many."""
+    kept = column.values[np.isfinite(column.values)]
     if kept.size < 8:
         return "other"
     steps = np.diff(kept)
     usual = float(np.median(steps))
-    if np.all(steps > 0) and np.mean(np.abs(steps - usual) <= _EVEN * usual / 2) > _MOST:
+    even = np.mean(np.abs(steps - usual) <= _EVEN * usual / 2) > _MOST
+    if np.all(steps > 0) and (even or (column.index == 0 and _runs_on(kept))):
         return "time"
     levels = np.unique(kept).size
     if levels == 1:
@@ -179,6 +190,12 @@ def _kind(values: Array) -> Role:
     if levels <= _LEVELS and np.count_nonzero(steps) <= _LEVELS:
         return "input"
     return "position"
+
+
+def _runs_on(values: Array) -> bool:
+    """Tell a clock that ticks unevenly, from zero on: as many rows take as long later as at first."""
+    first, middle, last = values[0], values[values.size // 2], values[-1]
+    return bool(abs(first) <= _ZERO * (last - first) and abs(middle - 0.5 * (first + last)) <= _HALVES * (last - first))
 
 
 def _one(columns: Sequence[Column]) -> Column | None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.words import counted
+from stepid.errors import InputError
 from stepid.io.guess.columns import UNKNOWN, Column, Group, called, find_columns, group_columns
 from stepid.io.guess.draft import ALL, ROLES, Draft, Found, falls
 from stepid.io.guess.file_names import FileName, encoder_above, mass_above, plain_name, read_name, sample_time_above
@@ -50,14 +51,40 @@ def from_table(
         layout = {**layout, "decimal": block.decimal}
     if block.skiprows:
         layout = {**layout, "skiprows": block.skiprows}
+    if block.clock is not None:  # which tells the time of a column of clock times
+        chosen = {role: name for role, name in chosen.items() if role != "time" or not _texts(block, name)}
     columns = find_columns(block, chosen)
+    _check_numbers(columns, chosen, where)
     every = tuple((c.name or str(c.index), c.unit) for c in columns)
     groups = group_columns(columns, block, all_runs=chosen.get("position") == ALL)
     drafts = [_from_group(group, block, file, layout, several=len(groups) > 1) for group in groups]
     for draft in drafts:
         _check_one_run(draft, block, where)
     lacking = _lacking(columns, chosen)
+    twice = called(columns, chosen["position"]) if "position" in chosen else []
+    if len(twice) > 1 and any(group.position is None for group in groups):
+        numbers = ", ".join(map(str, twice))
+        lacking["position"] = f"has {len(twice)} columns {chosen['position']!r} for position ({numbers})"
     return [draft.having(every=every, lacking=lacking) for draft in drafts]
+
+
+def _texts(block: Block, name: str) -> bool:
+    """Tell whether a column that somebody named holds texts alone."""
+    mine = called(find_columns(block), name)
+    return bool(mine) and not np.isfinite(block.values[:, mine]).any()
+
+
+def _check_numbers(columns: Sequence[Column], chosen: Mapping[str, str], where: str) -> None:
+    """Refuse a column of texts, such as clock times that tell no sample time, for any role."""
+    for role, name in chosen.items():
+        mine = called(columns, name)
+        if mine and not np.isfinite(columns[mine[0]].values).any():
+            able = ", ".join(c.name or str(c.index) for c in columns if np.isfinite(c.values).any())
+            without = ", or leave it out and give sample_time=… (s)" if role == "time" else ""
+            raise InputError(
+                f"{where}: column {name if name.isdigit() else repr(name)} for {role} holds no numbers",
+                f"Give a column of numbers ({able}){without}.",
+            )
 
 
 def _lacking(columns: Sequence[Column], chosen: Mapping[str, str]) -> dict[str, str]:

@@ -1,0 +1,97 @@
+"""Columns that names do not tell: primes, names that stand twice, clocks that tick unevenly, texts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stepid
+from stepid.errors import InputError
+from stepid.io.guess.understand import draft_runs
+from stepid.io.table_layout import cells
+
+T = 0.08 * np.arange(200)
+X = 8.0 * np.exp(-0.3 * T) * np.cos(5 * T)  # mm
+SAID = {"position_unit": "mm", "step": 0.0, "added_mass": 0.0}
+
+
+def write(file: Path, *columns: object, head: str = "") -> Path:
+    texts = [[one if isinstance(one, str) else f"{one:.17g}" for one in column] for column in columns]  # type: ignore[attr-defined]
+    file.write_text(head + "\n".join(map(",".join, zip(*texts, strict=True))) + "\n", encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize(
+    ("line", "split"),
+    [
+        ("X,Y,X',Y''", ["X", "Y", "X'", "Y''"]),
+        ("'t (s)','x',\"u\",1.5'", ["t (s)", "x", "u", "1.5"]),
+        ("'12,\"'x'\",\"x'\"", ["12", "x", "x'"]),
+    ],
+)
+def test_an_apostrophe_behind_a_name_is_part_of_it(line: str, split: list[str]) -> None:
+    assert cells(line, ",") == split
+
+
+def test_a_prime_tells_columns_apart(tmp_path: Path) -> None:
+    file = write(tmp_path / "run.csv", T, X, T + 0.02, np.gradient(X), head="X,Y,X',Y'\n")
+    run = stepid.read_table(file, time="X", position="Y", position_scale=1e-3, input=np.zeros(T.size))
+    assert run.position == pytest.approx(1e-3 * X)
+    (draft,) = draft_runs([file])
+    assert (dict(draft.columns), draft.choices) == ({"time": "X"}, ("Y", "X'", "Y'"))
+    run = stepid.draft_campaign(file, position="Y", time_unit="s", **SAID).campaign().experiments[0]
+    assert run.time == pytest.approx(T)
+    assert run.position == pytest.approx(1e-3 * X)
+    (prime,) = draft_runs([file], {"position": "Y'"})
+    assert dict(prime.columns) == {"time": "X", "position": "Y'"}
+
+
+def test_a_name_that_stands_twice_is_told_by_number(tmp_path: Path) -> None:
+    file = write(tmp_path / "run.csv", T, X, T, 0.5 * X, head="X,Y,X,Y\n")
+    assert draft_runs([file])[0].choices == ("1", "2", "3")
+    with pytest.raises(InputError, match=r"has 2 columns 'Y' for position \(1, 3\)\. Give .* its number from 0"):
+        stepid.draft_campaign(file, position="Y")
+    run = stepid.draft_campaign(file, time=0, position=3, time_unit="s", **SAID).campaign().experiments[0]
+    assert run.position == pytest.approx(0.5e-3 * X)
+
+
+def test_a_first_column_that_rises_unevenly_from_zero_is_the_time(tmp_path: Path) -> None:
+    uneven = 0.2 + np.cumsum(np.random.default_rng(1).uniform(0.04, 0.12, T.size))
+    (draft,) = draft_runs([write(tmp_path / "run.csv", uneven, X)])
+    assert dict(draft.columns) == {"time": 0, "position": 1}
+    creep = 8.0 * (1 - np.exp(-0.3 * T)) + 0.01 * T  # a cart that comes to rest
+    for first in (creep, 40 + uneven, -uneven, np.append(uneven[:-1], 0.0)):
+        (draft,) = draft_runs([write(tmp_path / "run.csv", first, X)])
+        assert "time" not in draft.columns
+    (draft,) = draft_runs([write(tmp_path / "run.csv", X, uneven)])
+    assert "time" not in draft.columns
+
+
+def test_clock_times_that_are_said_to_be_the_time(tmp_path: Path) -> None:
+    head = "Timestamp, Elapsed(s), Angle(mm)\n"
+    even = [f"16:04:{31 + at:06.3f}" for at in T]
+    draft = stepid.draft_campaign(write(tmp_path / "a.txt", even, T, X, head=head), time=0, position=2, **SAID)
+    assert draft.campaign().experiments[0].time == pytest.approx(T)
+    uneven = [f"16:04:{31 + at:06.3f}" for at in T + np.random.default_rng(1).uniform(0, 0.07, T.size)]
+    file = write(tmp_path / "a.txt", uneven, T, X, head=head)
+    with pytest.raises(
+        InputError, match=r"column 0 for time holds no numbers\. .*, or leave it out and give sample_time"
+    ):
+        stepid.draft_campaign(file, time=0, position=2, **SAID)
+    with pytest.raises(
+        InputError, match=r"column 'Timestamp' for position holds no numbers\. Give a column of numbers"
+    ):
+        stepid.draft_campaign(file, position="Timestamp")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("step", [0.0, 1e-7, 0.01])
+def test_the_onset_of_a_step_late_on_a_clock_is_found_without_a_warning(step: float, tmp_path: Path) -> None:
+    tick = np.arange(200)
+    x = np.where(tick > 40, 8.0 * (1 - np.cos(0.05 * (tick - 40.0))), 0.0)
+    file = write(tmp_path / "run.csv", 1488.998 + step * tick, x, head="time (s),x (mm)\n")
+    found = stepid.draft_campaign(file, step=0.5, added_mass=0.0).runs[0].step
+    assert found is not None
+    assert found.value[1] == pytest.approx(1488.998 + 40 * step, abs=2 * step)
