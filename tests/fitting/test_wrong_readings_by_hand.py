@@ -12,6 +12,7 @@ import pytest
 import stepid
 from stepid.core.base import Array
 from stepid.core.outliers import outliers, stand_out
+from stepid.diagnosis.notes import _is_clipped
 from stepid.fitting import run_fault
 from stepid.fitting.eccentricity import find_eccentricity
 from stepid.fitting.reading_faults import _fault, _stuck, mend, outliers_of, trust
@@ -102,6 +103,19 @@ def test_ten_counts_are_no_rounding() -> None:
     y = np.round(np.cumsum(np.full(100, 0.37))) * count
     y[50] += 10 * count
     assert np.flatnonzero(mend(record(y, counts_per_meter=1 / count)).wrong).tolist() == [50]
+
+
+def test_what_is_interpolated_keeps_to_the_step_that_readings_tell() -> None:
+    count, at = 4e-3, np.arange(400)
+    clean = count * np.round(12 * np.exp(-0.004 * at) * np.cos(0.05 * at)) + 0.7e-3
+    y = clean.copy()
+    y[[50, 200, 201]] += 40 * count
+    assert record(clean).resolution == pytest.approx(count)
+    mended = mend(record(y))
+    assert np.flatnonzero(mended.wrong).tolist() == [50, 200, 201]
+    assert mended.run.resolution == pytest.approx(count, rel=0.02)
+    assert mended.run.position[[50, 200, 201]] == pytest.approx(clean[[50, 200, 201]], abs=1.01 * count)
+    assert not _is_clipped(mended.run.position, mended.run.resolution or 0.0)
 
 
 def test_words_of_a_fault_say_what_its_kind_does() -> None:

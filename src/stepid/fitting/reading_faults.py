@@ -91,10 +91,21 @@ def mend(run: Experiment) -> Mended:
     if not isolated(wrong):
         return Mended(run, nothing, ())
     off = np.abs(y - run.position)
+    if run.counts_per_meter is None and (step := run.resolution) is not None:
+        y[wrong] = _on_grid(y[wrong], run.position[~wrong], step)
     kinds = {"outliers": out, "stuck readings": stuck}
     faults = [_fault(run.name, kind, mask, off) for kind, mask in kinds.items() if mask.any()]
     y.setflags(write=False)
     return Mended(run.model_copy(update={"position": y}), wrong, tuple(faults))
+
+
+def _on_grid(values: Array, told: Array, step: float) -> Array:
+    """Values rounded to the encoder's step that other readings alone tell: off its grid they would hide it."""
+    levels = np.unique(told)
+    after = np.clip(np.searchsorted(levels, values), 1, levels.size - 1)
+    near = np.where(values - levels[after - 1] < levels[after] - values, levels[after - 1], levels[after])
+    out: Array = near + step * np.rint((values - near) / step)
+    return out
 
 
 def _fault(run: str, kind: str, mask: Mask, off: Array) -> RecordFault:
