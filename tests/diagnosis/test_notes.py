@@ -25,6 +25,22 @@ def test_a_stop_is_told(count: float) -> None:
     assert _is_clipped(held if count == 0 else count * np.round(held / count), count)
 
 
+def test_a_peak_within_one_count_of_readings_on_no_even_grid_is_no_stop() -> None:
+    angle = np.round(np.round(9.0 * SWING / 0.352) * 0.352, 1)  # degrees to a tenth: 0.4, 0.7, 1.1, 1.4, 1.8
+    run = stepid.Experiment(
+        name="swing", time=TIME, position=np.radians(angle), input=0.0 * TIME, added_mass=0.0, spring="s", damper="d",
+        starts="motion",
+    )  # fmt: skip
+    assert run.resolution is None
+    fit = prepare(
+        stepid.Campaign(
+            name="swings", experiments=(run, run.model_copy(update={"name": "b", "position": -run.position}))
+        )
+    )
+    said = notes_on(fit, fit.linear, (), {}, 0.5)
+    assert not any("hit a stop" in note for note in said)
+
+
 def test_a_cart_that_comes_to_rest_has_hit_nothing() -> None:
     assert not _is_clipped(np.minimum(1.0, 0.02 * np.arange(470)), 0.0)
 

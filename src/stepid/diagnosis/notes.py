@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
+from stepid.core.noise import reading_step
 from stepid.diagnosis.wording import parameter_words
 from stepid.effects.base import Effect
 from stepid.fitting.covariance import effect_parameters, parameter_names
@@ -36,7 +37,7 @@ def notes_on(
     if slowest >= _SLOW:
         out.append(f"The readings come every {slowest:.3g} s: if the times are milliseconds, give time_scale = 0.001.")
     for run, begin in zip(records.runs, records.begin, strict=True):
-        if _is_clipped(run.position[begin:], run.resolution or 0.0):
+        if _is_clipped(run.position[begin:], reading_step(run)):
             out.append(
                 f"Run {run.name!r} stays at its extreme reading for {_CLIPPED} samples or more: did it hit a stop?"
             )
