@@ -10,7 +10,6 @@ import pytest
 
 from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, evidence
 from stepid.diagnosis import free_law, gather, lead, left_out, vetoes
-from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.free_law import FreeLaw
 from stepid.diagnosis.selection.candidate import Candidate, includes
 from stepid.effects import resolve
@@ -81,32 +80,6 @@ def test_of_laws_as_good_the_simplest_leads_and_its_twins_stand_beside_it(monkey
     assert e.lead is simple
     assert e.beside_lead == (twin,)
     assert e.weight(e.lead, *e.beside_lead) > 0.99
-
-
-def test_where_a_rest_remains_a_law_of_the_same_state_as_rough_as_real_ones_stands_beside(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    states = {"quadratic_damping": frozenset({"velocity"})}
-    told = lambda _, optimum: (states.get(optimum.name, frozenset({"position"})),)  # noqa: E731
-    monkeypatch.setattr(gather, "states_of_all", told)
-
-    def law(name: str, left: float) -> Candidate:
-        """Leaves so many floors squared of a misfit of 99."""
-        found = candidate([name], times=left**0.5)
-        found.optimum.name = name
-        return found
-
-    lead, alike, rougher = law("cubic_stiffness", 9.0), law("sine_stiffness", 9.45), law("quadratic_stiffness", 9.6)
-    damping = law("quadratic_damping", 9.45)
-    e = evidence(lead, alike, rougher, damping)
-    assert e.lead is lead
-    assert min(w.loss for w in e.weighed if w.candidate is alike) > e.criteria.tie
-    assert e.beside_lead == (alike,)
-    strict = evidence(lead, alike, criteria=Criteria(rough=0.004))
-    assert strict.beside_lead == ()
-    near = evidence(law("cubic_stiffness", 1.1), law("sine_stiffness", 1.18))  # no rest remains
-    assert near.lead.names == ("cubic_stiffness",)
-    assert near.beside_lead == ()
 
 
 def test_the_weight_of_a_law_holds_that_of_the_laws_that_contain_it(monkeypatch: pytest.MonkeyPatch) -> None:

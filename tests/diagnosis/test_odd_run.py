@@ -62,7 +62,7 @@ def test_a_wrong_scale_is_told_beside_friction(factor: float) -> None:
 def touched(seed: int, volts: tuple[float, ...]) -> stepid.Campaign:
     """A push in the third run that its input does not tell."""
     pushed = inputs(volts[2])
-    pushed[120:128] -= 2.0
+    pushed[120:128] -= 0.8
     drives = [inputs(v) for v in volts]
     hand = campaign(
         seed, FRICTION, masses=MASSES, springs=["medium"] * 6, drives=[*drives[:2], pushed, *drives[3:]], volts=volts

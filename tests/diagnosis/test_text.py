@@ -157,7 +157,9 @@ def test_each_verdict_says_its_answer() -> None:
     ambiguous = example.ambiguous().summary()
     assert "- record with more mass\n   - Note: The fit did not converge." in ambiguous
     lost = changed(d, verdict="unexplained", effects=())
-    assert "nothing in the catalogue explains why" in lost.summary()
+    assert "these data do not tell which effect is missing" in lost.summary()  # one leaves only noise
+    far = tuple(one.model_copy(update={"rms": 2 * d.gap.noise}) for one in d.ranking)
+    assert "nothing in the catalogue explains why" in changed(lost, ranking=far).summary()
     pair = changed(d, effects=("coulomb_friction", "input_delay"))
     level = d.parameters["coulomb_friction.level"]
     assert f"not adequate: Coulomb friction ({level}) and input delay are missing." in pair.summary()

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from stepid.core.words import capitalized
+from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.wording import candidate_name, effect_names, listed
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ def answer(d: Diagnosis, *, sizes: bool = True) -> str:
     if d.wrong_inputs:
         runs = listed([repr(name) for name in d.wrong_inputs], "and")
         return f"No model can be judged: the input of run {runs} is not what the record says."
+    if any(one.effects and one.rms <= Criteria().near * d.gap.noise for one in d.ranking):
+        return "A linear model is not adequate, and these data do not tell which effect is missing."
     return "A linear model is not adequate, and nothing in the catalogue explains why."
 
 

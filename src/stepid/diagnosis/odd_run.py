@@ -23,10 +23,13 @@ from stepid.simulation.simulator import Simulator
 
 _STANDS_OUT = 0.3  # of the linear plant's misfit, per sample, that is left without the run: as much as a fault leaves
 _SURER = 3.0  # power of that, for a run that no other is like
+_FARTHER = 1.1  # times the others' travel, from which on they tell nothing of a run's law
+_FEWEST = 5  # runs: fewer than four others agree with many a law
 _PARTS = np.array(
     [-0.6, -0.4, -0.2, 0.2, 0.4, 0.7, 1.0, 1.5]
 )  # of the moving mass, from which a wrong one is looked for
 _LAPS = 30  # steps of a fit
+_LABELS, _ALIKE = ("stiffness", "damping"), 0.1  # relative, as far as a run's own is another label's
 
 _Mistake = tuple[str, float, float, Optimum]
 
@@ -44,7 +47,7 @@ def suspects(context: FitContext) -> list[int]:
     records, linear = context.records, context.linear
     count = float((records.weight**2).sum())
     every, found = range(len(records.runs)), {}
-    for run in qualifying(records):
+    for run in qualifying(records) if len(every) >= _FEWEST else ():
         kept = [i for i in every if i != run]
         rest = records.subset(kept)
         problem = build(rest, ())
@@ -75,7 +78,8 @@ def fault_of(context: FitContext, run: int, shown: Candidate) -> RecordFault | N
     if plain is None or (before := plain.cost) <= 0:
         return None
     single = _stands_alone(records, run)
-    found = min(_mistakes(alone, shared, context, run), key=lambda one: one[2], default=None)
+    every = [one for one in _mistakes(alone, shared, context, run) if one[0] not in _LABELS or _is_label(one, shared)]
+    found = min(every, key=lambda one: one[2], default=None)
     name = records.runs[run].name
     if found is not None and found[2] <= (_STANDS_OUT**_SURER if single else _STANDS_OUT) * before:
         kind, size, _, optimum = found
@@ -115,6 +119,16 @@ def _mistakes(alone: Problem, shared: Array, context: FitContext, run: int) -> I
             yield "gain", factor - 1.0, fitted.cost * factor**2, fitted
 
 
+def _is_label(found: _Mistake, shared: Array) -> bool:
+    """Tell whether a stiffness or damping is another label's: what no label says is no mistake in one."""
+    kind, size, _, optimum = found
+    of, records = optimum.problem.layout, optimum.problem.records
+    own, values = (
+        (records.spring[0], shared[of.stiffness]) if kind == "stiffness" else (records.damper[0], shared[of.damping])
+    )
+    return bool(np.any(np.abs(values / values[own] - 1.0 - size) < _ALIKE * (1.0 + size)))
+
+
 def _fitted(problem: Problem, shared: Array, row: int | None = None, size: float = 0.0) -> Optimum | None:
     """What is the run's own, fitted to it from a deviation of some size."""
     local = start_local(problem)
@@ -124,9 +138,11 @@ def _fitted(problem: Problem, shared: Array, row: int | None = None, size: float
 
 
 def _stands_alone(records: Records, run: int) -> bool:
-    """Tell whether a law may do what it likes in a run: its mass or input is beyond the others', or alone its way."""
+    """Tell whether a law may do what it likes in a run: its mass, input or travel is beyond the others', or its way."""
     change = records.volts - records.before[records.run]
     most, least = (f.reduceat(change, records.first) for f in (np.maximum, np.minimum))
     way, others = np.sign(np.where(most >= -least, most, least)), np.delete(records.added_mass, run)
+    travel = np.array([np.ptp(records.position[piece]) for piece in records.pieces()])
     beyond = not others.min() <= records.added_mass[run] <= others.max()
+    beyond |= bool(travel[run] > _FARTHER * np.delete(travel, run).max())
     return beyond or not np.any(np.delete(way, run) == way[run]) or is_extreme(records, run)
