@@ -71,10 +71,7 @@ def scatter_is_a_law(e: EvidenceRecord) -> Answer | None:
         f"{_title(e.best, 'A linear model')} leaves only noise where the {effect_names((found.kind,))} differs from "
         f"run to run, but that goes with {found.words}: it is a law, no scatter, and none of the catalogue's."
     )
-    leading = leads(e)
-    if leading is None:
-        return Answer("unexplained", e.best, (), (said,))
-    return replace(leading, reasons=(*leading.reasons, said), rule=leads.__name__)
+    return _only_a_lead(e, said)
 
 
 def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
@@ -115,10 +112,7 @@ def rest_follows_the_motion(e: EvidenceRecord) -> Answer | None:
         f"{_title(e.best)} leaves {length(e.best.optimum.rms)}, {e.times(e.best):.3g} times the noise floor, "
         f"but what it leaves {_follows(state)}: its law is another, or more is missing."
     )
-    found = leads(e)
-    if found is None:
-        return Answer("unexplained", e.best, (), (said,))
-    return replace(found, reasons=(*found.reasons, said), rule=leads.__name__)
+    return _only_a_lead(e, said)
 
 
 def complete_but_open(e: EvidenceRecord) -> Answer | None:
@@ -175,6 +169,14 @@ def _inside(e: EvidenceRecord) -> Answer | None:
     if found is None or not includes(e.best.effects, found.shown.effects):
         return None
     return replace(found, rule=leads.__name__) if len(found.shown.effects) < len(e.best.effects) else None
+
+
+def _only_a_lead(e: EvidenceRecord, said: str) -> Answer:
+    """What leads, where the best leaves only noise and yet is no answer, for a reason that is told."""
+    found = leads(e)
+    if found is None:
+        return Answer("unexplained", e.best, (), (said,))
+    return replace(found, reasons=(*found.reasons, said), rule=leads.__name__)
 
 
 def leads(e: EvidenceRecord) -> Answer | None:
