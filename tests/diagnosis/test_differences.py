@@ -96,6 +96,12 @@ def test_alike_runs_differ_in_nothing() -> None:
     assert scatter_of(context, linear_candidate(context), [], context.linear) == {}
 
 
+def test_runs_that_are_held_at_rest_differ_in_no_start() -> None:
+    context = prepare(scattered(1))
+    held = replace(linear_candidate(context), deviations=frozenset({"start_offset"}))
+    assert "start_offset" not in scatter_of(context, held, [freed(context, "gain")], context.linear)
+
+
 def test_words_have_units() -> None:
     told = scatter_words(
         {

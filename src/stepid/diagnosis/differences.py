@@ -66,10 +66,10 @@ def scatter_of(
     spread = deviation_std({kind: v for kind, v in values.items() if kind == "rest" or kind in found.deviations})
     samples = np.add.reduceat(context.records.weight**2, context.records.first)
     out = {}
-    for kind in sorted(found.deviations):
+    for kind in sorted(found.deviations & spread.keys()):  # runs that are held at rest differ in no start
         without = _without(context, found, kind, candidates)
         share = 1.0 - optimum.cost / without if without > 0 else 0.0
-        out[kind] = Scatter(deviation=spread.get(kind, 0.0), unit=_UNITS[kind], explained=min(max(share, 0.0), 1.0))
+        out[kind] = Scatter(deviation=spread[kind], unit=_UNITS[kind], explained=min(max(share, 0.0), 1.0))
     rest = 0.0 if context.records.one_recording else spread.get("rest", 0.0)  # it has one, which a law may shift
     if rest > _NOTABLE * shown.rms / np.sqrt(samples.min()) and rest > context.floor:
         moved = float(np.sum(samples * (values["rest"] - np.average(values["rest"], weights=samples)) ** 2))
