@@ -10,6 +10,7 @@ import pytest
 
 import stepid
 from broken_campaigns import SAMPLE_TIME, changed
+from made_up_releases import released
 from scattered_campaigns import scattered
 from stepid.diagnosis.differences import Scatter, scatter_of, scatter_words
 from stepid.diagnosis.explore import linear_candidate
@@ -97,8 +98,11 @@ def test_alike_runs_differ_in_nothing() -> None:
 
 
 def test_runs_that_are_held_at_rest_differ_in_no_start() -> None:
-    context = prepare(scattered(1))
+    driven = scattered(1).experiments
+    release = released(0.5).model_copy(update={"spring": "medium", "damper": "half"})  # which begins off its rest
+    context = prepare(stepid.Campaign(name="both", experiments=(*driven, release)))
     held = replace(linear_candidate(context), deviations=frozenset({"start_offset"}))
+    assert held.optimum.problem.active[0].any()
     assert "start_offset" not in scatter_of(context, held, [freed(context, "gain")], context.linear)
 
 

@@ -157,10 +157,9 @@ def scatter_values(optimum: Optimum) -> dict[str, Array]:
     rest = np.add.reduceat(left * square, records.first) / np.add.reduceat(square, records.first)
     out = {"rest": rest - rest.mean()}
     for kind in (*SCATTER, *_STARTS):
-        row = of.deviation(kind)
-        if not problem.active[row].any():
+        row, use = of.deviation(kind), applies(problem, kind)
+        if not (problem.active[row] & use).any():
             continue
-        use = applies(problem, kind)
         groups = records.damper if kind == "damping" else np.zeros_like(records.damper)
         values = np.full(len(records.runs), np.nan)
         for g in np.unique(groups[use]):
