@@ -25,9 +25,7 @@ _STANDS_OUT = 0.3  # of the linear plant's misfit, per sample, that is left with
 _SURER = 3.0  # power of that, for a run that no other is like
 _FARTHER = 1.1  # times the others' travel, from which on they tell nothing of a run's law
 _FEWEST = 5  # runs: fewer than four others agree with many a law
-_PARTS = np.array(
-    [-0.6, -0.4, -0.2, 0.2, 0.4, 0.7, 1.0, 1.5]
-)  # of the moving mass, from which a wrong one is looked for
+_PARTS = np.array([-0.6, -0.4, -0.2, 0.2, 0.4, 0.7, 1.0, 1.5])  # of the moving mass: a wrong one is looked for from
 _LAPS = 30  # steps of a fit
 _LABELS, _ALIKE = ("stiffness", "damping"), 0.1  # relative, as far as a run's own is another label's
 
