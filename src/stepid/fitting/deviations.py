@@ -157,8 +157,11 @@ def scatter_values(optimum: Optimum) -> dict[str, Array]:
     rest = np.add.reduceat(left * square, records.first) / np.add.reduceat(square, records.first)
     out = {"rest": rest - rest.mean()}
     for kind in (*SCATTER, *_STARTS):
-        row, use = of.deviation(kind), applies(problem, kind)
-        if not (problem.active[row] & use).any():
+        row = of.deviation(kind)
+        if not problem.active[row].any():
+            continue
+        use = applies(problem, kind)
+        if not problem.active[row, use].any():  # of those that are free, whatever the kind
             continue
         groups = records.damper if kind == "damping" else np.zeros_like(records.damper)
         values = np.full(len(records.runs), np.nan)
