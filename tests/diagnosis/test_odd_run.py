@@ -7,7 +7,7 @@ import pytest
 import stepid
 from broken_campaigns import FRICTION, campaign, changed, inputs, scaled
 from stepid.diagnosis import odd_run
-from stepid.diagnosis.odd_run import fault_of, suspects
+from stepid.diagnosis.odd_run import fault_of, outlying_runs
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.effects import resolve
 from stepid.fitting.fit import fit_effects, prepare
@@ -31,17 +31,17 @@ def fault(whole: stepid.Campaign, run: int, *names: str) -> RecordFault | None:
 
 
 @pytest.mark.parametrize("effects", [{}, FRICTION, BENT], ids=["none", "friction", "bent"])
-def test_a_law_makes_no_run_suspect(effects: dict[str, dict[str, float]]) -> None:
-    assert suspects(prepare(carts(1, effects))) == []
+def test_a_law_makes_no_run_outlying(effects: dict[str, dict[str, float]]) -> None:
+    assert outlying_runs(prepare(carts(1, effects))) == []
 
 
-def test_the_run_that_takes_the_misfit_with_it_is_suspect() -> None:
-    assert suspects(prepare(scaled(carts(2, FRICTION), 3, -1.0)))[0] == 3
+def test_the_run_that_takes_the_misfit_with_it_is_outlying() -> None:
+    assert outlying_runs(prepare(scaled(carts(2, FRICTION), 3, -1.0)))[0] == 3
 
 
-def test_a_run_whose_label_no_other_has_is_no_suspect() -> None:
+def test_a_run_whose_label_no_other_has_is_not_outlying() -> None:
     wrong = scaled(carts(2, FRICTION), 3, -1.0)
-    assert suspects(prepare(changed(wrong, 3, damper="another"))) == []
+    assert outlying_runs(prepare(changed(wrong, 3, damper="another"))) == []
 
 
 def test_a_wrong_mass_is_told_beside_a_bent_spring() -> None:

@@ -175,8 +175,7 @@ def apparent_resolution(position: Array) -> float | None:
     position : array, shape (n,)
         m.
     """
-    gaps = np.diff(np.unique(position))
-    gaps = gaps[gaps > _SAME * np.abs(position).max()] if gaps.size else gaps
+    gaps = _gaps(position)
     if gaps.size < 2:
         return None
     step = float(gaps.min())
@@ -197,6 +196,12 @@ def reading_step(experiment: Experiment) -> float:
     """
     if experiment.resolution is not None:
         return experiment.resolution
-    gaps = np.diff(np.unique(experiment.position))
-    gaps = gaps[gaps > _SAME * float(np.abs(experiment.position).max())]
-    return float(gaps.min(initial=np.inf)) if gaps.size else 0.0
+    gaps = _gaps(experiment.position)
+    return float(gaps.min()) if gaps.size else 0.0
+
+
+def _gaps(position: Array) -> Array:
+    """What readings that follow one another in size differ by, m."""
+    gaps = np.diff(np.unique(position))
+    out: Array = gaps[gaps > _SAME * np.abs(position).max()] if gaps.size else gaps
+    return out

@@ -19,7 +19,7 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.explore import Found, explored, fault_beside, linear_candidate, outweighs
 from stepid.diagnosis.gather import EvidenceRecord
-from stepid.diagnosis.odd_run import fault_of, suspects
+from stepid.diagnosis.odd_run import fault_of, outlying_runs
 from stepid.diagnosis.progress import Progress, Tell, listener, telling
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
@@ -36,7 +36,7 @@ from stepid.fitting.screening import split_campaign
 from stepid.simulation.threads import single_threaded
 from stepid.simulation.warm_up import warm_up
 
-_SUSPECTS = 2  # runs that are left out in turn
+_OUTLYING = 2  # runs that are left out in turn
 
 _how = {
     "catalogue": a_catalogue,
@@ -167,7 +167,7 @@ def _without_an_odd_run(
     context = found.context
     if at_floor(context, how.criteria, found.best) or context.by_weights is not None:
         return None
-    for run in suspects(context)[:_SUSPECTS]:
+    for run in outlying_runs(context)[:_OUTLYING]:
         name = context.records.runs[run].name
         rest = campaign.model_copy(update={"experiments": tuple(e for e in campaign.experiments if e.name != name)})
         fewer = explored(prepare(rest, workers=how.workers), how.catalogue, how.criteria, how.effort, how.tell)

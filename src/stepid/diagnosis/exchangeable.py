@@ -85,15 +85,15 @@ def _left(values: Array, weight: Array, labels: list[object]) -> tuple[float, in
     return float(np.sum(weight * rest**2)), values.size - len(known)
 
 
-def _push(run: Experiment) -> float:
+def push(run: Experiment) -> float:
     """The input's largest change from before the record, V, with its sign."""
     change = run.input - run.input_before
     return float(change[np.argmax(np.abs(change))])
 
 
 _CONDITIONS: dict[str, Callable[[Experiment, Experiment], bool]] = {
-    "the direction of the input": lambda a, b: bool(np.sign(_push(a)) == np.sign(_push(b))),
-    "the size of the input": lambda a, b: math.isclose(abs(_push(a)), abs(_push(b)), rel_tol=_ALIKE),
+    "the direction of the input": lambda a, b: bool(np.sign(push(a)) == np.sign(push(b))),
+    "the size of the input": lambda a, b: math.isclose(abs(push(a)), abs(push(b)), rel_tol=_ALIKE),
     "the added mass": lambda a, b: a.added_mass == b.added_mass,
     "the spring": lambda a, b: a.spring == b.spring,
 }

@@ -9,6 +9,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.words import length
+from stepid.diagnosis.exchangeable import push
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.fitting.cross_validation import qualifying
 from stepid.fitting.deviations import with_fault
@@ -32,7 +33,7 @@ _LABELS, _ALIKE = ("stiffness", "damping"), 0.1  # relative, as far as a run's o
 _Mistake = tuple[str, float, float, Optimum]
 
 
-def suspects(context: FitContext) -> list[int]:
+def outlying_runs(context: FitContext) -> list[int]:
     """Runs without which a linear plant leaves far less, worst first, by index.
 
     A law that all runs follow is left by any of them; a run that is wrong takes most of the misfit with it. Only runs
@@ -137,9 +138,7 @@ def _fitted(problem: Problem, shared: Array, row: int | None = None, size: float
 
 def _stands_alone(records: Records, run: int) -> bool:
     """Tell whether a law may do what it likes in a run: its mass, input or travel is beyond the others', or its way."""
-    change = records.volts - records.before[records.run]
-    most, least = (f.reduceat(change, records.first) for f in (np.maximum, np.minimum))
-    way, others = np.sign(np.where(most >= -least, most, least)), np.delete(records.added_mass, run)
+    way, others = np.sign([push(one) for one in records.runs]), np.delete(records.added_mass, run)
     travel = np.array([np.ptp(records.position[piece]) for piece in records.pieces()])
     beyond = not others.min() <= records.added_mass[run] <= others.max()
     beyond |= bool(travel[run] > _FARTHER * np.delete(travel, run).max())
