@@ -42,5 +42,5 @@ def test_what_was_known_of_an_object_goes_with_it() -> None:
         thing = Thing(n)
         found.append(size(thing))
         del thing
-        gc.collect()
+        gc.collect(0)
     assert found == list(range(50))

@@ -23,6 +23,7 @@ ROUGH = CRITERIA.rough * LINEAR.optimum.cost
 def _all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
     monkeypatch.setattr(gather, "imitators", lambda *_: {})
+    monkeypatch.setattr(gather, "followed_condition", lambda *_: None)
 
 
 def told(monkeypatch: pytest.MonkeyPatch, *laws: FreeLaw, states: tuple[str, ...], noise: float = 0.0) -> Any:

@@ -34,7 +34,7 @@ def test_a_mass_within_the_weights_reach_stays() -> None:
     assert within_weights(linear) is linear
 
 
-@pytest.mark.parametrize("seed", [0, 2, 3])
+@pytest.mark.parametrize("seed", [*(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 2)), 3])
 def test_dry_friction_is_in_the_answer(seed: int) -> None:
     """Coulomb friction and one that goes with the weight are the same in a run that moves one way."""
     d = stepid.diagnose(campaign(100 + seed))

@@ -64,18 +64,28 @@ class EvidenceRecord:
 
     @cached_property
     def best(self) -> Candidate:
-        """The simplest of the best: a further effect must earn more than chance does, and imitators stand back."""
-        able = self.simplest(tuple(w for w in self.weighed if not self.imitators(w.candidate)) or self.weighed)
-        return able if self.at_floor(able) else self.simplest(self.weighed)
+        """The simplest of the best: a further effect must earn more than chance does, and imitators stand back.
+
+        So does a scatter that is none, see `systematic`, where another is better by more than a tie.
+        """
+        able = tuple(w for w in self.weighed if not self.imitators(w.candidate)) or self.weighed
+        found = self.simplest(able)
+        if not self.at_floor(found.candidate):
+            return self.simplest(self.weighed).candidate
+        if self.systematic(found.candidate) is None:
+            return found.candidate
+        better = [w for w in able if w.loss < found.loss - self.criteria.tie and self.at_floor(w.candidate)]
+        drawn = tuple(w for w in better if self.systematic(w.candidate) is None)
+        return self.simplest(drawn or (found,)).candidate
 
     @property
     def likeliest(self) -> Candidate:
         """The candidate of most evidence, also where it cannot be named."""
         return self.weighed[0].candidate
 
-    def simplest(self, weighed: tuple[Weighed, ...]) -> Candidate:
+    def simplest(self, weighed: tuple[Weighed, ...]) -> Weighed:
         """The best of some, where each further effect or condition must earn more than chance does."""
-        return min(weighed, key=lambda w: w.loss + chosen_at(self.criteria, w.candidate)).candidate
+        return min(weighed, key=lambda w: w.loss + chosen_at(self.criteria, w.candidate))
 
     def at_floor(self, found: Candidate) -> bool:
         """Tell whether a candidate leaves nothing but noise: one that is free in every run has to reach the floor."""

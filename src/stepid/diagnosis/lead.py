@@ -36,7 +36,7 @@ class Leads:
     @cached_property
     def best(self) -> Candidate:
         """The best of those that may lead where a rest remains, with no more in it than takes a notable part."""
-        best = self._predicting(self._simpler_law(self._told.simplest(self.able)))
+        best = self._predicting(self._simpler_law(self._told.simplest(self.able).candidate))
         best = self._predicting(self._without_trifle(best))
         return self._shared_law(self._determined(best) if len(best.effects) > 1 else best)
 

@@ -16,6 +16,7 @@ from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, is_mode
 from stepid.diagnosis.vetoes import imitators
 from stepid.effects.base import Effect
+from stepid.fitting.deviations import conditions
 from stepid.fitting.multistart import FitContext, Start
 
 
@@ -284,3 +285,15 @@ def singles(nodes: Collection[Node], best: Candidate) -> list[Node]:
         return []
     alike = [n for n in nodes if len(n.effects) == 1 and not n.deviations]
     return sorted((n for n in alike if not best.effects or includes(best.effects, n.effects)), key=lambda n: n.cost)
+
+
+def most_promising(nodes: Collection[Node], proposals: Sequence[Proposal], move: str, count: int) -> list[Node]:
+    """Of nodes from which a move was made the few of whose one condition that may differ least promises to be left.
+
+    All conditions together promise to leave nothing of any.
+    """
+    least: dict[Key, float] = {}
+    for p in proposals:
+        if p.move == move and conditions(p.deviations) == 1:
+            least[p.base] = min(p.left, least.get(p.base, math.inf))
+    return sorted((n for n in nodes if n.key in least), key=lambda n: least[n.key])[:count]

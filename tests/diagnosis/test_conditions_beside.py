@@ -1,0 +1,71 @@
+"""Conditions that differ from run to run beside an effect: which effects they are tried beside, and what is a law."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+import stepid
+from hidden.sets import one
+from made_up_evidence import candidate, evidence, losing
+from stepid.diagnosis import gather, vetoes
+from stepid.diagnosis.exchangeable import Condition
+from stepid.diagnosis.gather import EvidenceRecord
+from stepid.diagnosis.selection.order import most_promising
+
+
+def proposed(base: str, left: float, *conditions: str, move: str = "deviate") -> Any:
+    return SimpleNamespace(base=base, left=left, deviations=frozenset(conditions), move=move)
+
+
+def test_effects_are_tried_beside_which_one_condition_promises_most() -> None:
+    lag, play, stop, drift = (SimpleNamespace(key=name) for name in ("lag", "play", "stop", "drift"))
+    nodes: Any = [play, stop, lag, drift]
+    proposals = [
+        proposed("play", 3.0, "gain"),
+        proposed("play", 0.0, "gain", "start_time"),  # all together promise everything
+        proposed("stop", 2.0, "start_time"),
+        proposed("stop", 9.0, "gain"),
+        proposed("lag", 1.0, "gain"),
+        proposed("lag", 0.1, move="drop"),
+        proposed("other", 0.5, "gain"),
+    ]
+    assert most_promising(nodes, proposals, "deviate", 2) == [lag, stop]
+    assert most_promising(nodes, proposals, "deviate", 9) == [lag, stop, play]
+
+
+@pytest.mark.slow
+def test_an_effect_that_takes_less_than_others_is_found_beside_the_gain() -> None:
+    """Three others leave less without it, and conditions of the start alone leave only noise."""
+    campaign, _ = one("perturbed-single", 59, "573aee971d4e6d76b37b656fc32aaab41d9f1886")
+    found = stepid.diagnose(campaign)
+    assert found.effects == ("actuator_lag",)
+    assert found.scatter["gain"].deviation == pytest.approx(0.0134, rel=0.25)
+
+
+LAW = Condition("gain", "the size of the input", 9.0)
+STILL = candidate(["actuator_dead_zone"], deviations=["gain"])
+SCATTERED = losing(STILL, 13.0, [], deviations=["gain"])  # more than a tie, less than a further effect must earn
+
+
+@pytest.fixture
+def _gains_follow_the_input(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
+    monkeypatch.setattr(gather, "imitators", lambda *_: {})
+    monkeypatch.setattr(EvidenceRecord, "systematic", lambda _, found: LAW if found is SCATTERED else None)
+
+
+@pytest.mark.usefixtures("_gains_follow_the_input")
+def test_a_scatter_that_is_a_law_stands_back_behind_what_is_better_by_more_than_a_tie() -> None:
+    assert evidence(SCATTERED, STILL).best is STILL
+    tie = losing(SCATTERED, -9.0, ["actuator_dead_zone"], deviations=["gain"])
+    assert evidence(SCATTERED, tie).best is SCATTERED
+
+
+def test_a_scatter_that_is_drawn_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
+    monkeypatch.setattr(gather, "imitators", lambda *_: {})
+    monkeypatch.setattr(EvidenceRecord, "systematic", lambda *_: None)
+    assert evidence(SCATTERED, STILL).best is SCATTERED
