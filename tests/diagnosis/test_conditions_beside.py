@@ -13,14 +13,14 @@ from made_up_evidence import candidate, evidence, losing
 from stepid.diagnosis import gather, vetoes
 from stepid.diagnosis.exchangeable import Condition
 from stepid.diagnosis.gather import EvidenceRecord
-from stepid.diagnosis.selection.order import most_promising
+from stepid.diagnosis.selection.order import first_of
 
 
 def proposed(base: str, left: float, *conditions: str, move: str = "deviate") -> Any:
     return SimpleNamespace(base=base, left=left, deviations=frozenset(conditions), move=move)
 
 
-def test_effects_are_tried_beside_which_one_condition_promises_most() -> None:
+def test_conditions_are_tried_beside_what_leaves_least_and_where_one_promises_most() -> None:
     lag, play, stop, drift = (SimpleNamespace(key=name) for name in ("lag", "play", "stop", "drift"))
     nodes: Any = [play, stop, lag, drift]
     proposals = [
@@ -32,8 +32,9 @@ def test_effects_are_tried_beside_which_one_condition_promises_most() -> None:
         proposed("lag", 0.1, move="drop"),
         proposed("other", 0.5, "gain"),
     ]
-    assert most_promising(nodes, proposals, "deviate", 2) == [lag, stop]
-    assert most_promising(nodes, proposals, "deviate", 9) == [lag, stop, play]
+    assert first_of(nodes, proposals, "deviate", 1) == [play, lag]  # what leaves least, what promises most
+    assert first_of(nodes, proposals, "deviate", 2) == [play, stop, lag]  # each once
+    assert first_of(nodes, proposals, "deviate", 9) == nodes
 
 
 @pytest.mark.slow

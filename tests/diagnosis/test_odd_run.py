@@ -82,6 +82,29 @@ def test_a_run_that_no_other_is_like_is_not_accused_of_that(volts: tuple[float, 
     assert fault(touched(5, volts), 2, "coulomb_friction") is None
 
 
+FOUR = (0.0, 0.5, 1.5, 2.0)
+
+
+def test_three_others_tell_a_mistake_that_takes_nearly_all_of_the_misfit() -> None:
+    drag = {"quadratic_damping": {"coefficient": 30.0}}
+    whole = campaign(3, drag, masses=FOUR, true_masses=(0.0, 1.0, 1.5, 2.0))
+    assert outlying_runs(prepare(whole))[0] == 1
+    found = fault(whole, 1, "quadratic_damping")
+    assert found is not None
+    assert (found.kind, found.size) == ("added_mass", pytest.approx(0.5, abs=0.01))
+
+
+def test_three_others_accuse_no_run_of_what_is_no_mistake() -> None:
+    alike = dict.fromkeys((0, 1), 0.5) | dict.fromkeys((2, 3), -0.5)
+    pushed = inputs(alike[1])
+    pushed[120:128] -= 0.8
+    drives = [inputs(volts) for volts in alike.values()]
+    hand = campaign(5, FRICTION, masses=FOUR, drives=[drives[0], pushed, *drives[2:]])
+    whole = changed(hand, 1, input=drives[1])
+    assert outlying_runs(prepare(whole))[0] == 1
+    assert fault(whole, 1, "coulomb_friction") is None
+
+
 @pytest.mark.slow
 def test_the_law_is_named_without_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = touched(6, VOLTS)

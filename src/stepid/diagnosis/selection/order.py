@@ -287,13 +287,14 @@ def singles(nodes: Collection[Node], best: Candidate) -> list[Node]:
     return sorted((n for n in alike if not best.effects or includes(best.effects, n.effects)), key=lambda n: n.cost)
 
 
-def most_promising(nodes: Collection[Node], proposals: Sequence[Proposal], move: str, count: int) -> list[Node]:
-    """Of nodes from which a move was made the few of whose one condition that may differ least promises to be left.
+def first_of(nodes: Sequence[Node], proposals: Sequence[Proposal], move: str, count: int) -> list[Node]:
+    """The first few of some nodes, and of those one of whose proposals by a move promises to leave least, in turn.
 
-    All conditions together promise to leave nothing of any.
+    Proposals of one condition count: all together promise to leave nothing of any.
     """
     least: dict[Key, float] = {}
     for p in proposals:
         if p.move == move and conditions(p.deviations) == 1:
             least[p.base] = min(p.left, least.get(p.base, math.inf))
-    return sorted((n for n in nodes if n.key in least), key=lambda n: least[n.key])[:count]
+    promising = sorted((n for n in nodes if n.key in least), key=lambda n: least[n.key])
+    return list({n.key: n for n in (*nodes[:count], *promising[:count])}.values())

@@ -102,7 +102,7 @@ class Search(Attempts):
             made = [self._expand(node, CONFIRMING) for node in bases]
             steady = by.singles(self.nodes.values(), self.best)
             made += [self._expand(node, (Deviate(),)) for node in steady]
-            steady = by.most_promising(steady, self.proposals, Deviate.name, self.effort.beam)
+            steady = by.first_of(steady, self.proposals, Deviate.name, self.effort.beam)
             calmer = by.calmer(self.nodes.values(), self.best) if at_floor(self.fit, self.criteria, self.best) else []
             made += [self._expand(node, IN_PLACE) for node in calmer]
             keys = {node.key for node in (*bases, *steady)}
