@@ -112,10 +112,11 @@ def _parse(text: bytes, width: int, mark: bytes, decimal: str) -> Array | None:
     point = decimal.encode()
     if text.translate(None, b"0123456789+-eE \n" + mark + point):
         return None
-    text = _without_blanks(text, mark).replace(point, b".")
-    if not _is_rectangular(text, width, mark):
+    text = _without_blanks(text, mark)
+    marks = text.translate(None, (b"0123456789+-eE " + point).replace(mark, b"")) + b"\n"
+    if marks != (mark * (width - 1) + b"\n") * marks.count(b"\n"):  # rows of another length
         return None
-    values = _numbers(text.translate(bytes.maketrans(b"\n" + mark, b",,")))
+    values = _numbers(text.translate(bytes.maketrans(point + mark + b"\n", b".,,")))
     return None if values is None else values.reshape(-1, width)
 
 
@@ -128,15 +129,9 @@ def _without_blanks(text: bytes, mark: bytes) -> bytes:
     return _BLANKS.sub(b"", text).strip(b" ")
 
 
-def _is_rectangular(text: bytes, width: int, mark: bytes) -> bool:
-    """Tell whether all lines have so many cells."""
-    marks = text.translate(None, b"0123456789+-eE. ".replace(mark, b"")) + b"\n"
-    return marks == (mark * (width - 1) + b"\n") * marks.count(b"\n")
-
-
 def _numbers(text: bytes) -> Array | None:
     """Parse finite numbers between commas; None where a cell is none."""
-    if b",," in b"," + text + b",":
+    if b",," in text or b"," in (text[:1], text[-1:]):
         return None
     try:
         with warnings.catch_warnings():  # how it says that it did not come to the end
