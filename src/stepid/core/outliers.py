@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -17,14 +18,17 @@ if TYPE_CHECKING:
     from stepid.core.experiment import Experiment
 
 Mask = npt.NDArray[np.bool_]
+Block = tuple[float, int, int]  # score, first sample, number of samples
+Detector = Callable[[Array, float, float], list[Block]]
+"""Blocks of wrong readings, m, by the noise and by what one that stands out is off by at least, both m."""
 SIDE = 4  # neighbors on each side that tell what a sample should read
 _DEGREE = 3  # of the polynomial through them
 _OUTLIER = 9.0  # standard deviations; kinks, jumps and bounces of the motion itself stay below 3.5
 LONGEST = 3  # samples of one outlier
 _COUNTS = 3.0  # counts that rounding never makes
-MOST = 0.05  # share of a record beyond which nothing is isolated
-PASSES = 20
-SHORTEST = 4 * SIDE  # samples of a record, below which its motion is not told from an outlier
+_MOST = 0.05  # share of a record beyond which nothing is isolated
+_PASSES = 20
+_SHORTEST = 4 * SIDE  # samples of a record, below which its motion is not told from an outlier
 
 
 class _Local(NamedTuple):
@@ -68,8 +72,8 @@ def _interpolate(y: Array, begin: int, count: int) -> None:
     y[begin : begin + count] = _local(count, after).predict @ y[begin + _sides(count, after)]
 
 
-def take(y: Array, found: list[tuple[float, int, int]], wrong: Mask) -> bool:
-    """Interpolate blocks (score, begin, count), the plainest first, none near another."""
+def _take(y: Array, found: list[Block], wrong: Mask) -> bool:
+    """Interpolate blocks, the plainest first, none near another."""
     busy = np.zeros(y.size, dtype=bool)
     for _, begin, count in sorted(found, reverse=True):
         around = slice(begin - SIDE, begin + count + SIDE)
@@ -81,7 +85,7 @@ def take(y: Array, found: list[tuple[float, int, int]], wrong: Mask) -> bool:
     return bool(found)
 
 
-def outliers(y: Array, noise: float, least: float) -> list[tuple[float, int, int]]:
+def outliers(y: Array, noise: float, least: float) -> list[Block]:
     """Blocks of up to three samples, all of which stand out from their neighbors."""
     found = []
     for count in range(1, LONGEST + 1):
@@ -92,7 +96,7 @@ def outliers(y: Array, noise: float, least: float) -> list[tuple[float, int, int
     return found + _last(y, noise, least)
 
 
-def _last(y: Array, noise: float, least: float) -> list[tuple[float, int, int]]:
+def _last(y: Array, noise: float, least: float) -> list[Block]:
     """One of the last samples that stands out, by more than any acceleration of the record does in a sample.
 
     The first ones are not asked: there a motion may begin, which those after it do not tell.
@@ -107,25 +111,52 @@ def _last(y: Array, noise: float, least: float) -> list[tuple[float, int, int]]:
     return found
 
 
-def scales(experiment: Experiment) -> tuple[float, float]:
+def interpolate_readings(experiment: Experiment, *, detectors: Sequence[Detector]) -> tuple[Array, list[Mask]]:
+    """Interpolate the wrong readings of a record, those of one detector after those of another.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    detectors : sequence of Detector
+
+    Returns
+    -------
+    readings : array, shape (n,)
+        m; those of the record where none is wrong, or too many are.
+    wrong : list of array of bool, shape (n,)
+        Samples that are interpolated, those of each detector; none is of two.
+    """
+    size = experiment.position.size
+    nothing = [np.zeros(size, dtype=bool) for _ in detectors]
+    if size < _SHORTEST:
+        return experiment.position, nothing
+    y, wrong, every = np.array(experiment.position), [], np.zeros(size, dtype=bool)
+    noise, least = _scales(experiment)
+    for detect in detectors:
+        wrong.append(_in_passes(y, detect, noise, least) & ~every)
+        every |= wrong[-1]
+    return (y, wrong) if isolated(every) else (experiment.position, nothing)
+
+
+def _scales(experiment: Experiment) -> tuple[float, float]:
     """Noise of a record, and what a reading that stands out is off by at least, m."""
     y, resolution = experiment.position, experiment.resolution or 0.0
     noise = max(record_noise(experiment), resolution / math.sqrt(12), 1e-7 * float(np.ptp(y)), 1e-15)
     return noise, _COUNTS * resolution
 
 
-def take_outliers(y: Array, noise: float, least: float) -> Mask:
-    """Interpolate the outliers of readings where they are, and tell which they were."""
-    out = np.zeros(y.size, dtype=bool)
-    for _ in range(PASSES):
-        if not take(y, outliers(y, noise, least), out):
+def _in_passes(y: Array, detect: Detector, noise: float, least: float) -> Mask:
+    """Interpolate readings where they are until a detector finds no more, and tell which they were."""
+    wrong = np.zeros(y.size, dtype=bool)
+    for _ in range(_PASSES):
+        if not _take(y, detect(y, noise, least), wrong):
             break
-    return out
+    return wrong
 
 
 def isolated(wrong: Mask) -> bool:
     """Tell whether there are wrong readings, and so few that they are not a motion."""
-    return bool(wrong.any()) and bool(wrong.mean() <= MOST)
+    return bool(wrong.any()) and bool(wrong.mean() <= _MOST)
 
 
 @once
@@ -147,10 +178,7 @@ def without_outliers(experiment: Experiment) -> Array:
     jump or a bounce of the motion disturbs the neighbors as well, an outlier does not. One of the last four samples is
     predicted by more of them before it.
     """
-    if experiment.position.size < SHORTEST:
-        return experiment.position
-    y = np.array(experiment.position)
-    if not isolated(take_outliers(y, *scales(experiment))):
-        return experiment.position
-    y.setflags(write=False)
+    y, (out,) = interpolate_readings(experiment, detectors=(outliers,))
+    if out.any():
+        y.setflags(write=False)
     return y

@@ -47,32 +47,35 @@ class _Stretch(NamedTuple):
     changes: int
 
 
-def from_rest(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
+def from_rest(runs: list[Experiment]) -> tuple[list[Experiment], list[str]]:
     """Begin each driven run at the first change of its input that it answers, from rest.
 
     Parameters
     ----------
     runs : list of Experiment
-    notes : list of str
-        What is left out is added to them.
 
     Returns
     -------
-    list of Experiment
+    runs : list of Experiment
         Those that hold such a change, or need none.
+    notes : list of str
+        What is left out.
     """
     seen = [_Seen(run, quiet := _quiet(run), _answers(run, quiet)) for run in runs]
     # a cart that moves already answers at once, whatever its drive does
     lags = sorted(a.lag for one in seen for a in one.answers if a.lag is not None and a.rests)
     if not lags:
-        return runs
-    usual, moving, out = lags[len(lags) // 4], _already_moving(seen), []
+        return runs, []
+    usual, moving = lags[len(lags) // 4], _already_moving(seen)
+    out, notes = [], []
     for one in seen:
-        stretch = _unusable(one, usual, moving)
-        begun = one.run if stretch is None else _begun_after(one, stretch, notes)
+        begun: Experiment | None = one.run
+        if (stretch := _unusable(one, usual, moving)) is not None:
+            begun, note = _begun_after(one, stretch)
+            notes.append(note)
         if begun is not None:
             out.append(begun)
-    return out
+    return out, notes
 
 
 def _already_moving(seen: list[_Seen]) -> frozenset[str]:
@@ -101,16 +104,14 @@ def _unusable(one: _Seen, usual: float, moving: Collection[str]) -> _Stretch | N
     return _Stretch("in which the cart already moves", 1) if one.run.name in moving else None
 
 
-def _begun_after(one: _Seen, stretch: _Stretch, notes: list[str]) -> Experiment | None:
-    """The run from the first step from rest behind an unusable stretch on; None where there is none, or too little."""
+def _begun_after(one: _Seen, stretch: _Stretch) -> tuple[Experiment | None, str]:
+    """The run from the first step from rest behind an unusable stretch on, or None where there is none; and a note."""
     run, found, (what, changes) = one.run, one.answers, stretch
     good = next((a for a in found[changes:] if a.rests and a.lag is not None), None)
     begin = 0 if good is None else max(found[changes - 1].at + 1 if changes else 0, good.at - _LEAD)
     if good is None or run.position.size - begin < _LEAST:
-        notes.append(f"Run {run.name!r} is left out: no step from rest follows the stretch {what}.")
-        return None
-    notes.append(f"Run {run.name!r}: the first {begin} samples, {what}, are left out.")
-    return _cut(run, begin, good.before)
+        return None, f"Run {run.name!r} is left out: no step from rest follows the stretch {what}."
+    return _cut(run, begin, good.before), f"Run {run.name!r}: the first {begin} samples, {what}, are left out."
 
 
 def _quiet(run: Experiment) -> float:

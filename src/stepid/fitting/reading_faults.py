@@ -10,19 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.outliers import (
-    LONGEST,
-    MOST,
-    PASSES,
-    SHORTEST,
-    SIDE,
-    Mask,
-    isolated,
-    scales,
-    stand_out,
-    take,
-    take_outliers,
-)
+from stepid.core.outliers import LONGEST, SIDE, Block, Mask, interpolate_readings, isolated, outliers, stand_out
 from stepid.core.words import length
 from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.records import Records
@@ -44,7 +32,7 @@ class Mended(NamedTuple):
     faults: tuple[RecordFault, ...]
 
 
-def _stuck(y: Array, noise: float, least: float) -> list[tuple[float, int, int]]:
+def _stuck(y: Array, noise: float, least: float) -> list[Block]:
     """Blocks that repeat the reading before them while their neighbors move on."""
     same = np.concatenate([[False], np.diff(y) == 0, [False]])
     begins = np.flatnonzero(same[1:] & ~same[:-1]) + 1
@@ -77,19 +65,10 @@ def mend(run: Experiment) -> Mended:
     Mended
         The record itself where nothing is wrong with it, or where too much is.
     """
-    nothing = np.zeros(run.position.size, dtype=bool)
-    if run.position.size < SHORTEST:
-        return Mended(run, nothing, ())
-    y = np.array(run.position)
-    noise, least = scales(run)
-    stuck = nothing.copy()
-    for _ in range(PASSES):
-        if not take(y, _stuck(y, noise, least), stuck):
-            break
-    out = take_outliers(y, noise, least) & ~stuck
+    y, (stuck, out) = interpolate_readings(run, detectors=(_stuck, outliers))
     wrong = stuck | out
-    if not isolated(wrong):
-        return Mended(run, nothing, ())
+    if not wrong.any():
+        return Mended(run, wrong, ())
     off = np.abs(y - run.position)
     if run.counts_per_meter is None and (step := run.resolution) is not None:
         y[wrong] = _on_grid(y[wrong], run.position[~wrong], step)
@@ -161,4 +140,4 @@ def outliers_of(residual: Array, floor: float) -> Mask:
         calm = not sides.size or float(np.abs(sides - middle).max()) < _RESIDUAL / 2 * spread
         if end - begin <= LONGEST and calm:
             out[begin:end] = True
-    return out if math.isfinite(spread) and out.mean() <= MOST else np.zeros_like(out)
+    return out if math.isfinite(spread) and isolated(out) else np.zeros_like(out)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -62,37 +62,54 @@ def screen(campaign: Campaign) -> Screened:
     faults = tuple(fault for found in mended.values() for fault in found.faults)
     if faults:
         campaign = campaign.model_copy(update={"experiments": tuple(found.run for found in mended.values())})
-    for run in campaign.experiments:
-        who = f"run {run.name!r}: its positions"
-        check_travel(run.position, who, UNIT)
-        check_speed(run.position, run.sample_time, who)
-    notes = [*splits, *(fault.words for fault in faults)]
-    kept = [run for run in campaign.experiments if not _still(run)]
-    left_out = {run.name for run in campaign.experiments} - {run.name for run in kept}
-    for run in campaign.experiments:
-        if run.name in left_out:
-            notes.append(f"Run {run.name!r} is left out: {_why_still(run)}")
-    same = copies(kept)
-    notes += dict.fromkeys(same.values())
-    kept = [run for run in kept if run.name not in same]
-    kept = from_rest(kept, notes)
+    _check_meters(campaign.experiments)
+    kept, notes = list(campaign.experiments), [*splits, *(fault.words for fault in faults)]
+    for screened in (_moving, _without_copies, from_rest):
+        kept, left_out = screened(kept)
+        notes += left_out
     if not kept:
         raise InputError(
             f"campaign {campaign.name!r}: no run can be used. {' '.join(notes)}",
             "Check that the drive was on and the encoder is the right one, and each run's file; record them again.",
         )
-    notes += [
-        f"Run {run.name!r} starts in motion: its initial position and velocity are fitted, too."
-        for run in kept
-        if run.starts == "auto" and not run.is_release and starts_in_motion(run)
-    ]
-    kept = _let_go(kept, notes)
-    notes += _on_light_weights(campaign)
-    notes += [note for run in kept if (note := clock_note(run)) is not None]
+    in_motion = _on_starts(kept)
+    kept, let_go = _let_go(kept)
+    clocks = [note for run in kept if (note := clock_note(run)) is not None]
+    notes += [*in_motion, *let_go, *_on_light_weights(campaign), *clocks]
     if not notes:
         return Screened(campaign, ())
     wrong = {run.name: mended[run.name].wrong[-run.position.size :] for run in kept if mended[run.name].faults}
     return Screened(campaign.model_copy(update={"experiments": tuple(kept)}), tuple(notes), faults, wrong)
+
+
+def _check_meters(runs: Iterable[Experiment]) -> None:
+    """Refuse positions that cannot be meters."""
+    for run in runs:
+        who = f"run {run.name!r}: its positions"
+        check_travel(run.position, who, UNIT)
+        check_speed(run.position, run.sample_time, who)
+
+
+def _moving(runs: list[Experiment]) -> tuple[list[Experiment], list[str]]:
+    """Leave out runs in which nothing moves, and say why."""
+    still = {run.name: _why_still(run) for run in runs if _still(run)}
+    kept = [run for run in runs if run.name not in still]
+    return kept, [f"Run {name!r} is left out: {why}" for name, why in still.items()]
+
+
+def _without_copies(runs: list[Experiment]) -> tuple[list[Experiment], list[str]]:
+    """Leave out runs that hold the record of another, and say which."""
+    same = copies(runs)
+    return [run for run in runs if run.name not in same], list(dict.fromkeys(same.values()))
+
+
+def _on_starts(runs: Iterable[Experiment]) -> list[str]:
+    """Say which driven runs are found to start in motion."""
+    return [
+        f"Run {run.name!r} starts in motion: its initial position and velocity are fitted, too."
+        for run in runs
+        if run.starts == "auto" and not run.is_release and starts_in_motion(run)
+    ]
 
 
 def _on_light_weights(campaign: Campaign) -> list[str]:
@@ -106,10 +123,10 @@ def _on_light_weights(campaign: Campaign) -> list[str]:
     ]
 
 
-def _let_go(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
+def _let_go(runs: list[Experiment]) -> tuple[list[Experiment], list[str]]:
     """Begin each release where no hand can hold the cart anymore; say so of all, and of each where a hand is seen."""
     hands = {run.name: hand(run) for run in runs}
-    notes += [
+    notes = [
         f"Run {name!r}: the first {first} samples are left out: a hand held or moved the cart."
         for name, (first, seen) in hands.items()
         if seen
@@ -123,7 +140,7 @@ def _let_go(runs: list[Experiment], notes: list[str]) -> list[Experiment]:
             f"{who}: {what} at most are left out: a hand may still have held the cart. "
             'Say starts="motion" where none did.'
         )
-    return runs
+    return runs, notes
 
 
 def _free(run: Experiment, first: int) -> Experiment:

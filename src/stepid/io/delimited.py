@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -127,31 +127,22 @@ def _parse(lines: Sequence[str], layout: Layout, where: str) -> Table:
         below = f" below line {layout.skiprows}" if layout.skiprows else ""
         raise InputError(f"{where}: holds no rows of numbers{below}", "Export the record again.")
     separator = layout.separator_of([text for _, text in body])
-    rows = [cells(text, separator) for _, text in body]
-    _check_above(rows, [i for i, _ in body], layout, where)
+    rows, numbers = [cells(text, separator) for _, text in body], [i for i, _ in body]
+    _check_above(rows, numbers, layout, where)
     names: tuple[str, ...] = ()
     if is_header(*rows[:2]):
-        names, rows, body = named_columns(rows), rows[1:], body[1:]
+        names, rows, numbers = named_columns(rows), rows[1:], numbers[1:]
     if not rows:
         raise InputError(f"{where}: holds a header and no rows", "Export the record again.")
-    if layout.stop is not None and layout.stop > 0:
-        last = _last_row(rows, layout.stop, layout.decimal)
-        rows, body = rows[:last], body[:last]
-    _check_names(names, lines[: body[0][0] - 1], layout, separator, where)
+    rows = rows[: _last_row(rows, layout)]
+    _check_names(names, lines[: numbers[0] - 1], layout, separator, where)
     mistaken = separator == "," and layout.delimiter is None
-    labels = _labels(names, rows, f"{where}, line {body[0][0]}", decimal_commas=mistaken)
-    numbers = [i for i, _ in body]
-    used = {i for i, name in enumerate(labels) if _any_is(layout.used, i, name)}
-    own, clock = (
-        [i for i, name in enumerate(labels) if _any_is(part, i, name)] for part in (layout.used[1:], layout.used[:1])
-    )
-    last = own_rows(rows, labels, own=own, clock=clock, lines=numbers, where=where, stop=layout.stop)
-    rows, numbers = rows[:last], numbers[:last]
-    rows = [
-        [cell if i in used or _is_reading(cell, layout.decimal) else "0" for i, cell in enumerate(row)] for row in rows
-    ]  # beside the readings there may be anything, and nothing
+    labels = _labels(names, rows, f"{where}, line {numbers[0]}", decimal_commas=mistaken)
+    clock, own = _indices(layout.used[:1], labels), _indices(layout.used[1:], labels)
+    rows = rows[: own_rows(rows, labels, own=own, clock=clock, lines=numbers, where=where, stop=layout.stop)]
+    numbers = numbers[: len(rows)]
     values = parse_numbers(
-        rows,
+        _zeros_beside(rows, {*clock, *own}, layout.decimal),
         lines=numbers,
         columns=labels,
         where=where,
@@ -205,15 +196,24 @@ def join_tables(tables: Sequence[Table]) -> Table:
     return Table(first.names, np.concatenate([t.values for t in tables]), places)
 
 
-def _any_is(used: Sequence[object], index: int, name: str) -> bool:
-    return any(isinstance(column, str | int) and column in (index, name) for column in used)
+def _indices(columns: Sequence[object], labels: Sequence[str]) -> list[int]:
+    """Indices of columns that are given by name or index."""
+    told = [column for column in columns if isinstance(column, str | int)]
+    return [i for i, label in enumerate(labels) if i in told or label in told]
 
 
-def _last_row(rows: Sequence[Sequence[str]], stop: int, decimal: str) -> int:
+def _zeros_beside(rows: Sequence[Sequence[str]], used: Collection[int], decimal: str) -> list[list[str]]:
+    """Put zeros for what is no reading in columns that are not used: there may be anything, and nothing."""
+    return [[cell if i in used or _is_reading(cell, decimal) else "0" for i, cell in enumerate(row)] for row in rows]
+
+
+def _last_row(rows: Sequence[Sequence[str]], layout: Layout) -> int:
     """Where the first line below row `stop` is none of the table, such as a mean or a remark."""
+    if layout.stop is None or layout.stop <= 0:
+        return len(rows)
     width = common_width(rows)
-    below = range(stop, len(rows))
-    return next((i for i in below if len(rows[i]) != width or not _is_reading(rows[i][0], decimal)), len(rows))
+    below = range(layout.stop, len(rows))
+    return next((i for i in below if len(rows[i]) != width or not _is_reading(rows[i][0], layout.decimal)), len(rows))
 
 
 def _is_reading(cell: str, decimal: str) -> bool:

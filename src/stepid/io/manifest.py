@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, TypeVar
 
@@ -125,33 +125,46 @@ def _parsed(
     document: dict[str, Any], where: str, readers: Readers
 ) -> tuple[dict[str, Any], list[tuple[str, dict[str, Any]]]]:
     """Check what stands in a manifest; see `parse_manifest`."""
-    runs = document.pop("experiment", None)
-    if not isinstance(runs, list) or not runs or not all(isinstance(run, dict) for run in runs):
-        raise _no_runs(document, runs, where)
+    runs = _listed_runs(document.pop("experiment", None), document, where)
     if own := [key for key in document if key in OWN and key not in CAMPAIGN]:
         raise InputError(
             f"{where}: the key {own[0]!r} stands above the runs", "Move it below the [[experiment]] of its run."
         )
-    shared = {**SHARED, "format": _one_of(readers)}
-    every = {key: check for reader in readers.values() for key, check in {**shared, **reader.keys}.items()}
-    shareable = {key: check for key, check in every.items() if key not in OWN}
+    shareable = _shareable(readers)
     above = _checked(document, {**CAMPAIGN, **shareable}, ("name",), where)
     defaults = {key: value for key, value in document.items() if key in shareable}
     parsed = [_run(run, defaults, i, where, readers) for i, run in enumerate(runs)]
-    if idle := [k for k in defaults if k not in SHARED and not any(k in readers[kind].keys for kind, _ in parsed)]:
-        only, remedy = _owner(idle[0], readers)
-        raise InputError(f"{where}: the key {idle[0]!r} is for {only}, and no run is one", remedy)
+    _check_defaults(defaults, {kind for kind, _ in parsed}, where, readers)
     return {key: above[key] for key in CAMPAIGN if key in above}, parsed
 
 
-def _no_runs(document: Mapping[str, object], runs: object, where: str) -> InputError:
-    """Say that no run is listed, and what may have been meant for one."""
+def _listed_runs(runs: object, above: Mapping[str, object], where: str) -> list[dict[str, Any]]:
+    """Return the runs if they are a list of tables; InputError tells what `above` them may have been meant for one."""
+    if isinstance(runs, list) and runs and all(isinstance(run, dict) for run in runs):
+        return runs
     if isinstance(runs, Mapping):
-        return InputError(f"{where}: lists no experiments but one [experiment]", "Write two brackets: [[experiment]].")
-    near = [key for key in document if get_close_matches(key.lower(), ["experiment", "run", "runs"], cutoff=0.7)]
+        raise InputError(f"{where}: lists no experiments but one [experiment]", "Write two brackets: [[experiment]].")
+    near = [key for key in above if get_close_matches(key.lower(), ["experiment", "run", "runs"], cutoff=0.7)]
     if near:
-        return InputError(f"{where}: lists no experiments but {near[0]!r}", "Write [[experiment]] above each run.")
-    return InputError(f"{where}: lists no experiments", "Add a [[experiment]] table for each run.")
+        raise InputError(f"{where}: lists no experiments but {near[0]!r}", "Write [[experiment]] above each run.")
+    raise InputError(f"{where}: lists no experiments", "Add a [[experiment]] table for each run.")
+
+
+def _shareable(readers: Readers) -> dict[str, Check]:
+    """Keys that may stand above the runs, for all of them: those of every format."""
+    every = {**SHARED, "format": _one_of(readers)}
+    for reader in readers.values():
+        every |= reader.keys
+    return {key: check for key, check in every.items() if key not in OWN}
+
+
+def _check_defaults(defaults: Mapping[str, object], formats: Collection[str], where: str, readers: Readers) -> None:
+    """Refuse a key above the runs that no run's format has."""
+    used = {*SHARED, *(key for name in formats for key in readers[name].keys)}
+    idle = next((key for key in defaults if key not in used), None)
+    if idle is not None:
+        only, remedy = _owner(idle, readers)
+        raise InputError(f"{where}: the key {idle!r} is for {only}, and no run is one", remedy)
 
 
 def _check_depth(text: str, where: str) -> None:

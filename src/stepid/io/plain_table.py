@@ -109,32 +109,34 @@ def parse_plain(body: bytes | memoryview, *, width: int, separator: str | None, 
 
 def _parse(text: bytes, width: int, mark: bytes, decimal: str) -> Array | None:
     text = text.replace(b"\r\n", b"\n").removesuffix(b"\n")
-    if text.translate(None, b"0123456789+-eE. \n" + mark + (b"," if decimal == "," else b"")):
+    point = decimal.encode()
+    if text.translate(None, b"0123456789+-eE \n" + mark + point):
         return None
-    if b" " in text:
-        text = _SEVERAL.sub(b" ", text).strip(b" ") if mark == b" " else text
-        text = _BLANKS.sub(b"", text).strip(b" ")
-    if decimal == ",":
-        if b"." in text:
-            return None
-        text = text.replace(b",", b".")
-    letters = np.frombuffer(text, dtype=np.uint8)
-    found = letters[(letters == mark[0]) | (letters == 10)]
-    rows = found.size // width + 1
-    if (found.size + 1) != rows * width:
+    text = _without_blanks(text, mark)
+    marks = text.translate(None, (b"0123456789+-eE " + point).replace(mark, b"")) + b"\n"
+    if marks != (mark * (width - 1) + b"\n") * marks.count(b"\n"):  # rows of another length
         return None
-    grid = np.append(found, 10).reshape(rows, width) == 10
-    if not grid[:, -1].all() or grid[:, :-1].any():
-        return None
-    joined = text.replace(b"\n", b",") if mark == b"," else text.replace(b"\n", b",").replace(mark, b",")
-    if (b",," in joined) or joined[:1] == b"," or joined[-1:] == b",":
+    values = _numbers(text.translate(bytes.maketrans(point + mark + b"\n", b".,,")))
+    return None if values is None else values.reshape(-1, width)
+
+
+def _without_blanks(text: bytes, mark: bytes) -> bytes:
+    """Remove the blanks that part no numbers, and all but one of those that do."""
+    if b" " not in text:
+        return text
+    if mark == b" ":
+        text = _SEVERAL.sub(b" ", text)
+    return _BLANKS.sub(b"", text).strip(b" ")
+
+
+def _numbers(text: bytes) -> Array | None:
+    """Parse finite numbers between commas; None where a cell is none."""
+    if b",," in text or b"," in (text[:1], text[-1:]):
         return None
     try:
         with warnings.catch_warnings():  # how it says that it did not come to the end
             warnings.simplefilter("error", DeprecationWarning)
-            values = np.fromstring(joined, dtype=np.float64, sep=",")
+            values = np.fromstring(text, dtype=np.float64, sep=",")
     except (ValueError, DeprecationWarning):
         return None
-    if values.size != rows * width or not np.isfinite(values).all():
-        return None
-    return values.reshape(rows, width)
+    return values if values.size == text.count(b",") + 1 and np.isfinite(values).all() else None

@@ -53,26 +53,38 @@ def find_columns(block: Block, chosen: Mapping[str, str] | None = None) -> tuple
 
     `chosen` names the column of a role, or gives its number from 0, where somebody has said so.
     """
-    out = []
-    for j in range(block.values.shape[1]):
-        title, values = read_title(block.names[j]), block.values[:, j]
-        role, unit, why, rest = title.role, title.unit, "its name", title.rest
-        why = UNKNOWN if title.doubtful else why
-        below = block.units[j] if j < len(block.units) else ""
-        if below:
-            roles: list[str] = [role] if role in ("time", "position", "input") else ["time", "position", "input"]
-            known = [(r, u) for r in roles if (u := unit_for(below, r)) is not None]
-            if known and role != "other":
-                role, unit, why = (role or _only(known)), known[0][1], "the line of units"
-        if not np.isfinite(values).any():
-            role = "other"
-        out.append(Column(j, block.names[j], role, unit, why, rest, values))
-    sure = any(c.role == "position" and c.unit is not None for c in out)
-    out = [replace(c, role="other") if sure and c.role == "position" and c.why == UNKNOWN else c for c in out]
-    told = {role for role, name in (chosen or {}).items() if called(out, name)}
+    chosen = chosen or {}
+    columns: Sequence[Column] = _in_known_units([_titled(block, j) for j in range(block.values.shape[1])])
+    told = {role for role, name in chosen.items() if called(columns, name)}
     if "position" in told:  # else an abscissa called x is one of the other positions
-        out = list(_abscissa_as_time(out))
-    return _by_content(_from_preamble(_as_chosen(out, chosen or {}), block.above), told)
+        columns = _abscissa_as_time(columns)
+    return _by_content(_from_preamble(_as_chosen(columns, chosen), block.above), told)
+
+
+def _titled(block: Block, index: int) -> Column:
+    """A column as its titles tell it: its name, and the line of units below."""
+    name, values = block.names[index], block.values[:, index]
+    title = read_title(name)
+    column = Column(index, name, title.role, title.unit, UNKNOWN if title.doubtful else "its name", title.rest, values)
+    if title.role != "other":
+        column = _in_units(column, block.units[index])
+    return column if np.isfinite(values).any() else replace(column, role="other")
+
+
+def _in_units(column: Column, below: str) -> Column:
+    """Take the unit that the line of units tells, and the role where only one has such a unit."""
+    roles: Sequence[Role] = (column.role,) if column.role else ("time", "position", "input")
+    known: dict[Role, str] = {role: unit for role in roles if (unit := unit_for(below, role)) is not None}
+    if not known:
+        return column
+    only = next(iter(known)) if len(known) == 1 else None
+    return replace(column, role=only, unit=next(iter(known.values())), why="the line of units")
+
+
+def _in_known_units(columns: Sequence[Column]) -> list[Column]:
+    """Take no column of an unknown unit for a position where another has a known one."""
+    sure = any(c.role == "position" and c.unit is not None for c in columns)
+    return [replace(c, role="other") if sure and c.role == "position" and c.why == UNKNOWN else c for c in columns]
 
 
 def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = False) -> tuple[Group, ...]:
@@ -124,11 +136,6 @@ def _as_chosen(columns: Sequence[Column], chosen: Mapping[str, str]) -> list[Col
                 for c in out
             ]
     return out
-
-
-def _only(known: Sequence[tuple[str, str]]) -> Role | None:
-    roles = {role for role, _ in known}
-    return known[0][0] if len(roles) == 1 else None  # type: ignore[return-value]
 
 
 def _from_preamble(columns: Sequence[Column], above: Sequence[str]) -> list[Column]:

@@ -45,12 +45,8 @@ def from_table(
     """
     where = f"{file}, sheet {layout['sheet']!r}" if "sheet" in layout else str(file)
     block = find_block(lines, where, workbook=workbook)
-    if block.separator is not None and not workbook and needs_delimiter(block, lines):
-        layout = {**layout, "delimiter": block.separator}
-    if block.decimal != ".":
-        layout = {**layout, "decimal": block.decimal}
-    if block.skiprows:
-        layout = {**layout, "skiprows": block.skiprows}
+    delimiter = block.separator if not workbook and needs_delimiter(block, lines) else None
+    layout = {**layout, **_layout_keys(block, delimiter)}
     if block.clock is not None:  # which tells the time of a column of clock times
         chosen = {role: name for role, name in chosen.items() if role != "time" or not _texts(block, name)}
     columns = find_columns(block, chosen)
@@ -61,11 +57,16 @@ def from_table(
     for draft in drafts:
         _check_one_run(draft, block, where)
     lacking = _lacking(columns, chosen)
-    twice = called(columns, chosen["position"]) if "position" in chosen else []
-    if len(twice) > 1 and any(group.position is None for group in groups):
-        numbers = ", ".join(map(str, twice))
-        lacking["position"] = f"has {len(twice)} columns {chosen['position']!r} for position ({numbers})"
+    if any(group.position is None for group in groups):
+        lacking |= _ambiguous(columns, chosen)
     return [draft.having(every=every, lacking=lacking) for draft in drafts]
+
+
+def _layout_keys(block: Block, delimiter: str | None) -> dict[str, object]:
+    """What a table's reader has to be told because it takes something else by itself."""
+    keys: dict[str, object] = {"delimiter": delimiter, "decimal": block.decimal, "skiprows": block.skiprows}
+    usual = {"delimiter": None, "decimal": ".", "skiprows": 0}
+    return {key: value for key, value in keys.items() if value != usual[key]}
 
 
 def _texts(block: Block, name: str) -> bool:
@@ -97,6 +98,15 @@ def _lacking(columns: Sequence[Column], chosen: Mapping[str, str]) -> dict[str, 
         for role, name in chosen.items()
         if (role, name) != ("position", ALL) and not called(columns, name)
     }
+
+
+def _ambiguous(columns: Sequence[Column], chosen: Mapping[str, str]) -> dict[str, str]:
+    """The position, in words, where several columns have the name that was given for it."""
+    twice = called(columns, chosen["position"]) if "position" in chosen else []
+    if len(twice) < 2:
+        return {}
+    numbers = ", ".join(map(str, twice))
+    return {"position": f"has {len(twice)} columns {chosen['position']!r} for position ({numbers})"}
 
 
 def _check_one_run(draft: Draft, block: Block, where: str) -> None:
