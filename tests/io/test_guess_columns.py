@@ -95,3 +95,15 @@ def test_the_onset_of_a_step_late_on_a_clock_is_found_without_a_warning(step: fl
     found = stepid.draft_campaign(file, step=0.5, added_mass=0.0).runs[0].step
     assert found is not None
     assert found.value[1] == pytest.approx(1488.998 + 40 * step, abs=2 * step)
+
+
+def test_a_name_that_two_columns_have_is_that_of_the_one_with_numbers(tmp_path: Path) -> None:
+    clock = [f"12:00:0{n % 10}" for n in range(200)]
+    file = write(tmp_path / "run.csv", T, X, clock, head="t (s),x (mm),x\n")
+    (draft,) = draft_runs([file], {"position": "x"})
+    np.testing.assert_array_equal(draft.readings["position"], X)
+
+
+def test_a_clock_whose_first_cell_is_empty_is_in_doubt(tmp_path: Path) -> None:
+    (draft,) = draft_runs([write(tmp_path / "run.csv", ["", *map(str, T[1:])], X)])
+    assert draft.doubts == ("the time is no number in row 1 of the table",)

@@ -81,6 +81,17 @@ def test_what_is_not_plain_goes_the_slow_way(tmp_path, monkeypatch, wrong, row):
     assert ends[0] == ends[1]
 
 
+def test_blanks_around_a_decimal_comma_are_no_number_either_way(tmp_path, monkeypatch):
+    whole = text(";", decimal=",").replace(",", " ,")
+    assert parse_plain(whole.partition("\n")[2].encode(), width=3, separator=";", decimal=",") is None
+    fields = {"delimiter": ";", "decimal": ","}
+    file = tmp_path / "run.csv"
+    file.write_text(whole, encoding="utf-8")
+    for read in (delimited.parse_table, lambda *args: slow(monkeypatch, *args)):
+        with pytest.raises(InputError, match=r"run\.csv, line 2"):
+            read(file, layout(**fields))
+
+
 def test_random_damage_ends_alike_both_ways(tmp_path, monkeypatch):
     rng = random.Random(4)
     good = text().encode()

@@ -12,7 +12,7 @@ import numpy as np
 from stepid.core.base import Array
 
 _PIECE = 1 << 22  # bytes parsed at once
-_BLANKS = re.compile(rb"(?: +(?=[\n,;\t])|(?<=[\n,;\t]) +)")
+_BLANKS = {mark: re.compile(rb" +(?=[\n%b])|(?<=[\n%b]) +" % (mark, mark)) for mark in (b" ", b",", b";", b"\t")}
 _SEVERAL = re.compile(rb" {2,}")
 
 
@@ -80,7 +80,7 @@ def parse_plain(body: bytes | memoryview, *, width: int, separator: str | None, 
         infinities, rows of another length.
     """
     mark = b" " if separator is None else separator.encode()
-    if len(mark) != 1 or mark not in b" ,;\t" or (mark == b"," and decimal == ","):
+    if mark not in _BLANKS or (mark == b"," and decimal == ","):
         return None
     parts = []
     begin = 0
@@ -126,7 +126,7 @@ def _without_blanks(text: bytes, mark: bytes) -> bytes:
         return text
     if mark == b" ":
         text = _SEVERAL.sub(b" ", text)
-    return _BLANKS.sub(b"", text).strip(b" ")
+    return _BLANKS[mark].sub(b"", text).strip(b" ")
 
 
 def _numbers(text: bytes) -> Array | None:

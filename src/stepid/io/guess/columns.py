@@ -121,9 +121,10 @@ def _names(columns: Sequence[Column], every: Sequence[Column]) -> tuple[str, ...
 
 
 def called(columns: Sequence[Column], name: str) -> list[int]:
-    """Indices of the columns of a name, else of the column of this number from 0."""
-    named = [c.index for c in columns if name in (c.name, c.rest)]
-    return named or [c.index for c in columns if name == str(c.index)]
+    """Indices of the columns of a name, of those with numbers if any has, else of the column of this number from 0."""
+    named = [c for c in columns if name in (c.name, c.rest)]
+    filled = [c.index for c in named if np.isfinite(c.values).any()]
+    return filled or [c.index for c in named] or [c.index for c in columns if name == str(c.index)]
 
 
 def _as_chosen(columns: Sequence[Column], chosen: Mapping[str, str]) -> list[Column]:

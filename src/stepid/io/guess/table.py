@@ -112,7 +112,7 @@ def _ambiguous(columns: Sequence[Column], chosen: Mapping[str, str]) -> dict[str
 def _check_one_run(draft: Draft, block: Block, where: str) -> None:
     """Refuse a table of several runs one below the other: as one record it could not be read."""
     time, unit = draft.readings.get("time"), draft.units.get("time")
-    if time is not None:
+    if time is not None and time.size:
         places = Places([(where, block.lines[: time.size])])
         check_one_run(time, places, unit="" if unit is None else f" {unit.value}")
 
