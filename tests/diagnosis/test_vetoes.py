@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import stepid
 from broken_campaigns import FRICTION, campaign, changed
@@ -23,6 +24,7 @@ from stepid.fitting.fit import fit_effects, prepare
 
 SWING = Swing(
     rates=(10.0, 14.0),
+    decays=(2.0, 3.0),
     displacement=0.02,
     duration=4.0,
     resolution=0.1,
@@ -64,6 +66,56 @@ def test_every_effect_that_imitates_has_its_cases() -> None:
 @pytest.mark.parametrize(("name", "values", "what"), [(n, v, w) for n, cases in CASES.items() for v, w in cases])
 def test_what_an_effect_imitates(name: str, values: tuple[float, ...], what: str) -> None:
     assert resolve([name])[0].imitates(values, SWING) == what
+
+
+@pytest.mark.parametrize(
+    ("rate", "decay", "seen"),
+    [
+        (10.5, 0.1, False),  # a third of a beat in 4 s
+        (12.0, 0.1, True),  # more than one
+        (10.0, 1.5, False),
+        (10.0, 1.6, True),  # what lasts longer than the plant's own oscillation is not it
+        (15.4, 0.1, False),  # that of the other run
+    ],
+)
+def test_a_disturbance_has_to_beat_with_the_plants_own_oscillation_or_to_outlast_it(
+    rate: float, decay: float, seen: bool
+) -> None:
+    swing = SWING._replace(decays=(decay, decay))
+    said = resolve(["periodic_disturbance"])[0].unseen((0.1, rate / (2 * math.pi), 0.0), swing)
+    assert said == ("" if seen else OWN)
+
+
+def test_friction_and_a_bent_spring_are_no_shaker() -> None:
+    """Three parts of 33 s: a sine 0.6 per cent off the plant's own rate had left as little."""
+    d = stepid.diagnose(pohls_wheel(seed=0))
+    found = [set(names) for names in (d.effects, *d.alternatives)]
+    assert {"coulomb_friction", "cubic_stiffness"} in found
+    assert not any("periodic_disturbance" in names for names in found)
+
+
+def pohls_wheel(seed: int) -> stepid.Campaign:
+    """A wheel on a spring that hardens, with dry friction, let go and read at 10 Hz to 0.01."""
+    time = 0.1 * np.arange(1001)
+
+    def moved(_: float, state: np.ndarray) -> list[float]:
+        x, v = state
+        return [v, -11.08 * x - 0.0104 * x**3 - 0.0016 * v - 0.0412 * math.tanh(v / 0.01)]
+
+    solved = solve_ivp(moved, (0.0, 100.0), (2.49, 0.0), t_eval=time, rtol=1e-8, atol=1e-10, max_step=0.02)
+    read = np.round(solved.y[0] + 3e-3 * np.random.default_rng(seed).standard_normal(time.size), 2)
+    whole = stepid.Experiment(
+        name="wheel",
+        time=time,
+        position=read,
+        input=np.zeros(time.size),
+        added_mass=0.0,
+        spring="coil",
+        damper="air",
+        starts="motion",
+    )
+    parts = tuple(whole.slice(a, b, name=f"part {a}") for a, b in ((0, 334), (334, 667), (667, 1001)))
+    return stepid.Campaign(name="wheel", experiments=parts)
 
 
 def test_less_than_a_period_is_no_disturbance_however_well_it_fits(monkeypatch: pytest.MonkeyPatch) -> None:

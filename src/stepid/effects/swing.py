@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 
@@ -10,8 +11,8 @@ class Swing(NamedTuple):
 
     Parameters
     ----------
-    rates : tuple of float
-        rad/s, natural frequency of each run.
+    rates, decays : tuple of float
+        rad/s and 1/s, natural frequency of each run, and how fast what swings with it decays.
     displacement : float
         m, largest excursion from rest.
     duration : float
@@ -23,10 +24,11 @@ class Swing(NamedTuple):
     fast, slow : float
         Relaxation times over 1/rate that are neither damping nor a shift of rest.
     swings : float
-        Least number of periods in the longest record.
+        Least number of periods, or of beats, in the longest record.
     """
 
     rates: tuple[float, ...]
+    decays: tuple[float, ...]
     displacement: float
     duration: float
     resolution: float
@@ -42,3 +44,13 @@ class Swing(NamedTuple):
     def unseen(self, frequency: float) -> str:
         """Say what a frequency [Hz] of too few periods in the longest record cannot be told from, or nothing."""
         return "a slow shift of the rest position" if frequency * self.duration < self.swings else ""
+
+    def own(self, frequency: float) -> str:
+        """Say that a steady frequency [Hz] beats too few times with the plant's own oscillation while that lasts.
+
+        What differs by less within the longest record, in rate and decay, is any slow change of that oscillation.
+        """
+        rate, least = math.tau * frequency, math.tau * self.swings / self.duration
+        own = zip(self.rates, self.decays, strict=True)
+        alike = any(math.hypot(rate - swing, decay) < least for swing, decay in own)
+        return "the plant's own oscillation" if alike else ""
