@@ -208,12 +208,13 @@ def _zeros_beside(rows: Sequence[Sequence[str]], used: Collection[int], decimal:
 
 
 def _last_row(rows: Sequence[Sequence[str]], layout: Layout) -> int:
-    """Where the first line below row `stop` is none of the table, such as a mean or a remark."""
+    """Where the first line below row `stop` is none of the table, such as a mean or a remark, or all are empty."""
+    last = next((i for i in range(len(rows), 0, -1) if any(rows[i - 1])), len(rows))
     if layout.stop is None or layout.stop <= 0:
-        return len(rows)
+        return last
     width = common_width(rows)
-    below = range(layout.stop, len(rows))
-    return next((i for i in below if len(rows[i]) != width or not _is_reading(rows[i][0], layout.decimal)), len(rows))
+    below = range(layout.stop, last)
+    return next((i for i in below if len(rows[i]) != width or not _is_reading(rows[i][0], layout.decimal)), last)
 
 
 def _is_reading(cell: str, decimal: str) -> bool:

@@ -81,7 +81,7 @@ def read_table(
         V per unit of the input column; of the column only.
     sample_time : float, optional
         s. With `time` too, rows are put at multiples of it after the first, and `time` is checked to agree within
-        half a sample: for times that are printed rounded.
+        half a sample, or half of its last printed digit where times stand: for times that are printed rounded.
     name : str, optional
         Of the run; the first file's stem by default.
     added_mass : float
@@ -211,14 +211,15 @@ def _time(
                 return stamps
             row = int(np.argmax(~(steps > 0))) + 1
             own = " if each file starts a clock of its own" * (len(rows_of_files(table.places)) > 1)
-            raise InputError(
-                f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s: time does not increase",
-                f"Correct it, or give sample_time=… (s) and leave time out{own}.",
-            )
+            remedy = f"Correct it, or give sample_time=… (s) and leave time out{own}."
+            if _rounding(steps):
+                remedy = "Give sample_time=… (s), too, if time is printed rounded: it is checked against that."
+            cause = f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s: time does not increase"
+            raise InputError(cause, remedy)
         uniform = _follows(time, index, mean, 0.01)
         usual = float(np.median(steps))
         odd = np.abs(steps - usual) > 0.02 * abs(usual)
-        if mean > 0 and _follows(time, index, step, 0.5):
+        if mean > 0 and _follows(time, index, step, 0.5 * max(1.0, _rounding(steps) / step)):
             even: Array = time[0] + index * step
             return even
     if uniform:
@@ -232,6 +233,11 @@ def _time(
         f"apart: more than half a sample off {sample_time:g} s",
         "Leave sample_time out if the samples are uneven; leave time out if each file starts a clock of its own.",
     )
+
+
+def _rounding(steps: Array) -> float:
+    """Last printed digit of times some of which stand, s, by their steps; 0 where none does, or one falls."""
+    return float(steps.max()) if np.any(steps == 0) and np.all(steps >= 0) else 0.0
 
 
 def _follows(time: Array, index: Array, step: float, tolerance: float) -> bool:

@@ -173,7 +173,7 @@ def _with_times(draft: Draft, answers: Answers) -> Draft:
     if period is not None:
         if not (np.isfinite(period) and period > 0):
             raise InputError(f"sample_time is {period:g} s", "Give a positive number of seconds.")
-        if draft.format == "ecp" or "time" not in draft.columns:
+        if draft.timeless:
             draft = draft.having(sample_time=Found(period, SAID))
     if level is not None:
         if not np.isfinite(level):

@@ -20,6 +20,7 @@ TURNS = ("deg", "rad", "mrad")
 ROLES = ("time", "position", "input")
 ALL = "all"
 """In place of the position's column: each column of a position is a run."""
+_STANDS = 0.05  # of the steps of a printed time: fewer are single wrong stamps
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,14 @@ class Draft:
         """Readings of a role in SI units, None where there are none or their unit is not known."""
         scale = self.scale(role)
         return None if role not in self.readings or scale is None else self.readings[role] * scale
+
+    @property
+    def timeless(self) -> bool:
+        """True where no column tells the sample time: there is none of the time, or it is printed too coarsely."""
+        if self.format == "ecp" or "time" not in self.columns:
+            return True
+        steps = np.diff(self.readings["time"])
+        return bool(steps.size and np.all(steps >= 0) and np.mean(steps == 0) > _STANDS)
 
     @property
     def turns(self) -> bool:

@@ -14,6 +14,7 @@ from stepid.io.guess.words import COUNTS
 from stepid.io.manifest import toml_value
 
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
+_COARSE = (MARK, "s; the printed times are too coarse to tell it")
 _SI = {"time": "s", "position": "m", "input": "V"}
 
 
@@ -98,7 +99,7 @@ def _export_keys(draft: Draft) -> dict[str, tuple[object, str]]:
         falling = "; negative because counts fall where the input rises" if draft.falling else ""
         keys["counts_per_meter"] = (sign * round(1 / abs(scale), 6), f"as you said{falling}")
     if draft.sample_time is None:
-        keys["sample_time"] = (MARK, "s; the printed times are too coarse to tell it")
+        keys["sample_time"] = _COARSE
     elif draft.sample_time.why.startswith("as you"):
         keys["sample_time"] = (draft.sample_time.value, "s, as you said")
     return keys
@@ -111,14 +112,13 @@ def _table_keys(draft: Draft) -> dict[str, tuple[object, str]]:
             if role == "position":
                 keys[role] = (MARK, f"one of {', '.join(draft.choices)}")
             elif role == "time":
-                known = draft.sample_time
-                keys["sample_time"] = (
-                    (MARK, "s between two rows") if known is None else (known.value, f"s, {_by(known.why)}")
-                )
+                keys["sample_time"] = _told(draft) or (MARK, "s between two rows")
             continue
         column = draft.columns[role]
         title = draft.titles[role]
         keys[role] = (column, _counted(title, column) if isinstance(column, int) else "")
+        if role == "time" and draft.timeless:
+            keys["sample_time"] = _told(draft) or _COARSE
         scale = draft.scale(role)
         if scale is None:
             keys[f"{role}_scale"] = (MARK, f"{_SI[role]} per unit of the column: nothing says its unit")
@@ -130,6 +130,11 @@ def _table_keys(draft: Draft) -> dict[str, tuple[object, str]]:
         if role == "position" and counts is not None and counts.value == COUNTS:
             keys["counts_per_meter"] = (round(1 / scale, 6), "for the resolution")
     return keys
+
+
+def _told(draft: Draft) -> tuple[object, str] | None:
+    known = draft.sample_time
+    return None if known is None else (known.value, f"s, {_by(known.why)}")
 
 
 def _counted(title: str, column: int) -> str:

@@ -58,7 +58,7 @@ def _which_column(drafts: Sequence[Draft]) -> str:
 
 
 def _needs_sample_time(draft: Draft) -> bool:
-    return draft.sample_time is None and (draft.format == "ecp" or "time" not in draft.columns)
+    return draft.sample_time is None and draft.timeless
 
 
 def _has_open_unit(draft: Draft) -> bool:

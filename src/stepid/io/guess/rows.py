@@ -42,13 +42,14 @@ def find_marks(lines: Sequence[str], *, workbook: bool = False) -> tuple[str | N
     workbook : bool
         Whether the lines come from a workbook: tabs and points then, whatever its texts look like.
     """
-    best: tuple[tuple[int, int, int], str | None, str] | None = None
+    best: tuple[tuple[int, int, int, int], str | None, str] | None = None
     quoted = any('"' in line for line in lines[:_PROBED])
     for rank, (separator, decimal) in enumerate(_CANDIDATES[:1] if workbook else _QUOTED if quoted else _CANDIDATES):
         found = longest_rows([cells(line, separator) for line in lines[:_PROBED]], decimal)
         if found.last - found.first < FEWEST:
             continue
-        score = (found.readings, min(found.width, 2), -rank)
+        texts = found.width - len(found.columns)  # 0,1;1,97 is no row of three
+        score = (found.readings, min(found.width, 2), -texts, -rank)
         if best is None or score > best[0]:
             best = (score, separator, decimal)
     return None if best is None else best[1:]

@@ -77,10 +77,10 @@ def _file(draft: Draft) -> str:
 
 def _time(draft: Draft) -> str:
     seconds = draft.si("time")
-    if seconds is not None and seconds.size > 1:
-        step = float(np.median(np.diff(seconds)))
-    elif draft.sample_time is not None:
+    if draft.sample_time is not None and draft.timeless:
         step = draft.sample_time.value
+    elif seconds is not None and seconds.size > 1:
+        step = float(np.median(np.diff(seconds)))
     else:
         return _column(draft, "time") if "time" in draft.columns else "?"
     size = max((values.size for values in draft.readings.values()), default=0)

@@ -121,11 +121,12 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
     columns = {role: column for role in ROLES if (column := getattr(group, role)) is not None}
     readings, doubts = _readings(columns)
     doubts += [group.doubt] if group.doubt else []
-    if block.unread:
-        layout = {**layout, "stop": block.values.shape[0]}
-        doubts.append(f"{counted(block.unread, 'line')} below the rows {'is' if block.unread == 1 else 'are'} left out")
-    elif several and (ends := _ends(columns)) < block.values.shape[0]:
+    rows = block.values.shape[0]
+    ends = _ends(columns) if several else rows
+    if block.unread or ends < rows:
         layout = {**layout, "stop": ends}  # not all names of columns tell the reader that another run goes on
+    if block.unread:
+        doubts.append(f"{counted(block.unread, 'line')} below the rows {'is' if block.unread == 1 else 'are'} left out")
     draft = Draft(
         file=file,
         name=_label(group, file) if several else plain_name(file.stem),
@@ -157,8 +158,8 @@ def _readings(columns: Mapping[str, Column]) -> tuple[dict[str, Array], list[str
 
 
 def _timed(draft: Draft, block: Block) -> Draft:
-    """Take the sample time from clock times, or from the lines above, where no column has the time."""
-    if "time" in draft.columns:
+    """Take the sample time from clock times, or from the lines above, where no column tells it."""
+    if not draft.timeless:
         return draft
     if block.clock is not None:
         return draft.having(sample_time=Found(block.clock, "the clock times of its rows"))

@@ -97,6 +97,9 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
         )
     separator, decimal = marks
     rows = [cells(line, separator) for _, line in body]
+    while not any(rows[-1]):  # marks of empty cells alone, as spreadsheets write them below
+        rows.pop()
+    body = body[: len(rows)]
     found = longest_rows(rows, decimal)
     if (broken := broken_row(rows, found, decimal)) is not None:
         number, text = body[broken][0] + 1, body[broken][1].strip()

@@ -60,6 +60,7 @@ _SPELLED = {
 }
 _SHORT = {"in", "min", "inc", "grad", "v", "n", "a", "%"}  # too much like words to be units unless in brackets
 _BRACKETS = re.compile(r"\s*[\[({<]\s*([^\])}>]{1,14}?)\s*[\])}>]")
+_RATE = re.compile(r"/\s*s|s\s*(\^|⁻|-)")  # a unit by time: of velocities and accelerations
 _TAIL = re.compile(r"^(?P<stem>.*[^\s,/_])(?:\s*[,/]\s*|\s+in\s+|[_ ])(?P<unit>[^\s,/_\[\]()]{1,12})$")
 
 _WORDS: dict[Role, tuple[str, str]] = {  # whole words, and how longer words begin
@@ -140,6 +141,8 @@ def read_title(name: str) -> Title:
     for one in (role,) if role in SCALES else SCALES:
         if (known := _unit_of(unit, str(one), bracketed=bracketed)) is not None and (role != "other"):
             return Title(role or _role_by_unit(known), known, stem, False)
+    if bracketed and _RATE.search(unit):
+        return Title("other", None, stem, False)
     if bracketed and not any(char.isdigit() for char in unit):
         return Title(role, None, stem, doubtful=True)
     if (numbered := re.fullmatch(r"(.*[^\W\d_])[ _.-]?(\d+)\s*", name)) is not None:  # x_mm_1

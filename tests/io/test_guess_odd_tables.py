@@ -1,0 +1,82 @@
+"""Tables that only one reading makes sense of: two columns with decimal commas, empty last lines, coarse clocks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stepid
+from stepid.errors import InputError
+from stepid.io.guess.understand import draft_runs
+
+T = np.arange(600) / 30  # s
+X = 0.3 * np.exp(-0.1 * T) * np.cos(3.0 * T)  # rad
+RELEASED = {"step": 0.0, "added_mass": 0.0}
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+@pytest.mark.parametrize("head", ["t / s{}x / rad\n", ""])
+def test_two_columns_with_decimal_commas_are_two(separator: str, head: str, tmp_path: Path) -> None:
+    file = tmp_path / "run.txt"
+    rows = [f"{t:.3f}{separator}{x:.3f}".replace(".", ",") for t, x in zip(T, X, strict=True)]
+    file.write_text(head.format(separator) + "\n".join(rows) + "\n", encoding="utf-8")
+    (draft,) = draft_runs([file])
+    np.testing.assert_array_equal(draft.readings["time"], T.round(3))
+    np.testing.assert_array_equal(draft.readings["position"], X.round(3))
+
+
+@pytest.mark.filterwarnings("ignore:.* 1 line below the rows is left out")
+@pytest.mark.parametrize("below", ["", ";;;\n", ";;;\n;;;\n", "mean;0;;\n"])
+def test_runs_of_unequal_length_side_by_side_end_where_they_end(below: str, tmp_path: Path) -> None:
+    cut = [f"{t:.4f};{x:.5f}" if t < 15 else ";" for t, x in zip(T, X, strict=True)]
+    whole = [f"{t:.4f};{x:.5f}" for t, x in zip(T, X[::-1], strict=True)]
+    file = tmp_path / "runs.csv"
+    rows = [f"{one};{other}\n" for one, other in zip(cut, whole, strict=True)]
+    file.write_text("t1 (s);x1 (rad);t2 (s);x2 (rad)\n" + "".join(rows) + below, encoding="utf-8")
+    found = stepid.draft_campaign(tmp_path, **RELEASED).campaign()
+    assert [run.time.size for run in found.experiments] == [450, 600]
+
+
+def test_empty_cells_in_the_middle_are_still_refused(tmp_path: Path) -> None:
+    file = tmp_path / "run.csv"
+    rows = [f"{t:.4f};{x:.5f}\n" for t, x in zip(T, X, strict=True)]
+    file.write_text("".join([*rows[:300], ";\n", *rows[300:]]), encoding="utf-8")
+    with pytest.raises(InputError, match="line 301"):
+        stepid.read_table(file, time=0, position=1)
+
+
+def coarse(file: Path) -> Path:
+    rows = [f"{t:.3g},{x:.5f}\n" for t, x in zip(T, X, strict=True)]  # 10.0, 10.0, 10.1 from ten seconds on
+    file.write_text("t (s),x (rad)\n" + "".join(rows), encoding="utf-8")
+    return file
+
+
+def test_a_clock_that_is_printed_too_coarsely_asks_for_the_sample_time(tmp_path: Path) -> None:
+    coarse(tmp_path / "run.csv")
+    with pytest.raises(InputError, match="How many seconds are two samples apart"):
+        stepid.draft_campaign(tmp_path, **RELEASED).campaign()
+    found = stepid.draft_campaign(tmp_path, **RELEASED, sample_time=1 / 30).campaign()
+    np.testing.assert_allclose(found.experiments[0].time, T, atol=1e-12)
+    with pytest.raises(InputError, match="more than half a sample off"):
+        stepid.draft_campaign(tmp_path, **RELEASED, sample_time=0.034).campaign()
+
+
+def test_rounded_stamps_are_checked_against_the_sample_time(tmp_path: Path) -> None:
+    file = coarse(tmp_path / "run.csv")
+    with pytest.raises(InputError, match="does not increase") as refused:
+        stepid.read_table(file, time=0, position=1)
+    assert "printed rounded" in refused.value.remedy
+    assert stepid.read_table(file, time=0, position=1, sample_time=1 / 30).time[-1] == pytest.approx(T[-1])
+
+
+@pytest.mark.parametrize("unit", ["m/s", "m/s²", "m/s^2", "mm s^-1", "m·s⁻²"])
+def test_a_rate_is_no_position(unit: str, tmp_path: Path) -> None:
+    file = tmp_path / "run.csv"
+    rows = [f"{t:.4f},{x:.5f}\n" for t, x in zip(T, X, strict=True)]
+    file.write_text(f"t (s),Ay ({unit})\n" + "".join(rows), encoding="utf-8")
+    (draft,) = draft_runs([file])
+    assert "position" not in draft.columns
+    (draft,) = draft_runs([file], {"position": "1"})  # where somebody says so
+    assert draft.columns["position"] == f"Ay ({unit})"
