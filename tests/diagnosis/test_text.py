@@ -158,8 +158,12 @@ def test_each_verdict_says_its_answer() -> None:
     assert "- record with more mass\n   - Note: The fit did not converge." in ambiguous
     lost = changed(d, verdict="unexplained", effects=())
     assert "these data do not tell which effect is missing" in lost.summary()  # one leaves only noise
-    far = tuple(one.model_copy(update={"rms": 2 * d.gap.noise}) for one in d.ranking)
+    far, near = (
+        tuple(one.model_copy(update={"rms": 2 * d.gap.noise, "explained": share}) for one in d.ranking)
+        for share in (0.84, 0.85)
+    )
     assert "nothing in the catalogue explains why" in changed(lost, ranking=far).summary()
+    assert "nothing in the catalogue explains all of what it leaves" in changed(lost, ranking=near).summary()
     pair = changed(d, effects=("coulomb_friction", "input_delay"))
     level = d.parameters["coulomb_friction.level"]
     assert f"not adequate: Coulomb friction ({level}) and input delay are missing." in pair.summary()

@@ -75,7 +75,11 @@ def test_unexplained_always_answers() -> None:
     assert found.verdict == "unexplained"
     assert "4 times the noise floor" in found.reasons[0]
     assert found.reasons[1] == "Cogging cannot be told from the spring here."
-    empty = ask("unexplained", best=LINEAR, lead=LINEAR)
+    barred = ask("unexplained", best=LINEAR, lead=LINEAR)
+    assert barred is not None
+    assert barred.shown is LINEAR
+    assert barred.reasons[0].startswith("The best candidate, Coulomb friction, leaves")  # of the likeliest
+    empty = ask("unexplained", best=LINEAR, lead=LINEAR, likeliest=LINEAR)
     assert empty is not None
     assert empty.reasons == ("No candidate explains the misfit.",)
 

@@ -32,6 +32,8 @@ def answer(d: Diagnosis, *, sizes: bool = True) -> str:
         return f"No model can be judged: the input of run {runs} is not what the record says."
     if any(one.effects and one.rms <= Criteria().near * d.gap.noise for one in d.ranking):
         return "A linear model is not adequate, and these data do not tell which effect is missing."
+    if any(one.effects and one.explained >= Criteria().lead for one in d.ranking):
+        return "A linear model is not adequate, and nothing in the catalogue explains all of what it leaves."
     return "A linear model is not adequate, and nothing in the catalogue explains why."
 
 

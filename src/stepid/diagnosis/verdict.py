@@ -201,11 +201,12 @@ def leads(e: EvidenceRecord) -> Answer | None:
 def unexplained(e: EvidenceRecord) -> Answer | None:
     """Nothing explains it, and that is said."""
     best = e.best if e.best.effects else e.lead
-    if not best.effects:
+    nearest = best if best.effects else e.likeliest  # which may not be named
+    if not nearest.effects:
         return Answer("unexplained", best, (), ("No candidate explains the misfit.",))
     said: tuple[str, ...] = (
-        f"The best candidate, {_title(best)}, leaves {length(best.optimum.rms)}, "
-        f"{e.times(best):.3g} times the noise floor.",
+        f"The best candidate, {_title(nearest)}, leaves {length(nearest.optimum.rms)}, "
+        f"{e.times(nearest):.3g} times the noise floor.",
     )
     imitated = e.imitators(e.likeliest)
     said += tuple(f"{_title_of(name)} cannot be told from {what} here." for name, what in imitated.items())
