@@ -143,6 +143,10 @@ class Told:
     criteria: Criteria = field(default_factory=Criteria)
     context: object = field(default_factory=context)
 
+    @property
+    def faint(self) -> float:
+        return self.criteria.faint
+
     def at_floor(self, found: Candidate) -> bool:
         return set(found.names) <= set(self.floored) and bool(found.names or found.deviations)
 

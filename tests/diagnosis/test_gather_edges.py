@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from made_up_evidence import FLOOR, candidate, context, evidence, losing
-from stepid.diagnosis import free_law, gather, vetoes
+from stepid.diagnosis import free_law, gather, verdict, vetoes
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, is_white
 from stepid.diagnosis.free_law import FreeLaw
@@ -235,3 +235,13 @@ def test_colored_noise_is_known_by_its_size_within_near() -> None:
         found = candidate(["coulomb_friction"], times=times, residual=slow, structure=2 * CRITERIA.white)
         assert at_floor(colored, CRITERIA, found) is there
         assert at_floor(context(), CRITERIA, found) is False  # what follows itself over a block is no white noise
+
+
+@pytest.mark.parametrize(
+    ("colored", "times", "enough"), [(None, 1.04, True), (None, 1.1, False), (1.0, 1.1, True), (1.0, 1.2, False)]
+)
+def test_beside_colored_noise_a_name_needs_more(colored: Any, times: float, enough: bool) -> None:
+    """Its size is known less well: what is taken for noise at the end is no effect at the beginning."""
+    e = evidence(FRICTION, candidate(times=times))
+    e.context.colored = colored
+    assert bool(verdict.linear_is_enough(e)) is enough

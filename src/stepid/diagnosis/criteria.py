@@ -34,7 +34,7 @@ class Criteria(Model):
         Times the floor within which a model is complete although a faint rest remains; white noise may leave more
         by what chance makes of the floor.
     faint : float
-        Times the floor that the linear plant must leave for a name that rivals dispute.
+        Times the floor that the linear plant must leave for a name; beside colored noise `near` holds.
     rival : float
         χ² that the freedom of a more general effect must gain to count as a rival of the simpler one: two standard
         deviations, squared, and one for the choice. A difference below `tie` is enough where the linear plant leaves

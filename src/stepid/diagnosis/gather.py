@@ -72,11 +72,10 @@ class EvidenceRecord:
         found = self.simplest(able)
         if not self.at_floor(found.candidate):
             return self.simplest(self.weighed).candidate
-        if self.systematic(found.candidate) is None:
-            return found.candidate
-        better = [w for w in able if w.loss < found.loss - self.criteria.tie and self.at_floor(w.candidate)]
-        drawn = tuple(w for w in better if self.systematic(w.candidate) is None)
-        return self.simplest(drawn or (found,)).candidate
+        if self.systematic(found.candidate):
+            better = [w for w in able if w.loss < found.loss - self.criteria.tie and self.at_floor(w.candidate)]
+            found = self.simplest(tuple(w for w in better if not self.systematic(w.candidate)) or (found,))
+        return found.candidate
 
     @property
     def likeliest(self) -> Candidate:
@@ -97,8 +96,14 @@ class EvidenceRecord:
 
     @cached_property
     def white(self) -> bool:
-        """Whether the linear plant leaves white noise of the floor's size."""
-        return self.at_floor(self.linear) and is_white(self.context, self.linear, self.criteria.white)
+        """Whether the linear plant leaves noise of the floor's size, white where the readings' noise is."""
+        white = self.context.colored is not None or is_white(self.context, self.linear, self.criteria.white)
+        return white and self.at_floor(self.linear)
+
+    @property
+    def faint(self) -> float:
+        """Times the floor that the linear plant must leave for a name: more where colored noise is known less well."""
+        return self.criteria.faint if self.context.colored is None else self.criteria.near
 
     def times(self, found: Candidate) -> float:
         """RMS over the noise floor."""
@@ -158,9 +163,7 @@ class EvidenceRecord:
 
     def probability(self, answer: Answer) -> float | None:
         """Probability that an answer holds the truth; None where no effect is named."""
-        if answer.verdict not in ("named", "ambiguous"):
-            return None
-        return PROBABILITY.get(answer.rule)
+        return PROBABILITY.get(answer.rule) if answer.verdict in ("named", "ambiguous") else None
 
     # ---- vetoes ---------------------------------------------------------------------------------------------------
 
@@ -244,19 +247,17 @@ class EvidenceRecord:
 
     def _replaces(self, law: FreeLaw, states: tuple[frozenset[str], ...]) -> bool:
         """Tell whether a law of any shape leaves an effect of another state not what it is."""
-        changes = zip(states, law.changes, strict=True)
-        return any(state != law.states and abs(change) > self.criteria.open for state, change in changes)
+        most = self.criteria.open
+        return any(of != law.states and abs(by) > most for of, by in zip(states, law.changes, strict=True))
 
     def _laws_left(self, lead: Candidate) -> tuple[FreeLaw, ...]:
         """Laws of any shape in what a lead leaves with conditions alike in all runs: scatter hides a shape."""
-        if not lead.deviations:
-            return free_laws(self.context, lead.optimum)
-        return free_laws(self.context, without_deviations(lead.optimum, self.context.tolerance))
+        same = without_deviations(lead.optimum, self.context.tolerance) if lead.deviations else lead.optimum
+        return free_laws(self.context, same)
 
     def followed(self, found: Candidate) -> str:
         """The state that what is as small as the noise follows by more than chance, '' where there is none."""
-        law = followed(self.context, self.criteria, found)
-        return law.state if law else ""
+        return law.state if (law := followed(self.context, self.criteria, found)) else ""
 
     def systematic(self, found: Candidate) -> Condition | None:
         """Condition that what runs differ by under a candidate goes with, more than drawn runs would."""

@@ -36,10 +36,10 @@ def input_is_wrong(e: EvidenceRecord) -> Answer | None:
 
 
 def linear_is_enough(e: EvidenceRecord) -> Answer | None:
-    """The linear plant leaves white noise."""
-    if not e.white or (e.best.effects and e.times(e.linear) > e.criteria.faint):
+    """The linear plant leaves nothing but noise."""
+    if not e.white or (e.best.effects and e.times(e.linear) > e.faint):
         return None
-    return Answer("adequate", e.linear, (), ("The residual of the linear model is as white as noise.",))
+    return Answer("adequate", e.linear, (), ("The residual of the linear model is as white as the readings' noise.",))
 
 
 def runs_differ(e: EvidenceRecord) -> Answer | None:
