@@ -78,7 +78,7 @@ def test_unexplained_always_answers() -> None:
     barred = ask("unexplained", best=LINEAR, lead=LINEAR)
     assert barred is not None
     assert barred.shown is LINEAR
-    assert barred.reasons[0].startswith("The best candidate, Coulomb friction, leaves")  # of the likeliest
+    assert barred.reasons[0].startswith("The likeliest candidate, Coulomb friction, leaves")
     empty = ask("unexplained", best=LINEAR, lead=LINEAR, likeliest=LINEAR)
     assert empty is not None
     assert empty.reasons == ("No candidate explains the misfit.",)

@@ -10,6 +10,7 @@ import pytest
 import stepid
 from stepid.errors import InputError
 from stepid.io.guess.understand import draft_runs
+from stepid.io.guess.words import read_title
 
 T = np.arange(600) / 30  # s
 X = 0.3 * np.exp(-0.1 * T) * np.cos(3.0 * T)  # rad
@@ -47,36 +48,88 @@ def test_empty_cells_in_the_middle_are_still_refused(tmp_path: Path) -> None:
         stepid.read_table(file, time=0, position=1)
 
 
-def coarse(file: Path) -> Path:
-    rows = [f"{t:.3g},{x:.5f}\n" for t, x in zip(T, X, strict=True)]  # 10.0, 10.0, 10.1 from ten seconds on
+def stamped(file: Path, time: np.ndarray) -> Path:
+    rows = [f"{t:.10g},{x:.5f}\n" for t, x in zip(time, X, strict=True)]
     file.write_text("t (s),x (rad)\n" + "".join(rows), encoding="utf-8")
     return file
 
 
-def test_a_clock_that_is_printed_too_coarsely_asks_for_the_sample_time(tmp_path: Path) -> None:
-    coarse(tmp_path / "run.csv")
+COARSE = {
+    "three digits": np.array([float(f"{t:.3g}") for t in T]),  # 10.0, 10.0, 10.1 from ten seconds on
+    "rounded": (T + 0.04).round(1),  # the first stamp is off, too
+    "cut off": np.floor(10 * T) / 10,
+    "seconds": np.floor(T + 0.5),
+    "dead": np.full(T.size, 5.0),
+}
+
+
+@pytest.mark.parametrize("printed", COARSE)
+def test_a_clock_that_is_printed_too_coarsely_asks_for_the_sample_time(printed: str, tmp_path: Path) -> None:
+    time = COARSE[printed]
+    stamped(tmp_path / "run.csv", time)
     with pytest.raises(InputError, match="How many seconds are two samples apart"):
         stepid.draft_campaign(tmp_path, **RELEASED).campaign()
     found = stepid.draft_campaign(tmp_path, **RELEASED, sample_time=1 / 30).campaign()
-    np.testing.assert_allclose(found.experiments[0].time, T, atol=1e-12)
-    with pytest.raises(InputError, match="more than half a sample off"):
-        stepid.draft_campaign(tmp_path, **RELEASED, sample_time=0.034).campaign()
+    np.testing.assert_allclose(found.experiments[0].time, time[0] + T, atol=1e-9)
 
 
-def test_rounded_stamps_are_checked_against_the_sample_time(tmp_path: Path) -> None:
-    file = coarse(tmp_path / "run.csv")
+@pytest.mark.parametrize("printed", ["three digits", "rounded", "cut off", "seconds"])
+def test_repeated_stamps_are_checked_against_the_sample_time(printed: str, tmp_path: Path) -> None:
+    file = stamped(tmp_path / "run.csv", COARSE[printed])
     with pytest.raises(InputError, match="does not increase") as refused:
         stepid.read_table(file, time=0, position=1)
     assert "printed rounded" in refused.value.remedy
-    assert stepid.read_table(file, time=0, position=1, sample_time=1 / 30).time[-1] == pytest.approx(T[-1])
+    with pytest.raises(InputError, match=r"sample off 0\.04 s"):
+        stepid.read_table(file, time=0, position=1, sample_time=0.04)
 
 
-@pytest.mark.parametrize("unit", ["m/s", "m/s²", "m/s^2", "mm s^-1", "m·s⁻²"])
-def test_a_rate_is_no_position(unit: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("gap", [0.1, 1.0, 100.0])
+def test_a_gap_is_no_rounding(gap: float, tmp_path: Path) -> None:
+    time = T + gap * (T > 10)
+    time[100] = time[99]
+    file = stamped(tmp_path / "run.csv", time)
+    for sample_time in (1 / 30, (time[-1] - time[0]) / (time.size - 1)):
+        with pytest.raises(InputError, match="sample off"):
+            stepid.read_table(file, time=0, position=1, sample_time=sample_time)
+
+
+def test_the_sample_time_goes_before_stamps_of_which_few_repeat(tmp_path: Path) -> None:
+    """The step is looked for on that clock, too."""
+    time = np.arange(600) / 103.0
+    stamped(tmp_path / "run.csv", time.round(2))
+    found = stepid.draft_campaign(tmp_path, **RELEASED, sample_time=1 / 103.0).campaign()
+    np.testing.assert_allclose(found.experiments[0].time, time, atol=1e-9)
+
+
+@pytest.mark.parametrize("title", ["Ay ({})", "Ay / {}", "Ay, {}", "Ay in {}"])
+@pytest.mark.parametrize("unit", ["m/s", "m/s²", "mm/s^2", "rad/s", "m/min", "cm/s"])
+def test_a_rate_is_no_position(title: str, unit: str, tmp_path: Path) -> None:
     file = tmp_path / "run.csv"
-    rows = [f"{t:.4f},{x:.5f}\n" for t, x in zip(T, X, strict=True)]
-    file.write_text(f"t (s),Ay ({unit})\n" + "".join(rows), encoding="utf-8")
+    rows = [f"{t:.4f};{x:.5f}\n" for t, x in zip(T, X, strict=True)]
+    file.write_text(f"t (s);{title.format(unit)}\n" + "".join(rows), encoding="utf-8")
     (draft,) = draft_runs([file])
     assert "position" not in draft.columns
     (draft,) = draft_runs([file], {"position": "1"})  # where somebody says so
-    assert draft.columns["position"] == f"Ay ({unit})"
+    assert draft.columns["position"] == title.format(unit)
+
+
+@pytest.mark.parametrize("unit", ["mm s^-1", "m·s⁻²", "m s⁻¹"])
+def test_a_rate_by_a_negative_power_is_one(unit: str) -> None:
+    assert read_title(f"Ay ({unit})").role == "other"
+
+
+@pytest.mark.parametrize(
+    ("title", "role"),
+    [
+        ("pos (counts/step)", "position"),
+        ("x (V/sensor)", "position"),
+        ("x (cas-1)", "position"),
+        ("x run 1 (5 m/s)", "position"),
+        ("x (m) at v = 1 m/s", "position"),
+        ("u (volts-DC)", "input"),
+        ("u (V/step)", "input"),
+        ("u (V/s)", "input"),
+    ],
+)
+def test_what_is_no_rate_keeps_its_role(title: str, role: str) -> None:
+    assert read_title(title).role == role

@@ -34,7 +34,9 @@ def _options(
         float | None, _option("--counts-per-meter", "COUNTS", "Of the encoder, where positions are counts.")
     ] = None,
     time_unit: Annotated[str | None, _option("--time-unit", "UNIT", "s, ms, us, or seconds per unit.")] = None,
-    sample_time: Annotated[float | None, _option("--sample-time", "S", "Between two rows without a time.")] = None,
+    sample_time: Annotated[
+        float | None, _option("--sample-time", "S", "Between two rows, without a time or with one that repeats.")
+    ] = None,
     input_unit: Annotated[
         str | None, _option("--input-unit", "UNIT", "V, mV, N, A, N·m, or volts per unit as a number.")
     ] = None,

@@ -67,7 +67,8 @@ class Criteria(Model):
     fast : float
         Shortest relaxation time, in 1/ω₀, that is not damping.
     swings : float
-        Least number of periods of a disturbance, or of a second mass, within the longest record.
+        Least number of periods of a disturbance or a second mass, or of beats with the own swing, in the longest
+        record.
     shape : float
         Standard deviations beyond chance that a law of any shape may take of what is as small as white noise, where no
         runs differ, and that what runs differ by may go with a condition: 1 in 4,300 for a normal deviate at 3.5, and

@@ -66,7 +66,7 @@ class EvidenceRecord:
     def best(self) -> Candidate:
         """The simplest of the best: a further effect must earn more than chance does, and imitators stand back.
 
-        So does a scatter that is none, see `systematic`, where another is better by more than a tie.
+        So does one whose scatter is `systematic`, a law, where another is better by more than a tie: two things say so.
         """
         able = tuple(w for w in self.weighed if not self.imitators(w.candidate)) or self.weighed
         found = self.simplest(able)

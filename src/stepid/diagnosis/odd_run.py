@@ -23,10 +23,10 @@ from stepid.simulation.records import Records
 from stepid.simulation.simulator import Simulator
 
 _STANDS_OUT = 0.3  # of the linear plant's misfit, per sample, that is left without the run: as much as a fault leaves
-_SURER = 3.0  # power of that, for a run that no other is like, or of few
+_NEARLY_ALL = 0.027  # the same for a run that no other is like, or that is one of few
 _FARTHER = 1.1  # times the others' travel, from which on they tell nothing of a run's law
 _FEWEST = 4  # runs: two others agree with any law
-_SURE = 5  # runs: with fewer the three others may, too, and a mistake has to take nearly all of the misfit
+_SOME = 5  # runs: of fewer the three others may, too, and a mistake has to take nearly all of the misfit
 _PARTS = np.array([-0.6, -0.4, -0.2, 0.2, 0.4, 0.7, 1.0, 1.5])  # of the moving mass: a wrong one is looked for from
 _LAPS = 30  # steps of a fit
 _LABELS, _ALIKE = ("stiffness", "damping"), 0.1  # relative, as far as a run's own is another label's
@@ -77,11 +77,11 @@ def fault_of(context: FitContext, run: int, shown: Candidate) -> RecordFault | N
     plain = _fitted(alone, shared)
     if plain is None or (before := plain.cost) <= 0:
         return None
-    unsure = _stands_alone(records, run) or len(records.runs) < _SURE
+    unsure = _stands_alone(records, run) or len(records.runs) < _SOME
     every = [one for one in _mistakes(alone, shared, context, run) if one[0] not in _LABELS or _is_label(one, shared)]
     found = min(every, key=lambda one: one[2], default=None)
     name = records.runs[run].name
-    if found is not None and found[2] <= (_STANDS_OUT**_SURER if unsure else _STANDS_OUT) * before:
+    if found is not None and found[2] <= (_NEARLY_ALL if unsure else _STANDS_OUT) * before:
         kind, size, _, optimum = found
         words = fault_words(optimum, 0, kind, size, ())
         return RecordFault(run=name, kind=kind, size=told(optimum, 0, kind, size), unit=UNITS[kind], words=words)

@@ -204,10 +204,8 @@ def unexplained(e: EvidenceRecord) -> Answer | None:
     nearest = best if best.effects else e.likeliest  # which may not be named
     if not nearest.effects:
         return Answer("unexplained", best, (), ("No candidate explains the misfit.",))
-    said: tuple[str, ...] = (
-        f"The best candidate, {_title(nearest)}, leaves {length(nearest.optimum.rms)}, "
-        f"{e.times(nearest):.3g} times the noise floor.",
-    )
+    left = f"leaves {length(nearest.optimum.rms)}, {e.times(nearest):.3g} times the noise floor"
+    said: tuple[str, ...] = (f"The {'best' if best.effects else 'likeliest'} candidate, {_title(nearest)}, {left}.",)
     imitated = e.imitators(e.likeliest)
     said += tuple(f"{_title_of(name)} cannot be told from {what} here." for name, what in imitated.items())
     return Answer("unexplained", best, (), (*said, *_too_little(e)))

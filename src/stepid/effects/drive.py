@@ -10,7 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect, Moment, Motion, Parameter, Regressor, Scales, Values
-from stepid.effects.swing import Swing
+from stepid.effects.swing import OWN, Swing
 
 
 def acts_on_input(effect: Effect) -> bool:
@@ -206,10 +206,10 @@ class PeriodicDisturbance(Effect):
         return [(0.01 * scales.force, f) for f in scales.resonances]
 
     def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
-        return "the plant's own oscillation" if swing.near(2 * math.pi * values[1]) else ""
+        return OWN if swing.near(2 * math.pi * values[1]) else ""
 
     def unseen(self, values: tuple[float, ...], swing: Swing) -> str:
-        return swing.unseen(values[1]) or swing.own(values[1])
+        return swing.unseen(values[1]) or swing.unbeaten(values[1])
 
     def overtones(self, values: tuple[float, ...], m: Motion) -> Sequence[Array]:
         return _overtones(2 * np.pi * values[1] * m.time + values[2])

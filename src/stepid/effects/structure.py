@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from stepid.effects.base import Effect, Moment, Parameter, Scales, Values
-from stepid.effects.swing import Swing
+from stepid.effects.swing import OWN, Swing
 
 
 class ViscoelasticSpring(Effect):
@@ -84,7 +84,7 @@ class FlexibleCoupling(Effect):
         return tuple(share * v for v in values)
 
     def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
-        return "the plant's own oscillation" if swing.near(_rate(values)) else ""
+        return OWN if swing.near(_rate(values)) else ""
 
     def unseen(self, values: tuple[float, ...], swing: Swing) -> str:
         return swing.unseen(_rate(values) / math.tau)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+OWN = "the plant's own oscillation"
+
 
 class Swing(NamedTuple):
     """How a campaign's plants swing, for `Effect.imitates`.
@@ -45,12 +47,11 @@ class Swing(NamedTuple):
         """Say what a frequency [Hz] of too few periods in the longest record cannot be told from, or nothing."""
         return "a slow shift of the rest position" if frequency * self.duration < self.swings else ""
 
-    def own(self, frequency: float) -> str:
-        """Say that a steady frequency [Hz] beats too few times with the plant's own oscillation while that lasts.
+    def unbeaten(self, frequency: float) -> str:
+        """Say that a steady frequency [Hz] beats too few times with the own oscillation of every run, while that lasts.
 
         What differs by less within the longest record, in rate and decay, is any slow change of that oscillation.
         """
         rate, least = math.tau * frequency, math.tau * self.swings / self.duration
         own = zip(self.rates, self.decays, strict=True)
-        alike = any(math.hypot(rate - swing, decay) < least for swing, decay in own)
-        return "the plant's own oscillation" if alike else ""
+        return OWN if all(math.hypot(rate - swing, decay) < least for swing, decay in own) else ""

@@ -208,7 +208,7 @@ def _zeros_beside(rows: Sequence[Sequence[str]], used: Collection[int], decimal:
 
 
 def _last_row(rows: Sequence[Sequence[str]], layout: Layout) -> int:
-    """Where the first line below row `stop` is none of the table, such as a mean or a remark, or all are empty."""
+    """Rows up to the first below `stop` that is none of the table, such as a mean; empty last ones are none."""
     last = next((i for i in range(len(rows), 0, -1) if any(rows[i - 1])), len(rows))
     if layout.stop is None or layout.stop <= 0:
         return last

@@ -70,7 +70,7 @@ def draft_campaign(
     counts_per_meter : float, optional
         Of the encoder, where positions are counts.
     sample_time : float, optional
-        s, between rows without a time, or whose times are printed too coarsely to tell it.
+        s, between rows without a time, or whose printed times repeat.
     step : float, optional
         V, of the input where no column is one; 0 for a free release. It starts where the motion does.
     motion : "translation" or "rotation", optional

@@ -81,7 +81,7 @@ def read_table(
         V per unit of the input column; of the column only.
     sample_time : float, optional
         s. With `time` too, rows are put at multiples of it after the first, and `time` is checked to agree within
-        half a sample, or half of its last printed digit where times stand: for times that are printed rounded.
+        half a sample, or within its resolution where stamps repeat: for times that are printed rounded.
     name : str, optional
         Of the run; the first file's stem by default.
     added_mass : float
@@ -212,14 +212,16 @@ def _time(
             row = int(np.argmax(~(steps > 0))) + 1
             own = " if each file starts a clock of its own" * (len(rows_of_files(table.places)) > 1)
             remedy = f"Correct it, or give sample_time=… (s) and leave time out{own}."
-            if _rounding(steps):
-                remedy = "Give sample_time=… (s), too, if time is printed rounded: it is checked against that."
+            if stamp_resolution(time):
+                remedy += " Times that are printed rounded may stay: they are checked against it."
             cause = f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s: time does not increase"
             raise InputError(cause, remedy)
         uniform = _follows(time, index, mean, 0.01)
         usual = float(np.median(steps))
         odd = np.abs(steps - usual) > 0.02 * abs(usual)
-        if mean > 0 and _follows(time, index, step, 0.5 * max(1.0, _rounding(steps) / step)):
+        digit = stamp_resolution(time)
+        rounded = digit > 0 and float(np.ptp(time - index * step)) <= digit + 0.5 * step
+        if rounded or (mean > 0 and _follows(time, index, step, 0.5)):
             even: Array = time[0] + index * step
             return even
     if uniform:
@@ -235,9 +237,17 @@ def _time(
     )
 
 
-def _rounding(steps: Array) -> float:
-    """Last printed digit of times some of which stand, s, by their steps; 0 where none does, or one falls."""
-    return float(steps.max()) if np.any(steps == 0) and np.all(steps >= 0) else 0.0
+def stamp_resolution(time: Array) -> float:
+    """Resolution of rounded time stamps, shape (n,), by the steps beside those that repeat; 0 if none does.
+
+    It is 0 where a stamp falls, too, and infinite where all are one.
+    """
+    steps = np.diff(time)
+    same = steps == 0
+    if not same.any() or np.any(steps < 0):
+        return 0.0
+    beside = np.concatenate([steps[1:][same[:-1]], steps[:-1][same[1:]]])
+    return float(np.median(beside[beside > 0])) if np.any(beside > 0) else np.inf
 
 
 def _follows(time: Array, index: Array, step: float, tolerance: float) -> bool:

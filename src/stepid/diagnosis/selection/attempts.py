@@ -102,14 +102,15 @@ class Attempts(Fits):
     def _add_twins(self) -> None:
         """Where all runs have one mass, fit what no motion tells from each candidate: it is as good an answer.
 
-        What the one fit found is the other's, too: the better of both goes to both. What leaves more than twice what
-        the best does is no answer, and needs none beside it.
+        What the one fit found is the other's, too: the better of both goes to both. What does not lead and costs more
+        than twice the best is no answer, and needs none beside it.
         """
         if mass_span(self.fit.records) > 0:
             return
         for _ in range(2):
             order = sorted(self.candidates.values(), key=lambda c: c.optimum.cost)
-            for found in (c for c in order if c.optimum.cost <= 2 * order[0].optimum.cost):
+            leading = self._leading()
+            for found in (c for c in order if c in leading or c.optimum.cost <= 2 * order[0].optimum.cost):
                 for proposal in [p for move in SAME for p in move.propose(self.nodes[found.key], self.context)]:
                     known = self.candidates.get(proposal.key)
                     if known is None or known.optimum.cost > found.optimum.cost + self.fit.tolerance:

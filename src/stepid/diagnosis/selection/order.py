@@ -288,7 +288,7 @@ def singles(nodes: Collection[Node], best: Candidate) -> list[Node]:
 
 
 def first_of(nodes: Sequence[Node], proposals: Sequence[Proposal], move: str, count: int) -> list[Node]:
-    """The first few of some nodes, and of those one of whose proposals by a move promises to leave least, in turn.
+    """The first `count` of some nodes, and the `count` of which a proposal by a move promises to leave least.
 
     Proposals of one condition count: all together promise to leave nothing of any.
     """

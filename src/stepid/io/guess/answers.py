@@ -168,12 +168,12 @@ def _check_column(draft: Draft, role: str) -> None:
 
 
 def _with_times(draft: Draft, answers: Answers) -> Draft:
-    """Sample time and step where no column has them."""
+    """Sample time and step where no column has them, or stamps that repeat."""
     period, level = answers.sample_time, answers.step
     if period is not None:
         if not (np.isfinite(period) and period > 0):
             raise InputError(f"sample_time is {period:g} s", "Give a positive number of seconds.")
-        if draft.timeless:
+        if draft.repeated:
             draft = draft.having(sample_time=Found(period, SAID))
     if level is not None:
         if not np.isfinite(level):
@@ -203,12 +203,8 @@ def _onset(draft: Draft) -> float:
 
 
 def _clock(draft: Draft) -> Array:
-    time = draft.si("time")
-    if time is not None:
-        return time
-    step = 1.0 if draft.sample_time is None else draft.sample_time.value
-    out: Array = step * np.arange(draft.readings["position"].size, dtype=np.float64)
-    return out
+    time = draft.clock()
+    return np.arange(draft.readings["position"].size, dtype=np.float64) if time is None else time
 
 
 def _signed(draft: Draft) -> Draft:

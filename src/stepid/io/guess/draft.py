@@ -20,7 +20,7 @@ TURNS = ("deg", "rad", "mrad")
 ROLES = ("time", "position", "input")
 ALL = "all"
 """In place of the position's column: each column of a position is a run."""
-_STANDS = 0.05  # of the steps of a printed time: fewer are single wrong stamps
+_REPEATS = 0.05  # of the time stamps: fewer are single wrong ones
 
 
 @dataclass(frozen=True)
@@ -88,12 +88,26 @@ class Draft:
         return None if role not in self.readings or scale is None else self.readings[role] * scale
 
     @property
-    def timeless(self) -> bool:
-        """True where no column tells the sample time: there is none of the time, or it is printed too coarsely."""
+    def repeated(self) -> float:
+        """Share of time stamps that repeat the one before: 1 where there are none, 0 where one falls."""
         if self.format == "ecp" or "time" not in self.columns:
-            return True
+            return 1.0
         steps = np.diff(self.readings["time"])
-        return bool(steps.size and np.all(steps >= 0) and np.mean(steps == 0) > _STANDS)
+        return float(np.mean(steps == 0)) if steps.size and np.all(steps >= 0) else 0.0
+
+    @property
+    def has_no_clock(self) -> bool:
+        """True where no column tells the sample time: there is none of the time, or it is printed too coarsely."""
+        return self.repeated > _REPEATS
+
+    def clock(self) -> Array | None:
+        """Times of the samples, s; None where neither a sample time nor a column in a known unit tells them."""
+        if self.sample_time is None or not self.repeated:
+            return self.si("time")
+        size, stamps = max((values.size for values in self.readings.values()), default=0), self.si("time")
+        begin = 0.0 if stamps is None or not stamps.size else stamps[0]
+        out: Array = begin + self.sample_time.value * np.arange(size, dtype=np.float64)
+        return out
 
     @property
     def turns(self) -> bool:

@@ -117,7 +117,7 @@ def _table_keys(draft: Draft) -> dict[str, tuple[object, str]]:
         column = draft.columns[role]
         title = draft.titles[role]
         keys[role] = (column, _counted(title, column) if isinstance(column, int) else "")
-        if role == "time" and draft.timeless:
+        if role == "time" and (draft.has_no_clock or draft.sample_time is not None):
             keys["sample_time"] = _told(draft) or _COARSE
         scale = draft.scale(role)
         if scale is None:

@@ -58,7 +58,7 @@ def _which_column(drafts: Sequence[Draft]) -> str:
 
 
 def _needs_sample_time(draft: Draft) -> bool:
-    return draft.sample_time is None and draft.timeless
+    return draft.sample_time is None and draft.has_no_clock
 
 
 def _has_open_unit(draft: Draft) -> bool:

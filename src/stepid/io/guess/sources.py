@@ -76,10 +76,8 @@ def _file(draft: Draft) -> str:
 
 
 def _time(draft: Draft) -> str:
-    seconds = draft.si("time")
-    if draft.sample_time is not None and draft.timeless:
-        step = draft.sample_time.value
-    elif seconds is not None and seconds.size > 1:
+    seconds = draft.clock()
+    if seconds is not None and seconds.size > 1:
         step = float(np.median(np.diff(seconds)))
     else:
         return _column(draft, "time") if "time" in draft.columns else "?"

@@ -159,7 +159,7 @@ def _readings(columns: Mapping[str, Column]) -> tuple[dict[str, Array], list[str
 
 def _timed(draft: Draft, block: Block) -> Draft:
     """Take the sample time from clock times, or from the lines above, where no column tells it."""
-    if not draft.timeless:
+    if not draft.has_no_clock:
         return draft
     if block.clock is not None:
         return draft.having(sample_time=Found(block.clock, "the clock times of its rows"))

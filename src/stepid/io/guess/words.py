@@ -60,7 +60,8 @@ _SPELLED = {
 }
 _SHORT = {"in", "min", "inc", "grad", "v", "n", "a", "%"}  # too much like words to be units unless in brackets
 _BRACKETS = re.compile(r"\s*[\[({<]\s*([^\])}>]{1,14}?)\s*[\])}>]")
-_RATE = re.compile(r"/\s*s|s\s*(\^|⁻|-)")  # a unit by time: of velocities and accelerations
+_RATE = re.compile(r"(?P<unit>.+?)\s*(?:/\s*(?:s|ms|min|h)\s*(?:\^?2|²)?|[\s·*]\s*s\s*(?:\^?-[12]|⁻[¹²]))")
+_RATE_TAIL = re.compile(r"^(?P<stem>.*[^\s\d,/])(?:\s*[,/]\s*|\s+in\s+|\s+)(?P<unit>[^\s,/]+\s*/\s*[^\s/]+)$")
 _TAIL = re.compile(r"^(?P<stem>.*[^\s,/_])(?:\s*[,/]\s*|\s+in\s+|[_ ])(?P<unit>[^\s,/_\[\]()]{1,12})$")
 
 _WORDS: dict[Role, tuple[str, str]] = {  # whole words, and how longer words begin
@@ -129,6 +130,9 @@ def read_title(name: str) -> Title:
     Title
     """
     brackets = _unit_brackets(name)
+    rate = brackets or _RATE_TAIL.match(name)
+    if rate is not None and _is_rate(rate[1] if brackets else rate["unit"]) and role_of(name) in (None, "position"):
+        return Title("other", None, name, False)
     if brackets:
         stem, unit, bracketed = name[: brackets.start()] + name[brackets.end() :], brackets[1], True
     elif (tail := _TAIL.match(name)) is not None:
@@ -141,8 +145,6 @@ def read_title(name: str) -> Title:
     for one in (role,) if role in SCALES else SCALES:
         if (known := _unit_of(unit, str(one), bracketed=bracketed)) is not None and (role != "other"):
             return Title(role or _role_by_unit(known), known, stem, False)
-    if bracketed and _RATE.search(unit):
-        return Title("other", None, stem, False)
     if bracketed and not any(char.isdigit() for char in unit):
         return Title(role, None, stem, doubtful=True)
     if (numbered := re.fullmatch(r"(.*[^\W\d_])[ _.-]?(\d+)\s*", name)) is not None:  # x_mm_1
@@ -150,6 +152,12 @@ def read_title(name: str) -> Title:
         if inner.unit is not None:
             return inner._replace(rest=f"{inner.rest} {numbered[2]}")
     return Title(role_of(name), None, name, False)
+
+
+def _is_rate(text: str) -> bool:
+    """Tell whether a unit is one of a length or an angle by time, as of velocities and accelerations."""
+    found = _RATE.fullmatch(text)
+    return found is not None and _unit_of(found["unit"], "position", bracketed=True) is not None
 
 
 def _unit_brackets(name: str) -> re.Match[str] | None:
