@@ -82,6 +82,7 @@ def test_the_two_routes_agree_on_inputs_that_are_not_held(between: str, name: st
         assert np.max(np.abs(reference(run) - fast([run])[0])) < 0.005 * COUNT
 
 
+@pytest.mark.slow
 def test_lines_and_splines_through_a_line_are_the_same() -> None:
     inputs = 0.004 * np.arange(100)
     one, two = (reference(moved(inputs=inputs, input_before=0.0, input_between=b)) for b in ("straight", "smooth"))

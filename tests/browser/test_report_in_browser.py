@@ -12,6 +12,8 @@ import diagnosis_example as example
 import report_example
 from browser.visiting import Visit
 
+pytestmark = pytest.mark.slow
+
 SIZES = [("light", 1280), ("light", 390), ("dark", 1280), ("dark", 390)]
 FIRST = [("light", 1280), ("dark", 390)]
 Window = Callable[..., Any]
@@ -164,7 +166,6 @@ def test_axe_finds_no_violation(at: Any) -> None:
     check_accessibility(at)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("theme", "width"), SIZES)
 def test_nine_runs(visit: Window, theme: str, width: int) -> None:
     page = report_example.page_of_nine()

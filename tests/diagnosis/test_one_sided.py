@@ -146,7 +146,10 @@ def test_a_strength_is_there_where_its_limit_comes_before_none(
     assert profile.present(optimum, resolve(["free_play"]), 1e-5, (), within) == set()
 
 
-@pytest.mark.parametrize(("draw", "number", "effect"), [(STOPS, 79, "end_stop"), (POWERS, 159, "power_damping")])
+@pytest.mark.parametrize(
+    ("draw", "number", "effect"),
+    [(STOPS, 79, "end_stop"), pytest.param(POWERS, 159, "power_damping", marks=pytest.mark.slow)],
+)
 def test_a_strength_is_determined_by_its_likelihood(draw: str, number: int, effect: str) -> None:
     """The curvature leaves the stop's stiffness and the coefficient beside its exponent open by half of them."""
     campaign, truth = one("single-all", number, draw)

@@ -30,7 +30,8 @@ def test_a_hold_of_a_few_samples_that_nobody_sees_is_no_relaxing_spring(seed: in
     assert any("a hand may still have held the cart" in note for note in d.notes)
 
 
-@pytest.mark.parametrize("seed", [3, pytest.param(11, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [3, 11])
 def test_weights_that_are_off_as_far_as_they_may_be_are_no_second_effect(seed: int) -> None:
     d = stepid.diagnose(rubbing_carts.campaign(seed, weights=0.01))
     assert d.effects == ("coulomb_friction",)

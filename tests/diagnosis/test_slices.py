@@ -32,7 +32,10 @@ def slices(*first: int, noise: float = 1e-5) -> stepid.Campaign:
     return stepid.Campaign(name="slices", experiments=runs)
 
 
-@pytest.mark.parametrize("first", [(220, 440), (60, 220, 440), (220, 480, 580), (100, 220, 440, 580)])
+ENDS = [(60, 220, 440), (220, 480, 580), (100, 220, 440, 580)]
+
+
+@pytest.mark.parametrize("first", [(220, 440), *(pytest.param(ends, marks=pytest.mark.slow) for ends in ENDS)])
 def test_starts_off_rest_are_no_effect(first: tuple[int, ...]) -> None:
     d = stepid.diagnose(slices(*first))
     assert d.verdict == "adequate"

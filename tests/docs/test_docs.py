@@ -25,7 +25,7 @@ from stepid.cli import run
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
-DIAGNOSING = {"why-your-model-does-not-fit.ipynb", "your-own-rig.ipynb"}  # a diagnosis each: slow
+LONG = {"why-your-model-does-not-fit.ipynb", "your-own-rig.ipynb", "instructor.ipynb"}
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -47,7 +47,7 @@ def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-SLOW = ("report.md",)  # it draws every picture, twice
+SLOW = ("report.md", "tutorial.md", "torsion.md", "diagnosis.md")  # every picture, or a diagnosis
 
 
 @pytest.mark.parametrize(
@@ -162,7 +162,7 @@ def test_notebooks_carry_no_output(path: Path) -> None:
 
 @pytest.mark.parametrize(
     "path",
-    [pytest.param(p, marks=pytest.mark.slow if p.name in DIAGNOSING else ()) for p in NOTEBOOKS],
+    [pytest.param(p, marks=pytest.mark.slow if p.name in LONG else ()) for p in NOTEBOOKS],
     ids=lambda p: p.name,
 )
 @pytest.mark.filterwarnings("ignore::DeprecationWarning:jupyter_client.*", "ignore::DeprecationWarning:zmq.*")
@@ -176,7 +176,7 @@ def test_notebooks_run(path: Path, tmp_path: Path) -> None:
 
 
 def test_slow_notebooks_exist() -> None:
-    assert {p.name for p in NOTEBOOKS} >= DIAGNOSING
+    assert {p.name for p in NOTEBOOKS} >= LONG
 
 
 @pytest.mark.slow

@@ -67,6 +67,7 @@ def same_but_for_last_digits(one: str, two: str) -> bool:
     )
 
 
+@pytest.mark.slow
 def test_outputs_on_the_pages_are_what_the_code_prints(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     mpl.use("Agg")

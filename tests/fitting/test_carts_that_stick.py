@@ -19,6 +19,7 @@ def test_a_linear_plant_is_always_found(runs: int) -> None:
         assert linear.rms < float(np.std(linear.problem.records.position))
 
 
+@pytest.mark.slow
 def test_known_weights_bound_the_mass_where_a_misfit_remains() -> None:
     scale = [prepare(campaign(seed)).linear for seed in range(25)]
     for linear in scale:

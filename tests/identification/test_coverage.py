@@ -39,6 +39,7 @@ def test_coverage_of_sampled_peaks(noise: float) -> None:
             assert 92 <= 100 * np.mean(np.abs(scores) < 1.96) <= 98, (solver, quantity)
 
 
+@pytest.mark.slow
 def test_coverage_of_sampled_peaks_in_short() -> None:
     found = z_scores(60, noise=20e-6, peak=stepid.SampledPeak())
     for by_quantity in found.values():

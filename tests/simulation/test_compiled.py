@@ -55,6 +55,7 @@ def compiled() -> dict:
     return told_by(SHORT)
 
 
+@pytest.mark.slow
 def test_plain_python_and_machine_code_agree(compiled: dict) -> None:
     plain = told_by(SHORT, NUMBA_DISABLE_JIT="1")
     assert compiled["compiled"]
