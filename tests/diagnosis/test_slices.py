@@ -52,6 +52,7 @@ def test_offset_and_velocity_of_a_start_are_one_condition() -> None:
     assert complexity("start_offset", "start_velocity", "gain") == complexity("gain", "damping") == 2
 
 
+@pytest.mark.slow
 def test_parts_of_one_swing_have_one_damping() -> None:
     """A pendulum with air drag, 200 s long: its damping falls with the swing, in each part it is another."""
     time = 0.02 * np.arange(5000)

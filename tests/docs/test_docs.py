@@ -25,7 +25,7 @@ from stepid.cli import run
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
-LONG = {"why-your-model-does-not-fit.ipynb", "your-own-rig.ipynb", "instructor.ipynb"}
+LONG = {"why-your-model-does-not-fit.ipynb", "your-own-rig.ipynb", "instructor.ipynb", "lab-handout.ipynb"}
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 

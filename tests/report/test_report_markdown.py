@@ -30,6 +30,7 @@ def cells(line: str) -> list[str]:
     return re.split(r"(?<!\\)\|", line)[1:-1]
 
 
+@pytest.mark.slow
 def test_the_same_story_with_pictures_beside_it(tmp_path: Path) -> None:
     d = example.named()
     target = d.to_markdown(tmp_path / "note of today.md")
