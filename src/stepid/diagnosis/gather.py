@@ -97,8 +97,8 @@ class EvidenceRecord:
     @cached_property
     def white(self) -> bool:
         """Whether the linear plant leaves noise of the floor's size, white where the readings' noise is."""
-        white = self.context.colored is not None or is_white(self.context, self.linear, self.criteria.white)
-        return white and self.at_floor(self.linear)
+        colored = self.context.colored is not None
+        return self.at_floor(self.linear) and (colored or is_white(self.context, self.linear, self.criteria.white))
 
     @property
     def faint(self) -> float:
@@ -247,8 +247,8 @@ class EvidenceRecord:
 
     def _replaces(self, law: FreeLaw, states: tuple[frozenset[str], ...]) -> bool:
         """Tell whether a law of any shape leaves an effect of another state not what it is."""
-        most = self.criteria.open
-        return any(of != law.states and abs(by) > most for of, by in zip(states, law.changes, strict=True))
+        changes = zip(states, law.changes, strict=True)
+        return any(state != law.states and abs(change) > self.criteria.open for state, change in changes)
 
     def _laws_left(self, lead: Candidate) -> tuple[FreeLaw, ...]:
         """Laws of any shape in what a lead leaves with conditions alike in all runs: scatter hides a shape."""

@@ -64,9 +64,9 @@ def screen(campaign: Campaign) -> Screened:
         campaign = campaign.model_copy(update={"experiments": tuple(found.run for found in mended.values())})
     _check_meters(campaign.experiments)
     kept, notes = list(campaign.experiments), [*splits, *(fault.words for fault in faults)]
-    for screened in (_moving, _without_copies, from_rest):
-        kept, left_out = screened(kept)
-        notes += left_out
+    for stage in (_moving, _without_copies, from_rest):
+        kept, said = stage(kept)
+        notes += said
     if not kept:
         raise InputError(
             f"campaign {campaign.name!r}: no run can be used. {' '.join(notes)}",

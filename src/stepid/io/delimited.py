@@ -18,6 +18,7 @@ from stepid.io.record_end import own_rows
 from stepid.io.table_layout import Layout, cells, is_header, named_columns
 from stepid.io.textfile import (
     common_width,
+    count_filled,
     decode,
     is_comment,
     is_number,
@@ -209,7 +210,7 @@ def _zeros_beside(rows: Sequence[Sequence[str]], used: Collection[int], decimal:
 
 def _last_row(rows: Sequence[Sequence[str]], layout: Layout) -> int:
     """Rows up to the first below `stop` that is none of the table, such as a mean; empty last ones are none."""
-    last = next((i for i in range(len(rows), 0, -1) if any(rows[i - 1])), len(rows))
+    last = count_filled(rows) or len(rows)
     if layout.stop is None or layout.stop <= 0:
         return last
     width = common_width(rows)

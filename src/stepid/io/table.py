@@ -204,7 +204,7 @@ def _time(
     with np.errstate(all="ignore"):
         mean = float((time[-1] - time[0]) / (time.size - 1))
         step = mean if sample_time is None else sample_time
-        steps = np.diff(time)
+        steps, digit = np.diff(time), _stamp_resolution(time)
         if sample_time is None:
             if np.all(steps > 0):
                 stamps: Array = time
@@ -212,14 +212,13 @@ def _time(
             row = int(np.argmax(~(steps > 0))) + 1
             own = " if each file starts a clock of its own" * (len(rows_of_files(table.places)) > 1)
             remedy = f"Correct it, or give sample_time=… (s) and leave time out{own}."
-            if stamp_resolution(time):
+            if digit:
                 remedy += " Times that are printed rounded may stay: they are checked against it."
             cause = f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s: time does not increase"
             raise InputError(cause, remedy)
         uniform = _follows(time, index, mean, 0.01)
         usual = float(np.median(steps))
         odd = np.abs(steps - usual) > 0.02 * abs(usual)
-        digit = stamp_resolution(time)
         rounded = digit > 0 and float(np.ptp(time - index * step)) <= digit + 0.5 * step
         if rounded or (mean > 0 and _follows(time, index, step, 0.5)):
             even: Array = time[0] + index * step
@@ -237,7 +236,7 @@ def _time(
     )
 
 
-def stamp_resolution(time: Array) -> float:
+def _stamp_resolution(time: Array) -> float:
     """Resolution of rounded time stamps, shape (n,), by the steps beside those that repeat; 0 if none does.
 
     It is 0 where a stamp falls, too, and infinite where all are one.

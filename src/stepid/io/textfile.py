@@ -187,6 +187,11 @@ def parse_numbers(
     raise _locate(rows, lines, columns, where, remedy, decimal, remedy if other_mark is None else other_mark)
 
 
+def count_filled(rows: Sequence[Sequence[str]]) -> int:
+    """Count the rows up to the last with a cell that is not empty: spreadsheets write marks of empty ones below."""
+    return next((i for i in range(len(rows), 0, -1) if any(rows[i - 1])), 0)
+
+
 def common_width(rows: Sequence[Sequence[str]]) -> int:
     """Return the number of tokens that most rows have."""
     return Counter(map(len, rows)).most_common(1)[0][0]

@@ -108,33 +108,40 @@ def _export_keys(draft: Draft) -> dict[str, tuple[object, str]]:
 def _table_keys(draft: Draft) -> dict[str, tuple[object, str]]:
     keys: dict[str, tuple[object, str]] = {}
     for role in ROLES:
-        if role not in draft.columns:
-            if role == "position":
-                keys[role] = (MARK, f"one of {', '.join(draft.choices)}")
-            elif role == "time":
-                keys["sample_time"] = _told(draft) or (MARK, "s between two rows")
-            continue
-        column = draft.columns[role]
-        title = draft.titles[role]
-        keys[role] = (column, _counted(title, column) if isinstance(column, int) else "")
-        if role == "time" and (draft.has_no_clock or draft.sample_time is not None):
-            keys["sample_time"] = _told(draft) or _COARSE
-        scale = draft.scale(role)
-        if scale is None:
-            keys[f"{role}_scale"] = (MARK, f"{_SI[role]} per unit of the column: nothing says its unit")
-            continue
-        sign = -1 if role == "position" and draft.falling else 1
-        if scale * sign != 1 or _unsure(draft, role):
-            keys[f"{role}_scale"] = (sign * scale, _scale_words(draft, role))
-        counts = draft.units.get(role)
-        if role == "position" and counts is not None and counts.value == COUNTS:
-            keys["counts_per_meter"] = (round(1 / scale, 6), "for the resolution")
+        if role in draft.columns:
+            column = draft.columns[role]
+            keys[role] = (column, _counted(draft.titles[role], column) if isinstance(column, int) else "")
+        elif role == "position":
+            keys[role] = (MARK, f"one of {', '.join(draft.choices)}")
+        if role == "time" and (sample_time := _sample_time(draft)) is not None:
+            keys["sample_time"] = sample_time
+        if role in draft.columns:
+            keys |= _scale_keys(draft, role)
     return keys
 
 
-def _told(draft: Draft) -> tuple[object, str] | None:
-    known = draft.sample_time
-    return None if known is None else (known.value, f"s, {_by(known.why)}")
+def _sample_time(draft: Draft) -> tuple[object, str] | None:
+    """The sample time, where it is known or has to be said; None where the stamps tell it."""
+    if (known := draft.sample_time) is not None:
+        return known.value, f"s, {_by(known.why)}"
+    if not draft.has_no_clock:
+        return None
+    return _COARSE if "time" in draft.columns else (MARK, "s between two rows")
+
+
+def _scale_keys(draft: Draft, role: str) -> dict[str, tuple[object, str]]:
+    """SI units per unit of a column, where they are not one or not sure, and the encoder's counts."""
+    scale = draft.scale(role)
+    if scale is None:
+        return {f"{role}_scale": (MARK, f"{_SI[role]} per unit of the column: nothing says its unit")}
+    keys: dict[str, tuple[object, str]] = {}
+    sign = -1 if role == "position" and draft.falling else 1
+    if scale * sign != 1 or _unsure(draft, role):
+        keys[f"{role}_scale"] = (sign * scale, _scale_words(draft, role))
+    counts = draft.units.get(role)
+    if role == "position" and counts is not None and counts.value == COUNTS:
+        keys["counts_per_meter"] = (round(1 / scale, 6), "for the resolution")
+    return keys
 
 
 def _counted(title: str, column: int) -> str:

@@ -15,7 +15,7 @@ from stepid.errors import InputError
 from stepid.io.guess.rows import broken_row, cells, find_marks, longest_rows, numbers
 from stepid.io.guess.titles import find_titles, labeled_units
 from stepid.io.table_layout import Layout
-from stepid.io.textfile import is_comment, split_lines
+from stepid.io.textfile import count_filled, is_comment, split_lines
 
 _CLOCK = re.compile(r"(?:^|[ T])(\d{1,2}):(\d\d):(\d\d(?:[.,]\d+)?)$")
 
@@ -97,9 +97,8 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
         )
     separator, decimal = marks
     rows = [cells(line, separator) for _, line in body]
-    while not any(rows[-1]):  # marks of empty cells alone, as spreadsheets write them below
-        rows.pop()
-    body = body[: len(rows)]
+    filled = count_filled(rows)
+    body, rows = body[:filled], rows[:filled]
     found = longest_rows(rows, decimal)
     if (broken := broken_row(rows, found, decimal)) is not None:
         number, text = body[broken][0] + 1, body[broken][1].strip()

@@ -130,8 +130,7 @@ def read_title(name: str) -> Title:
     Title
     """
     brackets = _unit_brackets(name)
-    rate = brackets or _RATE_TAIL.match(name)
-    if rate is not None and _is_rate(rate[1] if brackets else rate["unit"]) and role_of(name) in (None, "position"):
+    if _names_rate(name, brackets):
         return Title("other", None, name, False)
     if brackets:
         stem, unit, bracketed = name[: brackets.start()] + name[brackets.end() :], brackets[1], True
@@ -154,10 +153,13 @@ def read_title(name: str) -> Title:
     return Title(role_of(name), None, name, False)
 
 
-def _is_rate(text: str) -> bool:
-    """Tell whether a unit is one of a length or an angle by time, as of velocities and accelerations."""
-    found = _RATE.fullmatch(text)
-    return found is not None and _unit_of(found["unit"], "position", bracketed=True) is not None
+def _names_rate(name: str, brackets: re.Match[str] | None) -> bool:
+    """Tell whether what may be a position is in a unit of length or angle by time: a velocity or an acceleration."""
+    tail = _RATE_TAIL.match(name)
+    unit = brackets[1] if brackets else tail["unit"] if tail else ""
+    rate = _RATE.fullmatch(unit)
+    known = rate is not None and _unit_of(rate["unit"], "position", bracketed=True) is not None
+    return known and role_of(name) in (None, "position")
 
 
 def _unit_brackets(name: str) -> re.Match[str] | None:
