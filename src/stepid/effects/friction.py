@@ -191,12 +191,14 @@ class PreslidingHysteresis(Effect):
         built = np.zeros(m.x.size)
         begins = np.flatnonzero(np.diff(m.time, prepend=np.inf) <= 0).tolist()
         for first, end in pairwise([*begins, m.x.size]):
-            memory: tuple[float, ...] = (0.0,)
-            path = []
-            for shift in np.diff(m.x[first:end]).tolist():
-                memory = self.remember((1.0, distance), memory, shift, 1.0 if shift > 0 else -1.0)
-                path.append(memory[0])
-            built[first + 1 : end] = path
+            x, z = m.x[first:end], built[first:end]
+            turns = np.flatnonzero(np.diff(np.sign(np.diff(x)))) + 1
+            for turn, to in pairwise([0, *turns.tolist(), x.size - 1]):  # `remember`, of a stretch at once
+                sign = 1.0 if x[to] > x[turn] else -1.0
+                along, path = sign * z[turn], np.abs(x[turn : to + 1] - x[turn])
+                free = max(-along, 0.0)
+                loaded = distance - (distance - max(along, 0.0)) * np.exp((free - path) / distance)
+                z[turn : to + 1] = sign * np.where(path < free, along + path, loaded)
         return built
 
     @staticmethod
