@@ -131,6 +131,7 @@ class Told:
     sized: dict[str, Estimate] = field(default_factory=dict)
     open_beside: tuple[str, ...] = ()
     beside_lead: tuple[Candidate, ...] = ()
+    outdone: bool = False
     share_taken: tuple[float, float] = (0.95, 0.9)
     held: float = 1.0
     simpler: tuple[Candidate, ...] = ()

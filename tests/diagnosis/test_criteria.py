@@ -160,7 +160,7 @@ CASES: Mapping[str, Case] = {
     "steady": Case(0.4, True, 0.8, False, lead()),
     "first": Case(0.4, 0.6, 0.7, 0.3, first),
     "resolution": Case(0.8, True, 0.05, False, imitates("periodic_disturbance", 0.1, 4.0)),
-    "pitch": Case(1.0, True, 20.0, False, imitates("cogging", 0.1, 0.1, 0.0)),
+    "pitch": Case(0.5, True, 20.0, False, imitates("cogging", 0.1, 0.1, 0.0)),
     "slow": Case(20.0, True, 1000.0, False, imitates("viscoelastic_spring", 10.0, 100.0)),
     "fast": Case(0.05, True, 0.001, False, imitates("viscoelastic_spring", 1000.0, 1.0)),
     "swings": Case(1.0, True, 0.1, False, imitates("periodic_disturbance", 0.1, 0.2)),

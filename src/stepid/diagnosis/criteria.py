@@ -61,7 +61,8 @@ class Criteria(Model):
     resolution : float
         Least difference of two rates, over the plant's natural frequency, that are told apart in a short record.
     pitch : float
-        Largest pitch of a force periodic in position, over the largest displacement: longer ones bend the spring.
+        Largest pitch of a force periodic in position, over the largest displacement: two periods on a side of rest show
+        that it repeats, longer ones bend the spring.
     slow : float
         Longest relaxation time, in 1/ω₀, that is not a shift of the rest position.
     fast : float
@@ -91,7 +92,7 @@ class Criteria(Model):
     steady: Share = 0.4
     first: Share = 0.4
     resolution: Share = 0.05
-    pitch: Positive = 1.0
+    pitch: Positive = 0.5
     slow: Positive = 20.0
     fast: Positive = 0.05
     swings: Positive = 1.0

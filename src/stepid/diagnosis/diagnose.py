@@ -136,7 +136,9 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
         fault = _fault_of_run(context, found, how.criteria)
         if fault is not None:
             others = [run for run in campaign.experiments if run.name != fault.run]
-            return _anew(campaign, others, how, (*accused, _left_out(fault)))
+            done = _anew(campaign, others, how, (*accused, _left_out(fault)))
+            if done.verdict != "unexplained":  # else what it was accused beside explains nothing
+                return done
         without = _without_an_odd_run(campaign, found, how, accused)
         if without is not None:
             return without
@@ -197,7 +199,10 @@ def _fault_of_run(context: FitContext, found: Found, criteria: Criteria) -> Reco
     """
     if len(context.records.runs) <= 2:
         return None
-    alone = accuse(context.linear, context.floor, sure=criteria.size) if context.by_weights is None else None
+    patterned = len(found.candidates) > 1 and context.colored is None
+    alone = None
+    if context.by_weights is None:
+        alone = accuse(context.linear, context.floor, sure=criteria.size, patterned=patterned)
     if alone is not None and outweighs(alone.cost, context.linear, found, criteria):
         return alone.fault
     beside = fault_beside(found, criteria)
@@ -211,7 +216,7 @@ def _eccentricity(found: Found, criteria: Criteria, accused: tuple[RecordFault, 
     if at_floor(found.context, criteria, found.best):
         return None
     plain = [c for c in found.candidates if not c.effects]  # runs that differ leave the line bare
-    looked = (find_eccentricity(c.optimum, found.context.floor) for c in (found.best, *plain))
+    looked = (find_eccentricity(c.optimum, found.context.floor) for c in (found.best, *plain, *found.single))
     line = next(filter(None, looked), None)
     return line if line is not None and all(f.kind != line.fault.kind for f in accused) else None
 

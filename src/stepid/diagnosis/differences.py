@@ -18,6 +18,7 @@ from stepid.simulation.layout import DEVIATIONS, STARTS
 
 _UNITS = {q.name: q.unit for q in (*DEVIATIONS, *STARTS)} | {"rest": "m"}
 _NOTABLE = 3.0  # times the standard error of a rest position, that its scatter must be to be told
+_TOLD = 0.005  # of the misfit's power: less is 0 %
 _WORDS = {
     "start_time": "The runs start within ±{0:.3g} ms of one another (standard deviation)",
     "gain": "The gain differs from run to run by {1:.2g} % (standard deviation)",
@@ -51,6 +52,8 @@ def scatter_of(
 ) -> dict[str, Scatter]:
     """Say by what the runs differ under a candidate: for each condition its standard deviation, and what it explains.
 
+    No condition is told that takes nothing, or of which all runs have as much as may scatter: that is a law or a fault.
+
     Parameters
     ----------
     context : FitContext
@@ -67,14 +70,24 @@ def scatter_of(
     samples = np.add.reduceat(context.records.weight**2, context.records.first)
     out = {}
     for kind in sorted(found.deviations & spread.keys()):  # runs that are held at rest differ in no start
+        if _at_most(optimum, kind):
+            continue
         without = _without(context, found, kind, candidates)
         share = 1.0 - optimum.cost / without if without > 0 else 0.0
-        out[kind] = Scatter(deviation=spread[kind], unit=_UNITS[kind], explained=min(max(share, 0.0), 1.0))
+        if share >= _TOLD:
+            out[kind] = Scatter(deviation=spread[kind], unit=_UNITS[kind], explained=share)
     rest = 0.0 if context.records.one_recording else spread.get("rest", 0.0)  # it has one, which a law may shift
     if rest > _NOTABLE * shown.rms / np.sqrt(samples.min()) and rest > context.floor:
         moved = float(np.sum(samples * (values["rest"] - np.average(values["rest"], weights=samples)) ** 2))
         out["rest"] = Scatter(deviation=rest, unit="m", explained=moved / (moved + shown.cost))
     return out
+
+
+def _at_most(optimum: Optimum, kind: str) -> bool:
+    """Tell whether all runs that may differ do as far as `stepid.fitting.deviations.with_deviations` lets them."""
+    problem, row = optimum.problem, optimum.problem.layout.deviation(kind)
+    free = problem.active[row]
+    return problem.most is not None and bool(np.isclose(np.abs(optimum.local[row]), problem.most[row])[free].all())
 
 
 def _without(context: FitContext, found: Candidate, kind: str, candidates: Sequence[Candidate]) -> float:

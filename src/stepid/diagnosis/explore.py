@@ -42,6 +42,12 @@ class Found(NamedTuple):
         return min(self.candidates, key=lambda c: c.optimum.cost)
 
     @property
+    def single(self) -> list[Candidate]:
+        """The single effect that leaves least with all runs alike: a larger set, or conditions, can follow a fault."""
+        alone = [c for c in self.candidates if len(c.effects) == 1 and not c.deviations]
+        return sorted(alone, key=lambda c: c.optimum.cost)[:1]
+
+    @property
     def likeliest(self) -> Candidate:
         """The candidate of most evidence."""
         return weigh(self.context, self.candidates)[0].candidate

@@ -157,8 +157,8 @@ class EvidenceRecord:
 
     def _is_open(self, found: Candidate, simpler: Candidate) -> bool:
         """Tell whether the data leave open all that `found` has beyond `simpler`, which then stands for it."""
-        more = [e for e in found.effects if e.name not in simpler.names]
         open_ = undetermined(self.context, self.criteria, found)  # that a strength is not zero says nothing of the rest
+        more = (e for e in found.effects if e.name not in simpler.names)
         return all(f"{e.name}.{q.name}" in open_ for e in more for q in e.parameters)
 
     def probability(self, answer: Answer) -> float | None:
@@ -181,16 +181,13 @@ class EvidenceRecord:
 
     def limited(self, found: Candidate) -> dict[str, Estimate]:
         """Parameters that the data limit on that side only, where no rest remains that would limit them, too."""
-        return self._limited(found, undetermined(self.context, self.criteria, found))
-
-    def _limited(self, found: Candidate, names: tuple[str, ...]) -> dict[str, Estimate]:
-        sized = names and self.at_floor(found)
-        return limited(found.optimum, found.effects, self.context.floor, names) if sized else {}
+        names = undetermined(self.context, self.criteria, found) if self.at_floor(found) else ()
+        return limited(found.optimum, found.effects, self.context.floor, names) if names else {}
 
     def _vague(self, found: Candidate) -> tuple[str, ...]:
         """Parameters that the fit's curvature leaves open on both sides."""
         names = undetermined(self.context, self.criteria, found)
-        sized = self._limited(found, names)
+        sized = self.limited(found) if names else {}
         return tuple(name for name in names if name not in sized)
 
     def imitators(self, found: Candidate) -> dict[str, str]:
@@ -214,7 +211,7 @@ class EvidenceRecord:
 
     @property
     def lead(self) -> Candidate:
-        """The best of those that may lead where a rest remains, with no more in it than takes a notable part."""
+        """The best of them, with no more in it than takes a notable part."""
         return self.leads.best
 
     @property
@@ -222,13 +219,17 @@ class EvidenceRecord:
         """Candidates that the data do not tell from the lead."""
         return self.leads.beside
 
+    @property
+    def outdone(self) -> bool:
+        """Whether the lead only comes near to what another oscillation beside the plant's own follows."""
+        return self.leads.outdone
+
     def refuted(self, lead: Candidate) -> str:
         """The state of which a law of another shape refutes a lead, '' where none does.
 
         It takes most of the rest, or more than chance does, and more than real laws are rough. Of the lead's own state
-        it shows another shape; two effects that are laws of one state follow a shape that neither has. Beside a law of
-        another state an effect must stay what it is: where its size changes, it stands in for that law. Its parameters
-        must be the same in all conditions.
+        it shows another shape; two effects of one state follow one that neither has. Beside a law of another state an
+        effect must keep its size, or stands in for that law. Its parameters must be the same in all conditions.
         """
         states = self.states(lead)
         chance, rough = allowed(self.context, self.criteria, lead, noise=self.at_floor(lead))
@@ -272,16 +273,15 @@ class EvidenceRecord:
 
     def weight(self, *found: Candidate) -> float:
         """Weight of all candidates that hold the effects of one of some, or effects that contain them."""
-        # beside those that may not be named, which can outweigh by far, all others would be alike
-        able: list[Weighed] = []
+        able: list[Weighed] = []  # beside those that may not be named, which can outweigh by far, others would be alike
         for w in self.weighed:
             if able and math.exp(-0.5 * (w.loss - able[0].loss)) < (1.0 - self.criteria.sure) / len(self.weighed):
                 break  # all of them together cannot dispute
             if self._counts(w.candidate, found):
                 able.append(w)
-        raw = [math.exp(-0.5 * (w.loss - able[0].loss)) for w in able]
-        held = [any(includes(w.candidate.effects, c.effects) for c in found) for w in able]
-        return math.fsum(one for one, has in zip(raw, held, strict=True) if has) / math.fsum(raw)
+        raw = [(math.exp(-0.5 * (w.loss - able[0].loss)), w.candidate.effects) for w in able]
+        held = (one for one, effects in raw if any(includes(effects, c.effects) for c in found))
+        return math.fsum(held) / math.fsum(one for one, _ in raw)
 
     def _counts(self, other: Candidate, found: tuple[Candidate, ...]) -> bool:
         """Tell whether a candidate counts beside some: one with an open effect only for what it holds besides that."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from stepid.diagnosis.evidence import Weighed, least_share, predicts
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, includes
 from stepid.diagnosis.vetoes import effects_of
+from stepid.effects.swing import OWN
 from stepid.fitting.mean_of_runs import starts_late
 
 if TYPE_CHECKING:
@@ -115,6 +116,16 @@ class Leads:
         noise = self._told.context.floor**2
         left = before.optimum.rms**2 - noise
         return 1.0 - max(after.optimum.rms**2 - noise, 0.0) / left if left > 0 else 0.0
+
+    @cached_property
+    def outdone(self) -> bool:
+        """Whether as few effects halve what the lead leaves, of which one stands in for the plant's own oscillation.
+
+        That oscillation then changes as no law of the catalogue lets it, which the lead only comes near to.
+        """
+        few = (w.candidate for w in self._told.weighed if len(w.candidate.effects) <= len(self.best.effects))
+        halving = (c for c in few if self.taken(self.best, c) > 0.5)
+        return any(OWN in self._told.imitators(c).values() for c in halving)
 
     @cached_property
     def beside(self) -> tuple[Candidate, ...]:

@@ -193,6 +193,8 @@ def leads(e: EvidenceRecord) -> Answer | None:
     state = e.refuted(lead)
     if state:
         return Answer("unexplained", lead, (), (*said, _better(state)))
+    if e.outdone:
+        return Answer("unexplained", lead, (), (*said, _OUTDONE))
     more = "" if e.at_floor(lead) else ": more is missing"
     said += (f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor{more}.",)
     return _with_rivals(e, lead, beside, said) or Answer("named", lead, (), said)
@@ -235,6 +237,10 @@ RULES: tuple[Rule, ...] = (
     complete,
     leads,
     unexplained,
+)
+_OUTDONE = (
+    "A second oscillation beside the plant's own halves what is left, and is none that these data show: the own "
+    "oscillation changes as no law of the catalogue lets it, and no effect is named."
 )
 _WEIGHTS = "Errors of the added masses within their uncertainty explain what the linear model leaves."
 

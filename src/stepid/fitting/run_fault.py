@@ -67,7 +67,7 @@ def find_fault(optimum: Optimum, floor: float, *, sure: float = 5.0) -> RecordFa
     return None if found is None else found.fault
 
 
-def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0) -> Accusation | None:
+def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0, patterned: bool = False) -> Accusation | None:
     """Find the run that one deviation brings in line with the others.
 
     Parameters
@@ -78,6 +78,8 @@ def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0) -> Accusation |
         m, noise floor.
     sure : float
         Times what the other runs scatter by, and its own standard error, that a fault must be.
+    patterned : bool
+        Whether the rest of white noise has a pattern, and may be as small as a floor that is not known so well.
 
     Returns
     -------
@@ -88,6 +90,8 @@ def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0) -> Accusation |
     """
     records = optimum.problem.records
     excess = optimum.cost - (REACHED * floor) ** 2 * count_samples(records)
+    if patterned:
+        excess = max(excess, (sure * floor) ** 2 / _HINT)
     if len(records.runs) < 3 or excess <= 0:
         return None
     found = _all_fitted(optimum, _candidates(optimum, excess), floor)
