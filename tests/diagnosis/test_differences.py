@@ -88,6 +88,22 @@ def test_rest_positions_are_those_of_the_fit_that_is_shown() -> None:
     assert scatter_of(context, shifts, [], astray.optimum)["rest"].deviation > 0.01
 
 
+def test_conditions_at_their_limits_and_those_that_explain_nothing_are_not_told() -> None:
+    """Runs that all differ as far as they may follow a law; what takes 0 % is none that differs."""
+    context = prepare(scattered(1, gain=RELATIVE))
+    one = freed(context, "gain", "damping")
+    assert set(scatter_of(context, one, [], one.optimum)) - {"rest"} == {"gain"}
+    most = one.optimum.problem.most
+    assert most is not None
+    row = one.optimum.problem.layout.deviation("gain")
+    local = one.optimum.local.copy()
+    local[row] = np.where(one.optimum.problem.active[row], most[row], 0.0)
+    at_most = replace(one, optimum=replace(one.optimum, local=local))
+    assert not set(scatter_of(context, at_most, [], one.optimum)) - {"rest"}
+    local[row, -1] = 0.1
+    assert "gain" in scatter_of(context, at_most, [linear_candidate(context)], one.optimum)
+
+
 def test_alike_runs_differ_in_nothing() -> None:
     alike = scattered(1)
     for run in range(6):

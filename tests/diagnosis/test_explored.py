@@ -1,17 +1,22 @@
-"""What a search may look among: nothing that the records cannot hold."""
+"""What is explored: nothing that the records cannot hold, and no accusation that ends in no answer."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+import stepid
+from made_up_evidence import candidate
+from scattered_campaigns import scattered
 from stepid import Criteria, Effort
-from stepid.diagnosis import explore
+from stepid.diagnosis import diagnose, explore
 from stepid.effects import CATALOGUE
 from stepid.effects.drive import acts_on_input
+from stepid.fitting.record_fault import RecordFault
 
 OF_THE_DRIVE = {"actuator_lag", "input_delay", "actuator_dead_zone", "actuator_saturation", "actuator_rate_limit"}
 
@@ -34,3 +39,26 @@ def test_where_nothing_is_driven_no_effect_of_the_drive_is_looked_for(
     context: Any = SimpleNamespace(records=SimpleNamespace(driven=np.array([False, driven])))
     explore._search(context, CATALOGUE, Criteria(), Effort(), lambda _: None)
     assert asked == [{e.name for e in CATALOGUE} - (set() if driven else OF_THE_DRIVE)]
+
+
+@pytest.mark.parametrize(("without", "left_out"), [("adequate", True), ("named", True), ("unexplained", False)])
+def test_an_accusation_that_ends_in_no_answer_is_taken_back(
+    without: str, left_out: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What a run was accused beside explains nothing then: a linear plant is diagnosed with all its runs."""
+    fault = RecordFault(run="case 2", kind="gain", size=1.1, unit="", words="Run 'case 2' disagrees.")
+    rest = SimpleNamespace(verdict=without)
+    monkeypatch.setattr(diagnose, "_fault_of_run", lambda *_: fault)
+    monkeypatch.setattr(diagnose, "_anew", lambda *_: rest)
+    found: Any = stepid.diagnose(scattered(1))
+    assert (found is rest) is left_out
+    assert left_out or ((found.verdict, found.faults) == ("adequate", ()) and len(found.runs) == 6)
+
+
+def test_the_single_effect_that_leaves_least_with_all_runs_alike() -> None:
+    alone = candidate(["end_stop"], times=3.0)
+    freer = replace(candidate(["end_stop"], times=1.5), deviations=frozenset({"gain"}))
+    every = (candidate(times=9.0), candidate(["cogging"], times=4.0), alone, freer, candidate(["cogging", "end_stop"]))
+    context: Any = None
+    assert explore.Found(context, every).single == [alone]
+    assert explore.Found(context, every[:1]).single == []

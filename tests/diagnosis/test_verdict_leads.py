@@ -44,6 +44,13 @@ def test_parameters_that_change_with_the_conditions_refute_a_lead() -> None:
     )
 
 
+def test_a_lead_that_another_oscillation_outdoes_is_not_named() -> None:
+    found = ask("leads", lead=candidate(["presliding_hysteresis"], times=3.0), outdone=True)
+    assert found is not None
+    assert (found.verdict, found.shown.names) == ("unexplained", ("presliding_hysteresis",))
+    assert found.reasons[-1].startswith("A second oscillation beside the plant's own halves what is left")
+
+
 def test_what_the_data_do_not_tell_from_a_lead_is_told() -> None:
     found = ask("leads", beside_lead=(PLAY,))
     assert found is not None

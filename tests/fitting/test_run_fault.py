@@ -14,7 +14,7 @@ from scattered_campaigns import scattered
 from stepid.effects import resolve
 from stepid.fitting.fit import fit_effects, prepare
 from stepid.fitting.record_fault import RecordFault
-from stepid.fitting.run_fault import find_fault
+from stepid.fitting.run_fault import accuse, find_fault
 
 MASSES = (0.0, 0.5, 1.5, 2.0, 1.0, 0.25)
 TWO = {"coulomb_friction": {"level": 0.3}, "free_play": {"gap": 5e-4}}
@@ -104,3 +104,20 @@ def test_a_law_of_the_plant_accuses_nobody(effects: dict[str, dict[str, float]])
 
 def test_two_runs_accuse_nobody() -> None:
     assert found_in(campaign(7, masses=(0.0, 1.5), true_masses=(0.0, 1.0))) is None
+
+
+@pytest.mark.parametrize("noise", [2e-4, 3e-4, 4e-4])
+def test_a_fault_that_the_floor_hides_is_found_where_the_rest_has_a_pattern(noise: float) -> None:
+    context = prepare(campaign(1, true_masses=(0.05, 0.5, 1.5, 2.0), noise=noise))
+    assert context.linear.rms < 1.08 * context.floor
+    assert accuse(context.linear, context.floor) is None
+    found = accuse(context.linear, context.floor, patterned=True)
+    assert found is not None
+    assert (found.fault.run, found.fault.kind) == ("case 1", "added_mass")
+    assert found.fault.size == pytest.approx(0.05, rel=0.2)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_white_noise_accuses_nobody_whatever_is_asked(seed: int) -> None:
+    context = prepare(campaign(seed, noise=2e-4))
+    assert accuse(context.linear, context.floor, patterned=True) is None
