@@ -121,8 +121,17 @@ def test_binary_files_are_refused(tmp_path: Path) -> None:
 
 def test_without_header_the_content_tells(tmp_path: Path) -> None:
     draft = one(tmp_path, table("", x=X / 1000))
-    assert dict(draft.columns) == {"time": 0, "position": 1, "input": 2}
+    assert dict(draft.columns) == {"time": 0, "position": 1}
     assert draft.units["position"].why == "its size"
+
+
+def test_a_column_that_never_changes_may_be_a_setting_and_is_asked_for(tmp_path: Path) -> None:
+    """The input of a step at the first sample, or the uncertainty of the readings: nothing tells which."""
+    draft = one(tmp_path, table("", x=X / 1000))
+    assert "step" in [q.key for q in open_questions([draft])]
+    (said,) = draft_runs([tmp_path / "run.csv"], {"input": "2"})
+    assert dict(said.columns) == {"time": 0, "position": 1, "input": 2}
+    assert "step" not in [q.key for q in open_questions([said])]
 
 
 def test_two_lines_of_titles_make_runs(tmp_path: Path) -> None:

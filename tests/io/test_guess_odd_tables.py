@@ -133,3 +133,30 @@ def test_a_rate_by_a_negative_power_is_one(unit: str) -> None:
 )
 def test_what_is_no_rate_keeps_its_role(title: str, role: str) -> None:
     assert read_title(title).role == role
+
+
+@pytest.mark.parametrize("names", ["t y dy", "time y dy", "t  y   dy", "Zeit y1 y2"])
+def test_names_with_blanks_above_rows_with_tabs(names: str, tmp_path: Path) -> None:
+    file = tmp_path / "run.txt"
+    rows = [f"{t:.4f}\t{x:.5f}\t0.017\n" for t, x in zip(T, X, strict=True)]
+    file.write_text(names + "\n" + "".join(rows), encoding="utf-8")
+    (draft,) = draft_runs([file], {"position": names.split()[1]})
+    assert dict(draft.columns) == {"time": 0, "position": 1}
+    assert draft.titles == {"time": names.split()[0], "position": names.split()[1]}
+
+
+def test_words_of_a_title_are_no_names(tmp_path: Path) -> None:
+    file = tmp_path / "run.txt"
+    rows = [f"{t:.4f}\t{x:.5f}\n" for t, x in zip(T, X, strict=True)]
+    file.write_text("Swinging position\n" + "".join(rows), encoding="utf-8")
+    (draft,) = draft_runs([file])
+    assert draft.titles == {"time": "column 0", "position": "column 1"}
+
+
+def test_an_abscissa_is_not_taken_for_the_position(tmp_path: Path) -> None:
+    file = tmp_path / "run.txt"
+    rows = [f"{t:.2E}\t{x:.2E}\t0.017\t0.05\n" for t, x in zip(6.33 + T, X, strict=True)]
+    file.write_text("x y dx dy\n" + "".join(rows), encoding="utf-8")
+    (draft,) = draft_runs([file], {"position": "y"})
+    assert draft.columns["position"] == 1
+    assert "input" not in draft.columns

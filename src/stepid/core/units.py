@@ -19,6 +19,7 @@ FARTHEST = 100.0  # m; no teaching plant travels so far, but counts taken for me
 NEAREST = 1e-8  # m; nor does one travel less than this
 FASTEST = 100.0  # m/s; nor does one move so fast, but the millimeters of a cart taken for meters do
 _APART = 8  # samples over which speed is measured, so that noise has none; single lost readings do not count either
+_CLOCK = "If the times are no seconds, give time_scale: 0.001 for milliseconds."
 UNIT = "Positions are in meters, time in seconds: divide counts by counts_per_meter, or give position_scale."
 NO_COLUMN = "StepInput(level=…), in a manifest step = { level = … } (V; 0.0 for a free release)"
 _UNITS = {  # SI units per unit, by what a column may be called
@@ -113,7 +114,7 @@ def check_speed(meters: Array, sample_time: float, who: str) -> None:
     with np.errstate(over="ignore"):
         moved = np.abs(meters[_APART:] - meters[:-_APART])
     if moved.size and (speed := float(np.quantile(moved, 0.99)) / (_APART * sample_time)) > FASTEST:
-        raise InputError(f"{who} move at {speed:.3g} m/s, which is no plant's speed", UNIT)
+        raise InputError(f"{who} move at {speed:.3g} m/s, which is no plant's speed", f"{UNIT} {_CLOCK}")
 
 
 def check_release(names: Sequence[str], values: Array, used: Sequence[object], where: str) -> None:

@@ -193,8 +193,8 @@ def _kind(column: Column) -> Role:
     if np.all(steps > 0) and (even or (column.index == 0 and _runs_on(kept))):
         return "time"
     levels = np.unique(kept).size
-    if levels == 1:
-        return "other" if kept[0] == 0 else "input"
+    if levels == 1:  # a setting or an uncertainty: an input that never changes is no step
+        return "other"
     if levels <= _LEVELS and np.count_nonzero(steps) <= _LEVELS:
         return "input"
     return "position"
