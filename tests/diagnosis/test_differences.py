@@ -135,3 +135,10 @@ def test_words_have_units() -> None:
         "The gain differs from run to run by 2 % (standard deviation): 50 % of the misfit's power.",
         "The rest position differs from run to run by 200 µm (standard deviation).",
     )
+
+
+def test_beside_a_rest_what_differs_may_be_part_of_it() -> None:
+    gain = {"gain": Scatter(deviation=0.03, unit="", explained=0.4)}
+    rest = {"rest": Scatter(deviation=1e-3, unit="m", explained=0.4)}
+    assert scatter_words(gain, rest=True)[-1].startswith("What seems to differ between the runs may be part")
+    assert len(scatter_words(gain)) == len(scatter_words(rest, rest=True)) == 1  # a rest position is no misfit

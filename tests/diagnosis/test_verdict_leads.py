@@ -81,7 +81,11 @@ def test_unexplained_always_answers() -> None:
     assert found is not None
     assert found.verdict == "unexplained"
     assert "4 times the noise floor" in found.reasons[0]
+    assert "white" not in found.reasons[0]
     assert found.reasons[1] == "Cogging cannot be told from the spring here."
+    small = ask("unexplained", best=candidate(["cogging"], times=1.04))
+    assert small is not None
+    assert "1.04 times the noise floor, but no white noise." in small.reasons[0]
     barred = ask("unexplained", best=LINEAR, lead=LINEAR)
     assert barred is not None
     assert barred.shown is LINEAR

@@ -57,7 +57,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         notes=_each_once(
             *(fault.words for fault in evidence.faults),
             *((evidence.input_fault.words,) if evidence.input_fault else ()),
-            *scatter_words(scatter),
+            *scatter_words(scatter, rest=answer.verdict != "adequate" and not evidence.at_floor(answer.shown)),
             *notes_on(context, final, effects, parameters, evidence.criteria.open),
         ),
         ranking=_ranking(evidence),

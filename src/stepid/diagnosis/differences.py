@@ -106,8 +106,8 @@ def _without(context: FitContext, found: Candidate, kind: str, candidates: Seque
     return found.optimum.cost if fitted is None else fitted.cost
 
 
-def scatter_words(scatter: dict[str, Scatter]) -> tuple[str, ...]:
-    """The same in sentences."""
+def scatter_words(scatter: dict[str, Scatter], *, rest: bool = False) -> tuple[str, ...]:
+    """The same in sentences; beside a `rest` that nothing explains, what differs may be part of that."""
     out = []
     for kind, s in scatter.items():
         if kind == "rest":  # every model has one for each run: it is no misfit
@@ -115,4 +115,6 @@ def scatter_words(scatter: dict[str, Scatter]) -> tuple[str, ...]:
             continue
         said = _WORDS[kind].format(1e3 * s.deviation, 1e2 * s.deviation, length(s.deviation))
         out.append(f"{said}: {whole_percent(s.explained)} of the misfit's power.")
+    if rest and scatter.keys() - {"rest"}:
+        out.append("What seems to differ between the runs may be part of what is missing.")
     return tuple(out)

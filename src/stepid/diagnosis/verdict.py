@@ -207,6 +207,8 @@ def unexplained(e: EvidenceRecord) -> Answer | None:
     if not nearest.effects:
         return Answer("unexplained", best, (), ("No candidate explains the misfit.",))
     left = f"leaves {length(nearest.optimum.rms)}, {e.times(nearest):.3g} times the noise floor"
+    if e.times(nearest) <= e.criteria.near:
+        left += ", but no white noise"
     said: tuple[str, ...] = (f"The {'best' if best.effects else 'likeliest'} candidate, {_title(nearest)}, {left}.",)
     imitated = e.imitators(e.likeliest)
     said += tuple(f"{_title_of(name)} cannot be told from {what} here." for name, what in imitated.items())

@@ -128,7 +128,7 @@ def _hum(records: Records, linear: Optimum, residual: Array, start: float, own: 
     size = float(np.mean(np.abs(amplitude)))
     words = (
         f"All runs: a hum of {length(size)} at {frequency:.4g} Hz lies on the readings, the same whatever the mass; "
-        "it is subtracted. Check the shielding of the sensor's cable."
+        "it is subtracted. Check the shielding of the sensor's cable, and what the sensor stands on."
     )
     return Hum(frequency, amplitude, RecordFault(run=ALL_RUNS, kind="hum", size=size, unit="m", words=words))
 
