@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import islice
 
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, block_means
@@ -94,11 +95,11 @@ class Fits(Standings):
         order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
         best = by.value(self.fit, order[0])
         near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
-        first = order[:1] + self._nameable(order)[:1]
+        first = [*order[:1], *islice(self._nameable(order), 1)]
         for node in order:
             # one that is not near, or cannot be named, is fitted once: it may go on for long, and cannot win
             known = node.key in self.candidates
-            if known and not self._named([node]):
+            if known and not any(self._named([node])):
                 continue
             if by.no_answer(self.noise_limit, node.effects, node.cost / 2):
                 continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key, includes
@@ -222,7 +222,7 @@ def promises_more(
 
 def nameable(
     fit: FitContext, criteria: Criteria, nodes: Sequence[Node], candidates: Mapping[Key, Candidate]
-) -> list[Node]:
+) -> Iterator[Node]:
     """Of some nodes those without an effect that something else can stand in for, by all samples where known."""
 
     def found(node: Node) -> Candidate:
@@ -231,7 +231,7 @@ def nameable(
             return known
         return Candidate(node.effects, node.deviations, node.best, 0.0)
 
-    return [node for node in nodes if not imitators(fit, criteria, found(node))]
+    return (node for node in nodes if not imitators(fit, criteria, found(node)))
 
 
 def of_each_size(nodes: Iterable[Node]) -> list[list[Node]]:

@@ -152,7 +152,9 @@ class Search(Attempts):
             if node.key[0] not in [other.key[0] for other in order]:  # other conditions of it stand for it
                 order.append(node)
         beam = order[: self.effort.beam]
-        beam += [n for n in self._nameable(order)[:1] if not any(n is other for other in beam)]
+        named = next(self._nameable(order), None)
+        if named is not None and not any(named is other for other in beam):
+            beam.append(named)
         return sum(self._expand(node, moves) for node in beam) > 0
 
     def _promising(self) -> list[Proposal]:
@@ -195,7 +197,7 @@ class Search(Attempts):
     def _gaining(self, proposals: Sequence[Proposal]) -> list[Proposal]:
         """Those that may better the best so far."""
         nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
-        named = (self._nameable(nodes) or nodes)[0].cost
+        named = next(self._nameable(nodes), nodes[0]).cost
         return [p for p in proposals if self._gains(named, p)]
 
     def _idle(self, proposal: Proposal) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 from stepid.core.base import Array
@@ -143,15 +143,18 @@ class Standings:
         if law is not None:
             self.noise_limit = min(self.noise_limit, self.nodes[best.key].cost - law.power)
 
-    def _nameable(self, order: Sequence[Node]) -> list[Node]:
+    def _nameable(self, order: Sequence[Node]) -> Iterator[Node]:
         """Of some nodes those that may be named where a rest remains; none where the first leaves only noise."""
         named = self._named(order)
-        return [] if order[0].cost <= self.noise_limit and named[:1] == [order[0]] else named
+        first = next(named, None)
+        if first is not None and not (first is order[0] and first.cost <= self.noise_limit):
+            yield first
+            yield from named
 
     def _least(self) -> Node:
         """The node that leaves least, of those at the noise floor one that may be named."""
         order = sorted(self.nodes.values(), key=lambda n: n.cost)
-        return next(n for n in order if n.cost > self.noise_limit or self._named([n]))
+        return next(n for n in order if n.cost > self.noise_limit or any(self._named([n])))
 
-    def _named(self, nodes: Sequence[Node]) -> list[Node]:
+    def _named(self, nodes: Sequence[Node]) -> Iterator[Node]:
         return by.nameable(self.fit, self.criteria, nodes, self.candidates)
