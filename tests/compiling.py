@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.abc
 import os
 import subprocess
 import sys
@@ -15,7 +14,7 @@ import pytest
 
 _FIRST = ("io", "package", "benchmarks", "identification", "core")  # folders whose tests hardly simulate
 _MARK = "STEPID_TESTS_COMPILING"  # a file that is there as long as the process compiles
-_MOST = 300.0  # s, to wait for it
+_MOST = 150.0  # s, to wait for it
 _PROGRAM = """
 import pathlib, sys
 try:
@@ -29,7 +28,8 @@ finally:
 
 def start(config: pytest.Config) -> None:
     """Compile in a process of its own, where there are several workers."""
-    if not hasattr(config, "workerinput") and (getattr(config.option, "numprocesses", None) or 0) > 1:
+    several = (getattr(config.option, "numprocesses", None) or 0) > 1
+    if several and not config.option.collectonly and not hasattr(config, "workerinput"):
         handle, mark = tempfile.mkstemp(prefix="stepid-compiling-")
         os.close(handle)
         os.environ[_MARK] = mark
@@ -43,18 +43,20 @@ def _stop(process: subprocess.Popen[bytes], mark: str) -> None:
     Path(mark).unlink(missing_ok=True)
 
 
-class _Waits(importlib.abc.MetaPathFinder):
-    """The first simulation imports the kernel: it waits for what compiles it, and then loads the machine code."""
-
-    def find_spec(self, name: str, path: Any, target: Any = None) -> None:
-        if name == "stepid.simulation.kernel":
-            until = time.monotonic() + _MOST
-            while Path(os.environ[_MARK]).exists() and time.monotonic() < until:
-                time.sleep(0.1)
-
-
 def wait_for_it(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Let a worker wait when it first simulates, and begin with the tests that do not."""
     if hasattr(config, "workerinput") and os.environ.get(_MARK):
-        sys.meta_path.insert(0, _Waits())
-        items.sort(key=lambda item: item.path.relative_to(Path(__file__).parent).parts[0] not in _FIRST)
+        from stepid.simulation.simulator import Simulator
+
+        simulates = Simulator._run
+
+        def waits(self: Simulator, *args: Any) -> None:
+            until = time.monotonic() + _MOST
+            while Path(os.environ[_MARK]).exists() and time.monotonic() < until:
+                time.sleep(0.1)
+            Simulator._run = simulates  # type: ignore[method-assign]
+            simulates(self, *args)
+
+        Simulator._run = waits  # type: ignore[method-assign]
+        here = Path(__file__).parent
+        items.sort(key=lambda item: not any(item.path.is_relative_to(here / name) for name in _FIRST))

@@ -41,14 +41,22 @@ def test_where_nothing_is_driven_no_effect_of_the_drive_is_looked_for(
     assert asked == [{e.name for e in CATALOGUE} - (set() if driven else OF_THE_DRIVE)]
 
 
-@pytest.mark.parametrize(("without", "left_out"), [("adequate", True), ("named", True), ("unexplained", False)])
-def test_an_accusation_that_ends_in_no_answer_is_taken_back(
-    without: str, left_out: bool, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("beside", "without", "left_out"),
+    [
+        ("effects", "adequate", True),
+        ("effects", "named", True),
+        ("effects", "unexplained", False),
+        ("the_plant", "unexplained", True),
+    ],
+)
+def test_an_accusation_beside_effects_that_ends_in_no_answer_is_taken_back(
+    beside: str, without: str, left_out: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What a run was accused beside explains nothing then: a linear plant is diagnosed with all its runs."""
     fault = RecordFault(run="case 2", kind="gain", size=1.1, unit="", words="Run 'case 2' disagrees.")
     rest = SimpleNamespace(verdict=without)
-    monkeypatch.setattr(diagnose, "_fault_of_run", lambda *_: fault)
+    monkeypatch.setattr(diagnose, f"_fault_beside_{beside}", lambda *_: fault)
     monkeypatch.setattr(diagnose, "_anew", lambda *_: rest)
     found: Any = stepid.diagnose(scattered(1))
     assert (found is rest) is left_out

@@ -135,7 +135,7 @@ def test_what_is_no_rate_keeps_its_role(title: str, role: str) -> None:
     assert read_title(title).role == role
 
 
-@pytest.mark.parametrize("names", ["t y dy", "time y dy", "t  y   dy", "Zeit y1 y2"])
+@pytest.mark.parametrize("names", ["t y dy", "time y dy", "t  y   dy", "Zeit y1 y2", "t position dx"])
 def test_names_with_blanks_above_rows_with_tabs(names: str, tmp_path: Path) -> None:
     file = tmp_path / "run.txt"
     rows = [f"{t:.4f}\t{x:.5f}\t0.017\n" for t, x in zip(T, X, strict=True)]
@@ -145,12 +145,24 @@ def test_names_with_blanks_above_rows_with_tabs(names: str, tmp_path: Path) -> N
     assert draft.titles == {"time": names.split()[0], "position": names.split()[1]}
 
 
-def test_words_of_a_title_are_no_names(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "title", ["Position over time", "Weg gegen Zeit", "x of t", "run of x", "red car run", "Time in s"]
+)
+def test_words_of_a_title_are_no_names(title: str, tmp_path: Path) -> None:
     file = tmp_path / "run.txt"
-    rows = [f"{t:.4f}\t{x:.5f}\n" for t, x in zip(T, X, strict=True)]
-    file.write_text("Swinging position\n" + "".join(rows), encoding="utf-8")
+    rows = [f"{t:.4f}\t{x:.5f}\t{np.sign(t - 5):.1f}\n" for t, x in zip(T, X, strict=True)]
+    file.write_text(title + "\n" + "".join(rows), encoding="utf-8")
     (draft,) = draft_runs([file])
-    assert draft.titles == {"time": "column 0", "position": "column 1"}
+    assert not set(draft.titles.values()) & set(title.split())
+
+
+@pytest.mark.parametrize("units", ["ms", "[ms]", "ms;"])
+def test_a_line_of_units_that_ends_early_keeps_the_names(units: str, tmp_path: Path) -> None:
+    file = tmp_path / "run.csv"
+    rows = [f"{1e3 * t:.1f};{x:.5f}\n" for t, x in zip(T, X, strict=True)]
+    file.write_text(f"t;x\n{units}\n" + "".join(rows), encoding="utf-8")
+    (draft,) = draft_runs([file])
+    assert draft.titles == {"time": "t", "position": "x"}
 
 
 def test_an_abscissa_is_not_taken_for_the_position(tmp_path: Path) -> None:

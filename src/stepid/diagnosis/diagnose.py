@@ -133,11 +133,12 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
         found = Found(context, (linear_candidate(context),))
     else:
         found = explored(context, how.catalogue, how.criteria, how.effort, how.tell)
-        fault = _fault_of_run(context, found, how.criteria)
+        alone = _fault_beside_the_plant(context, found, how.criteria)
+        fault = alone or _fault_beside_effects(context, found, how.criteria)
         if fault is not None:
             others = [run for run in campaign.experiments if run.name != fault.run]
             done = _anew(campaign, others, how, (*accused, _left_out(fault)))
-            if done.verdict != "unexplained":  # else what it was accused beside explains nothing
+            if alone or done.verdict != "unexplained":  # else what it was accused beside explains nothing
                 return done
         without = _without_an_odd_run(campaign, found, how, accused)
         if without is not None:
@@ -192,19 +193,22 @@ def _and(fault: RecordFault, words: str) -> RecordFault:
     return fault.model_copy(update={"words": f"{fault.words} {words}"})
 
 
-def _fault_of_run(context: FitContext, found: Found, criteria: Criteria) -> RecordFault | None:
-    """What is plainly wrong with one run of more than two: beside the linear plant, beside the answer, or in its rest.
+def _fault_beside_the_plant(context: FitContext, found: Found, criteria: Criteria) -> RecordFault | None:
+    """What is plainly wrong with one run of more than two, beside the linear plant.
 
-    Where errors of the weights that they may have are enough, nothing is wrong beside the linear plant.
+    Where errors of the weights that they may have are enough, nothing is.
     """
-    if len(context.records.runs) <= 2:
+    if len(context.records.runs) <= 2 or context.by_weights is not None:
         return None
     patterned = len(found.candidates) > 1 and context.colored is None
-    alone = None
-    if context.by_weights is None:
-        alone = accuse(context.linear, context.floor, sure=criteria.size, patterned=patterned)
-    if alone is not None and outweighs(alone.cost, context.linear, found, criteria):
-        return alone.fault
+    alone = accuse(context.linear, context.floor, sure=criteria.size, patterned=patterned)
+    return alone.fault if alone is not None and outweighs(alone.cost, context.linear, found, criteria) else None
+
+
+def _fault_beside_effects(context: FitContext, found: Found, criteria: Criteria) -> RecordFault | None:
+    """The same beside the answer, or in its rest."""
+    if len(context.records.runs) <= 2:
+        return None
     beside = fault_beside(found, criteria)
     if beside is not None or not found.best.effects or at_floor(found.context, criteria, found.best):
         return beside

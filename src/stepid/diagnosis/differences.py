@@ -18,7 +18,7 @@ from stepid.simulation.layout import DEVIATIONS, STARTS
 
 _UNITS = {q.name: q.unit for q in (*DEVIATIONS, *STARTS)} | {"rest": "m"}
 _NOTABLE = 3.0  # times the standard error of a rest position, that its scatter must be to be told
-_TOLD = 0.005  # of the misfit's power: less is 0 %
+_TOLD = 0.01  # of the misfit's power: less is 0 %
 _WORDS = {
     "start_time": "The runs start within ±{0:.3g} ms of one another (standard deviation)",
     "gain": "The gain differs from run to run by {1:.2g} % (standard deviation)",
@@ -87,7 +87,9 @@ def _at_most(optimum: Optimum, kind: str) -> bool:
     """Tell whether all runs that may differ do as far as `stepid.fitting.deviations.with_deviations` lets them."""
     problem, row = optimum.problem, optimum.problem.layout.deviation(kind)
     free = problem.active[row]
-    return problem.most is not None and bool(np.isclose(np.abs(optimum.local[row]), problem.most[row])[free].all())
+    if problem.most is None or not free.any():
+        return False
+    return bool(np.isclose(np.abs(optimum.local[row]), problem.most[row])[free].all())
 
 
 def _without(context: FitContext, found: Candidate, kind: str, candidates: Sequence[Candidate]) -> float:

@@ -123,8 +123,12 @@ class Leads:
 
         That oscillation then changes as no law of the catalogue lets it, which the lead only comes near to.
         """
-        few = (w.candidate for w in self._told.weighed if len(w.candidate.effects) <= len(self.best.effects))
-        halving = (c for c in few if self.taken(self.best, c) > 0.5)
+        best = self.best
+        if self._told.at_floor(best):
+            return False
+        every = (w.candidate for w in self._told.weighed)
+        few = (c for c in every if len(c.effects) <= len(best.effects) and c.deviations <= best.deviations)
+        halving = (c for c in few if self.taken(best, c) > 0.5)
         return any(OWN in self._told.imitators(c).values() for c in halving)
 
     @cached_property

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 import numpy as np
+import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
@@ -17,10 +18,11 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import repeat_notes
 from stepid.fitting.problem import fixes_mass
-from stepid.fitting.sensor_limit import is_cut_off, stretches
 
 _SLOW = 1.0  # s between readings, of which a cart on a spring makes no use
 _CLIPPED = 12  # samples at one extreme reading, in motion before and after
+_PEAK = 0.2  # of these samples: within one count more, the least that a peak stays there
+Flags = npt.NDArray[np.bool_]
 
 
 def notes_on(
@@ -74,7 +76,17 @@ def _is_clipped(y: Array, resolution: float) -> bool:
         at = y == extreme
         if at.sum() < _CLIPPED or at[0] or at[-1] or abs(y[-1] - extreme) <= 0.2 * np.ptp(y):
             continue
-        first, end = max(stretches(at), key=lambda one: one[1] - one[0])
-        if end - first >= _CLIPPED and is_cut_off(y, first, end, resolution):
+        first, end = _longest(at)
+        near = np.abs(y - extreme) < 1.5 * resolution
+        before, after = int(np.argmin(near[:first][::-1])), int(np.argmin(near[end:]))
+        # of a parabola that a count cuts off, two counts cut off 1.4 times as much
+        if end - first >= _CLIPPED and before + after < _PEAK * (end - first):
             return True
     return False
+
+
+def _longest(at: Flags) -> tuple[int, int]:
+    """First and end of the longest stretch of samples that are marked."""
+    edges = np.flatnonzero(np.diff(at.astype(int), prepend=0, append=0)).reshape(-1, 2)
+    first, end = edges[np.argmax(edges[:, 1] - edges[:, 0])]
+    return int(first), int(end)

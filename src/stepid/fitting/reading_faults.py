@@ -1,4 +1,4 @@
-"""Wrong samples of a record, found before any fit: isolated outliers, readings that stick or are clipped in motion."""
+"""Wrong samples of a record, found before any fit: isolated outliers, and readings that stick while the cart moves."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from stepid.core.experiment import Experiment
 from stepid.core.outliers import LONGEST, SIDE, Block, Mask, interpolate_readings, isolated, outliers, stand_out
 from stepid.core.words import length
 from stepid.fitting.record_fault import RecordFault
-from stepid.fitting.sensor_limit import at_limit, beyond
 from stepid.simulation.records import Records
 
 _STUCK = 4.0  # the same where a reading is repeated to the last digit and the cart then catches up
@@ -55,7 +54,7 @@ def _stuck(y: Array, noise: float, least: float) -> list[Block]:
 
 
 def mend(run: Experiment) -> Mended:
-    """Interpolate readings that no motion explains, and those at the sensor's limit.
+    """Interpolate readings that no motion explains.
 
     Parameters
     ----------
@@ -66,16 +65,14 @@ def mend(run: Experiment) -> Mended:
     Mended
         The record itself where nothing is wrong with it, or where too much is.
     """
-    limit = at_limit(run)
-    seen = run.model_copy(update={"position": beyond(run.position, limit)}) if limit.any() else run
-    y, (stuck, out) = interpolate_readings(seen, detectors=(_stuck, outliers))
-    wrong = stuck | out | limit
+    y, (stuck, out) = interpolate_readings(run, detectors=(_stuck, outliers))
+    wrong = stuck | out
     if not wrong.any():
         return Mended(run, wrong, ())
-    off = np.where(limit, np.abs(run.position), np.abs(y - run.position))
+    off = np.abs(y - run.position)
     if run.counts_per_meter is None and (step := run.resolution) is not None:
         y[wrong] = _on_grid(y[wrong], run.position[~wrong], step)
-    kinds = {"outliers": out & ~limit, "stuck readings": stuck & ~limit, "clipped readings": limit}
+    kinds = {"outliers": out, "stuck readings": stuck}
     faults = [_fault(run.name, kind, mask, off) for kind, mask in kinds.items() if mask.any()]
     y.setflags(write=False)
     return Mended(run.model_copy(update={"position": y}), wrong, tuple(faults))
@@ -98,8 +95,6 @@ def _fault(run: str, kind: str, mask: Mask, off: Array) -> RecordFault:
     does = "stand" + "s" * one + f" out by {'up to ' * (not one)}{length(size)}"
     if kind == "stuck readings":
         does = f"repeat{'s' * one} the one before while the cart moves"
-    elif kind == "clipped readings":
-        does = f"are at the sensor's limit, {length(size)}, while the cart goes on"
     words = (
         f"Run {run!r}: {at.size} reading{'s' * (not one)} (sample{'s' * (not one)} {listed}) {does}; "
         f"{'it is' if one else 'they are'} left out."

@@ -10,7 +10,7 @@ from stepid.io.guess.rows import cells
 from stepid.io.guess.words import is_unit, role_of
 from stepid.io.textfile import is_comment, is_name, is_number
 
-_SYMBOL = 3  # letters of a symbol: t, x, dx, phi
+_SYMBOL = re.compile(r"[dΔσ]?[^\W\d_]\d?")  # t, x, dx, y2
 
 
 class Titles(NamedTuple):
@@ -74,15 +74,15 @@ def _row(line: str, separator: str | None, width: int) -> tuple[str, ...] | None
         split = [cell.strip() for cell in wide] if len(wide) == width else split
     if len(split) != width and _are_names(words := bare.split(), width):
         split = words
-    if 1 < len(split) < width and separator is not None:  # titles of groups may end early; one is that of a table
+    if len(split) < width and separator is not None:  # titles of groups may end early
         split += [""] * (width - len(split))
     return tuple(split) if len(split) == width else None
 
 
 def _are_names(words: Sequence[str], width: int) -> bool:
     """Tell names of columns apart by blanks alone, above rows of another delimiter, from words of a title."""
-    short = all(len(word) <= _SYMBOL for word in words)
-    return len(words) == width > 1 and all(map(is_name, words)) and (short or any(role_of(w) == "time" for w in words))
+    named = all(_SYMBOL.fullmatch(word) or role_of(word) in ("time", "position", "input") for word in words)
+    return len(words) == width > 1 and named
 
 
 def _are_units(row: Sequence[str]) -> bool:

@@ -52,13 +52,13 @@ class ForceAlong:
         # what a fit follows without any effect: a rest position for each run and the gain, too
         rests = records.run[:, None] == np.arange(len(records.runs))
         self._followed = np.column_stack([self._plain, self.motion.volts[self._seen], rests[self._seen]])
-        self._follows = np.linalg.qr(self._followed[:, self._followed.any(axis=0)])[0]
+        self._follows = _basis(self._followed)
         # of a force that rest positions stand in for nothing but rounding is left
         faint = _ROUNDING * float(self._force @ self._force)
         beyond = self._power_beyond(self._force)
         self._beyond = max(beyond, faint, np.finfo(float).tiny)
         known = self._followed if beyond > faint else self._plain
-        self._known = np.linalg.qr(known[:, known.any(axis=0)])[0]
+        self._known = _basis(known)
         self._alone = self._beyond_known(self._force)
 
     def _beyond_known(self, forces: Array) -> Array:
@@ -110,6 +110,14 @@ class ForceAlong:
         stiffness = linear[self._layout.stiffness][self._spring]
         pushed = np.divide(rests, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
         return linear, self._displacement - pushed
+
+
+def _basis(forces: Array) -> Array:
+    """Orthonormal basis of what forces, one a column, span: nothing that rounding decides."""
+    forces = forces[:, forces.any(axis=0)]
+    left, values, _ = np.linalg.svd(forces / np.linalg.norm(forces, axis=0), full_matrices=False)
+    out: Array = left[:, values > _ROUNDING * values[:1].max(initial=0.0)]
+    return out
 
 
 def _inverse(forces: Array) -> Array:
