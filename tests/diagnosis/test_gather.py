@@ -13,7 +13,6 @@ from stepid.diagnosis import free_law, gather, lead, left_out, vetoes
 from stepid.diagnosis.free_law import FreeLaw
 from stepid.diagnosis.selection.candidate import Candidate, includes
 from stepid.effects import resolve
-from stepid.effects.swing import OWN
 
 LINEAR = candidate(times=10.0)
 FRICTION = candidate(["coulomb_friction"])
@@ -287,30 +286,3 @@ def test_conditions_stand_in_for_an_effect_unless_all_runs_start_late(
     monkeypatch.setattr(left_out.LeftOut, "_plain", lambda *_: alone.optimum)
     monkeypatch.setattr(lead, "starts_late", lambda optimum: late and optimum is alone.optimum)
     assert evidence(alone, pair, LINEAR).lead is (pair if late else alone)
-
-
-@pytest.mark.parametrize(
-    ("names", "free", "lead", "times", "words", "outdone"),
-    [
-        (["flexible_coupling"], (), 5.0, 2.0, OWN, True),
-        (["flexible_coupling"], (), 5.0, 3.9, OWN, False),  # it takes less than half of the power above the floor
-        (["flexible_coupling"], (), 1.02, 1.001, OWN, False),  # what is left is noise
-        (["flexible_coupling"], ("gain",), 5.0, 2.0, OWN, False),  # as all runs may differ
-        (["flexible_coupling", "cogging"], (), 5.0, 2.0, OWN, False),  # more effects take more
-        (["flexible_coupling"], (), 5.0, 2.0, "a slow shift of the rest position", False),
-    ],
-)
-def test_another_oscillation_outdoes_a_lead(
-    names: list[str],
-    free: tuple[str, ...],
-    lead: float,
-    times: float,
-    words: str,
-    outdone: bool,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    other = replace(candidate(names, times=times), deviations=frozenset(free))
-    monkeypatch.setattr(gather, "imitators", lambda *asked: {names[0]: words} if asked[-1] is other else {})
-    e = evidence(LINEAR, candidate(["coulomb_friction"], times=lead), other)
-    assert e.lead.names == ("coulomb_friction",)
-    assert e.outdone is outdone
