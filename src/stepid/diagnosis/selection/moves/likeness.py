@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -13,8 +12,6 @@ from stepid.diagnosis.selection.proposal import Node, SearchContext, standing
 from stepid.effects.base import Effect, Motion, Regressor
 from stepid.effects.drive import acts_on_input
 from stepid.fitting.weak_form import force_along, motion_along
-
-_ROUNDING = float(np.sqrt(np.finfo(float).eps))  # share of a force that is nothing but rounding
 
 
 class Likeness(NamedTuple):
@@ -52,19 +49,12 @@ class ForceAlong:
         # what a fit follows without any effect: a rest position for each run and the gain, too
         rests = records.run[:, None] == np.arange(len(records.runs))
         self._followed = np.column_stack([self._plain, self.motion.volts[self._seen], rests[self._seen]])
-        self._follows = _basis(self._followed)
+        self._follows = np.linalg.qr(self._followed[:, self._followed.any(axis=0)])[0]
         # of a force that rest positions stand in for nothing but rounding is left
-        faint = _ROUNDING * float(self._force @ self._force)
+        faint = np.sqrt(np.finfo(float).eps) * float(self._force @ self._force)
         beyond = self._power_beyond(self._force)
         self._beyond = max(beyond, faint, np.finfo(float).tiny)
-        known = self._followed if beyond > faint else self._plain
-        self._known = _basis(known)
-        self._alone = self._beyond_known(self._force)
-
-    def _beyond_known(self, forces: Array) -> Array:
-        """What forces, shape (S,) or (S, n), have that nothing known beside them follows, N."""
-        out: Array = forces - self._known @ (self._known.T @ forces)
-        return out
+        self._beside_effects = self._followed if beyond > faint else self._plain
 
     def _power_beyond(self, force: Array) -> float:
         """Power of the part of a force that a fit without effects cannot follow, N²."""
@@ -81,11 +71,10 @@ class ForceAlong:
     def by(self, regressors: Sequence[Regressor]) -> Likeness | None:
         """What some effects can do in its place; None where a law cannot have such a strength."""
         own = np.column_stack([f[self._seen] for one in regressors for f in one.forces])
-        alone = self._beyond_known(own)
-        alone[:, np.linalg.norm(alone, axis=0) <= _ROUNDING * np.linalg.norm(own, axis=0)] = 0.0
-        found = _inverse(alone) @ self._alone
-        left = self._force - own @ found
-        out, at = [], 0
+        plain = self._beside_effects.shape[1]
+        found = _least_squares(np.column_stack([self._beside_effects, own]), self._force)
+        left = self._force - own @ found[plain:]
+        out, at = [], plain
         for one in regressors:
             values = one.values(found[at : at + len(one.forces)])
             if values is None:
@@ -95,14 +84,9 @@ class ForceAlong:
         linear, displacement = self._beside(left)
         return Likeness(self._power_beyond(left) / self._beyond, tuple(out), linear, displacement)
 
-    @cached_property
-    def _follow(self) -> Array:
-        """Coefficients of what a fit follows without any effect, shape (3 + R, S), for each force."""
-        return _inverse(self._followed)
-
     def _beside(self, left: Array) -> tuple[Array, Array]:
         """The linear plant and each run's displacement where they stand in for what effects leave of the force."""
-        spring, damper, drive, *rests = self._follow @ left
+        spring, damper, drive, *rests = _least_squares(self._followed, left)
         linear = self._linear.copy()
         linear[self._layout.stiffness] -= spring
         linear[self._layout.damping] -= damper
@@ -112,19 +96,11 @@ class ForceAlong:
         return linear, self._displacement - pushed
 
 
-def _basis(forces: Array) -> Array:
-    """Orthonormal basis of what forces, one a column, span: nothing that rounding decides."""
-    forces = forces[:, forces.any(axis=0)]
-    left, values, _ = np.linalg.svd(forces / np.linalg.norm(forces, axis=0), full_matrices=False)
-    out: Array = left[:, values > _ROUNDING * values[:1].max(initial=0.0)]
-    return out
-
-
-def _inverse(forces: Array) -> Array:
-    """Pseudoinverse of forces, one a column: their coefficients nearest to any other; none of what rounding decides."""
+def _least_squares(forces: Array, sought: Array) -> Array:
+    """Coefficients of forces, one a column, that come nearest to one; none of what rounding decides."""
     size = np.linalg.norm(forces, axis=0)
     size[size == 0] = np.inf
-    out: Array = np.linalg.pinv(forces / size, rcond=_ROUNDING) / size[:, None]
+    out: Array = np.linalg.lstsq(forces / size, sought, rcond=np.sqrt(np.finfo(float).eps))[0] / size
     return out
 
 
