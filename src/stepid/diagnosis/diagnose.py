@@ -198,7 +198,7 @@ def _fault_beside_the_plant(context: FitContext, found: Found, criteria: Criteri
 
     Where errors of the weights that they may have are enough, nothing is.
     """
-    if len(context.records.runs) <= 2 or context.by_weights is not None:
+    if context.by_weights is not None:
         return None
     patterned = len(found.candidates) > 1 and context.colored is None
     alone = accuse(context.linear, context.floor, sure=criteria.size, patterned=patterned)

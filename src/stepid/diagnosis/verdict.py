@@ -241,8 +241,8 @@ RULES: tuple[Rule, ...] = (
     unexplained,
 )
 _OUTDONE = (
-    "A second oscillation beside the plant's own halves what is left, and is none that these data show: the own "
-    "oscillation changes as no law of the catalogue lets it, and no effect is named."
+    "A second oscillation beside the plant's own halves what is left, but these data do not show one. "
+    "The own oscillation changes as no law of the catalogue lets it: no effect is named."
 )
 _WEIGHTS = "Errors of the added masses within their uncertainty explain what the linear model leaves."
 

@@ -79,7 +79,7 @@ def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0, patterned: bool
     sure : float
         Times what the other runs scatter by, and its own standard error, that a fault must be.
     patterned : bool
-        Whether the rest of white noise has a pattern, and may be as small as a floor that is not known so well.
+        Whether the rest has a pattern beside white noise: it counts below the floor, too, known to a few per cent.
 
     Returns
     -------
