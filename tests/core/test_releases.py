@@ -232,3 +232,12 @@ def test_readings_step_by_what_is_stated_or_by_the_least_they_differ() -> None:
     assert reading_step(run) == pytest.approx(2e-3)
     assert reading_step(run.model_copy(update={"counts_per_meter": 1e4})) == pytest.approx(1e-4)
     assert reading_step(record(np.zeros(20), noise=0.0)) == 0.0
+
+
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.8, 0.95])
+@pytest.mark.parametrize("noise", [0.0, 2e-5, 1e-4])
+def test_two_modes_that_beat_are_no_hands(share: float, noise: float) -> None:
+    time = STEP * np.arange(1600)
+    both = np.cos(2 * np.pi * 2.5 * time) + share * np.cos(2 * np.pi * 2.9 * time)
+    run = record(0.01 * np.exp(-0.1 * time) * both, noise=noise, starts="motion")
+    assert stepid.split_releases(run) == (run,)

@@ -30,6 +30,10 @@ _NOTABLE = 0.2  # of the largest swing, below which a growing one is noise or a 
 _QUIET = 8.0  # standard deviations of the noise that no swing stands out from
 _SEEN = 3.0  # counts, likewise
 _FEWEST = 24  # samples of a release
+_ORDER = 4  # of a linear prediction: two modes
+_LAG = 4  # parts of half a swing, from one of its samples to the next
+_APART = 3.0  # times the median that it misses, from where on a sample is no part of it
+_BREAKS = 8.0  # the same, from where on a hand breaks it: noise misses by five
 
 
 @in_own_quantities
@@ -55,12 +59,32 @@ def split_releases(experiment: Experiment) -> tuple[Experiment, ...]:
     if not experiment.is_release or experiment.starts == "rest":
         return (experiment,)
     hands = _hands(experiment)
+    if hands and _swings_on(without_outliers(experiment), hands):
+        return (experiment,)
     begins, ends = [0, *(after for _, after in hands)], [*(before for before, _ in hands), experiment.time.size]
     parts = [(a, b) for a, b in zip(begins, ends, strict=True) if b - a >= _FEWEST]
     if len(parts) < 2:
         return (experiment,)
     first, *later = (experiment.slice(a, b, name=f"{experiment.name} ({i})") for i, (a, b) in enumerate(parts, 1))
     return first, *(part.model_copy(update={"starts": "auto"}) for part in later)  # these begin with the hand
+
+
+def _swings_on(y: Array, hands: list[tuple[int, int]]) -> bool:
+    """Tell whether two modes beat, where it grows: a linear prediction of their order runs on, a hand breaks it."""
+    lag = max(1, round(period_of(y) / 2 / _LAG))
+    if y.size < _ORDER * lag + _FEWEST:
+        return False
+    past = np.stack([y[i * lag : y.size - (_ORDER - i) * lag] for i in range(_ORDER)], axis=1)
+    table, here = np.column_stack([past, np.ones(past.shape[0])]), y[_ORDER * lag :]
+    at, held = np.arange(_ORDER * lag, y.size), np.zeros(here.size, dtype=bool)
+    for before, after in hands:
+        held |= (at >= before) & (at < after + (_ORDER + _LAG) * lag)
+    keep = np.ones(here.size, dtype=bool)
+    for _ in range(_TIMES):
+        law = np.linalg.lstsq(table[keep], here[keep], rcond=None)[0]
+        missed = np.abs(here - table @ law)
+        keep = missed <= _APART * np.median(missed[keep])
+    return bool(missed[held].max() < _BREAKS * np.median(missed))
 
 
 class _Lobe(NamedTuple):
