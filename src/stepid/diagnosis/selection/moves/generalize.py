@@ -44,6 +44,8 @@ def grown_from(
     grown = [tuple(v) for v in general.grow(inner, fit.scales) or general.starts(fit.scales)]
     effects = (*node.effects[:place], general, *node.effects[place + 1 :])
     starts = [Start(here.linear, (*here.values[:place], v, *here.values[place + 1 :])) for v in grown]
+    if len(effects) == 1:  # alone it may take the damper's part, too, or a spring's
+        starts += fit.weak_starts(general, context.effort.starts)
     gains = promises(fit, node.best, effects, starts)
     order = sorted(range(len(starts)), key=lambda i: -gains[i])
     if not order:
