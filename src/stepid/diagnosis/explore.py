@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -77,17 +78,22 @@ def outweighs(cost: float, plain: Optimum, found: Found, criteria: Criteria) -> 
 
 
 def fault_beside(found: Found, criteria: Criteria) -> RecordFault | None:
-    """One fault of one run where the likeliest answer lets conditions differ in all: beside its effects alone."""
+    """One fault of one run, beside fewer of the likeliest answer's effects or conditions: those can take its part."""
     best = found.likeliest
-    if not best.deviations or not best.effects:
-        return None
-    inner = best.effects[0].contains if len(best.effects) == 1 else ()  # a general law can take a fault's part
-    for names in (best.names, *((name,) for name in inner)):
+    for names in _fewer(best):
         plain = _alike(found, names)
         one = None if plain is None else accuse(plain, found.context.floor, sure=criteria.size)
         if plain and one and outweighs(one.cost, plain, found, criteria):
             return one.fault
     return None
+
+
+def _fewer(best: Candidate) -> list[tuple[str, ...]]:
+    """Sets of effects to hold a fault against: those of an answer, where its conditions differ, and fewer of them."""
+    names, whole = best.names, [best.names] if best.deviations and best.effects else []
+    if len(names) == 1:  # a general law can take a fault's part
+        return whole + [(name,) for name in best.effects[0].contains if whole]
+    return whole + [some for n in range(len(names) - 1, 0, -1) for some in combinations(names, n)]
 
 
 def _alike(found: Found, names: tuple[str, ...]) -> Optimum | None:

@@ -14,7 +14,7 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.record_fault import ALL_RUNS, RecordFault
 from stepid.simulation.records import Records
 
-_TURNS = (1.0, 100.0)  # of the encoder within the travel, that can be told
+_TURNS = (2.0, 100.0)  # of the encoder within the travel, that can be told: of fewer a bent sensor is as good
 _FINE = 0.25  # turns, by which pitches are told apart
 _STEPS = 12  # Newton's, by which a reading is corrected
 _LEAST_SLOPE = 0.2  # of the reading over the position, in these: where it hardly grows a step would go too far

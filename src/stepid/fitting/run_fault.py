@@ -222,6 +222,8 @@ def _has_size(found: _Found, sure: float) -> bool:
     if found.kind == DRIFT:
         return True
     of, records = found.optimum.problem.layout, found.optimum.problem.records
+    if found.kind == "added_mass" and records.weight_uncertainty > 0:
+        return size >= sure * records.weight_uncertainty  # who knows the weights so well can mend it
     unit = {
         "added_mass": float(of.mass(found.optimum.shared)[found.run]),
         "start_time": float(records.sample_time[found.run]),
