@@ -168,10 +168,12 @@ def difference(linear: Optimum, effect: Effect, values: tuple[float, ...]) -> Ar
     records = linear.problem.records
     problem = build(records, (effect,), tolerance=COARSE)
     of = problem.layout
-    free = problem.free.copy()
-    free[of.linear] = False
-    local = start_local(problem, linear)
-    solved = replace(problem, free=free).solve(np.concatenate([linear.shared, values]), local)
+    free, active = problem.free.copy(), np.zeros_like(problem.active)
+    free[slice(None) if effect.run_parameters else of.linear] = False
+    rows = slice(2, 3) if effect.run_parameters else of.own_states
+    active[rows] = problem.active[rows]
+    local, asked = start_local(problem, linear), replace(problem, free=free, active=active)
+    solved = asked.solve(np.concatenate([linear.shared, values]), local)
     if solved is None:
         return None
     by_shared, by_local = solved.derivatives
@@ -180,13 +182,13 @@ def difference(linear: Optimum, effect: Effect, values: tuple[float, ...]) -> Ar
         split = np.zeros((records.size, 2 * len(records.runs)))
         for r, piece in enumerate(records.pieces()):
             split[piece, 2 * r] = parts[0][piece, 0]
-            split[piece, 2 * r + 1] = by_local[2, piece]
+            split[piece, 2 * r + 1] = by_local[rows.start, piece]
         return split
     parts.append(by_shared[of.linear.stop :].T)
     pieces = records.pieces()
-    for row, run in np.argwhere(problem.active[of.own_states]):
+    for row, run in np.argwhere(active):
         started = np.zeros((records.size, 1))
-        started[pieces[run], 0] = by_local[of.own_states][row, pieces[run]]
+        started[pieces[run], 0] = by_local[row, pieces[run]]
         parts.append(started)
     return np.concatenate(parts, axis=1)
 
