@@ -154,13 +154,13 @@ class Simulator:
 
         def some(replicas: slice) -> int:
             work = structure(self.effects)
-            work.kinked &= int(self.tolerance < COARSE)  # what is looked for need not know its derivatives so well
+            work["kinked"] &= int(self.tolerance < COARSE)  # what is looked for need not know its derivatives so well
             kernel.simulate(
                 work, values[replicas], start[replicas], run[replicas],
                 r.bounds, r.time, r.coefficients, r.before, r.moving,
                 self.tolerance * scale, scale, leaps, self.patience, offset[replicas], reading, states,
             )  # fmt: skip
-            return int(work.taken)
+            return int(work["taken"])
 
         if self.workers == 1 or len(run) <= 1:
             self.taken += some(slice(None))
