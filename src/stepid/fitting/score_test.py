@@ -22,7 +22,7 @@ from stepid.simulation.simulator import COARSE, Simulator
 
 _HARDLY = 0.02  # share of the change to a general law that a linearized step must ask for
 _STARTS = 3  # of each effect: of what rings, the loudest may not be what is missing
-_AT_ONCE = 8  # forces whose responses are simulated together
+_AT_ONCE = 16  # forces whose responses are simulated together
 _ASTRAY = 0.2  # share of the motion that the linear plant leaves, beyond which it swings out of step
 _SLIGHT = 1e-4  # of the spring's largest force: a force that hardly changes the motion
 
@@ -44,7 +44,7 @@ def force_responses(context: FitContext, forces: list[Array]) -> Array:
     out = np.empty((len(forces), records.size))
     for i in range(0, len(forces), _AT_ONCE):  # the plant driven by the forces, beside each other
         some = forces[i : i + _AT_ONCE]
-        pushed = records.repeated(len(some)).with_input(np.concatenate([_means(force, records) for force in some]))
+        pushed = records.repeated(len(some)).with_input(_means(some, records).ravel())
         pushed = replace(pushed, before=np.zeros(len(pushed.runs)))
         still = np.zeros((1, linear.local.shape[0], len(pushed.runs)))
         out[i : i + len(some)] = Simulator(pushed, ()).readings(plant[None], still).reshape(len(some), -1)
@@ -52,13 +52,14 @@ def force_responses(context: FitContext, forces: list[Array]) -> Array:
     return out.T
 
 
-def _means(force: Array, records: Records) -> Array:
-    """Mean of a force, given at all samples, from each decimated sample to the next, shape (S,)."""
-    between = 0.5 * (force[:-1] + force[1:])
+def _means(forces: list[Array], records: Records) -> Array:
+    """Means of forces, given at all samples, from each decimated sample to the next, shape (n, S)."""
+    force, none = np.array(forces), np.zeros((len(forces), 1))
+    between = 0.5 * (force[:, :-1] + force[:, 1:])
     if records.at is not None:
-        sums = np.concatenate([[0.0], np.cumsum(between)])
-        between = np.diff(sums[records.at]) / np.diff(records.at)
-    return np.append(between, 0.0)
+        sums = np.concatenate([none, np.cumsum(between, axis=1)], axis=1)
+        between = np.diff(sums[:, records.at], axis=1) / np.diff(records.at)
+    return np.concatenate([between, none], axis=1)
 
 
 def responses_along(base: Optimum, records: Records, forces: list[Array]) -> Array:
@@ -72,14 +73,13 @@ def responses_along(base: Optimum, records: Records, forces: list[Array]) -> Arr
     plain = Simulator(records, problem.simulator.effects).readings(base.shared[None], base.local[None])
     out = np.empty((len(forces), records.size))
     for i in range(0, len(forces), _AT_ONCE):
-        some = [_means(force, records) for force in forces[i : i + _AT_ONCE]]
-        sizes = [_SLIGHT * stiffness * problem.simulator.scale / max(float(np.abs(f).max()), 1e-300) for f in some]
-        volts = np.concatenate([records.volts + size * f / gain for size, f in zip(sizes, some, strict=True)])
-        pushed = records.repeated(len(some)).with_input(volts)
+        some = _means(forces[i : i + _AT_ONCE], records)
+        sizes = _SLIGHT * stiffness * problem.simulator.scale / np.maximum(np.abs(some).max(axis=1), 1e-300)
+        pushed = records.repeated(len(some)).with_input((records.volts + sizes[:, None] * some / gain).ravel())
         readings = Simulator(pushed, problem.simulator.effects).readings(
             shared[None], np.tile(base.local, len(some))[None]
         )
-        out[i : i + len(some)] = (readings.reshape(len(some), -1) - plain) / np.array(sizes)[:, None]
+        out[i : i + len(some)] = (readings.reshape(len(some), -1) - plain) / sizes[:, None]
     return out.T
 
 

@@ -45,7 +45,7 @@ class Node:
         """Conditions that differ from run to run."""
         return self.fitted.deviations
 
-    @property
+    @cached_property
     def key(self) -> Key:
         """See `Candidate.key`."""
         return frozenset(e.name for e in self.effects), self.deviations
@@ -133,7 +133,7 @@ class Proposal:
         """What it promises to leave, m², more where it is costly: the least goes first."""
         return self.like.cost - self.gain
 
-    @property
+    @cached_property
     def key(self) -> Key:
         """See `Candidate.key`."""
         return frozenset(e.name for e in self.effects), self.deviations
