@@ -10,10 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.once import once
 from stepid.effects.base import Effect, Scales
 from stepid.effects.drive import acts_on_input
 from stepid.fitting.absent import Absent
-from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.levenberg_marquardt import Optimum, Problem
 from stepid.fitting.multistart import FitContext, Scored, Start
 from stepid.fitting.problem import build, start_local
 from stepid.fitting.tangent import Tangent, scaled_parts
@@ -165,15 +166,9 @@ def difference(linear: Optimum, effect: Effect, values: tuple[float, ...]) -> Ar
     None where the plant runs away. Beside the change at these values stand the derivatives by them, and those by the
     effect's own states where a run starts in motion; of an effect with a phase, cosine and sine of each run.
     """
-    records = linear.problem.records
-    problem = build(records, (effect,), tolerance=COARSE)
-    of = problem.layout
-    free, active = problem.free.copy(), np.zeros_like(problem.active)
-    free[slice(None) if effect.run_parameters else of.linear] = False
-    rows = slice(2, 3) if effect.run_parameters else of.own_states
-    active[rows] = problem.active[rows]
-    local, asked = start_local(problem, linear), replace(problem, free=free, active=active)
-    solved = asked.solve(np.concatenate([linear.shared, values]), local)
+    problem, local = _asked(linear, effect)
+    records, of = problem.records, problem.layout
+    solved = problem.solve(np.concatenate([linear.shared, values]), local)
     if solved is None:
         return None
     by_shared, by_local = solved.derivatives
@@ -182,15 +177,27 @@ def difference(linear: Optimum, effect: Effect, values: tuple[float, ...]) -> Ar
         split = np.zeros((records.size, 2 * len(records.runs)))
         for r, piece in enumerate(records.pieces()):
             split[piece, 2 * r] = parts[0][piece, 0]
-            split[piece, 2 * r + 1] = by_local[rows.start, piece]
+            split[piece, 2 * r + 1] = by_local[2, piece]
         return split
     parts.append(by_shared[of.linear.stop :].T)
     pieces = records.pieces()
-    for row, run in np.argwhere(active):
+    for row, run in np.argwhere(problem.active):
         started = np.zeros((records.size, 1))
         started[pieces[run], 0] = by_local[row, pieces[run]]
         parts.append(started)
     return np.concatenate(parts, axis=1)
+
+
+@once
+def _asked(linear: Optimum, effect: Effect) -> tuple[Problem, Array]:
+    """What `difference` derives by: the effect's parameters and own states, or its phase; and the local parameters."""
+    problem = build(linear.problem.records, (effect,), tolerance=COARSE)
+    of = problem.layout
+    free, active = problem.free.copy(), np.zeros_like(problem.active)
+    free[slice(None) if effect.run_parameters else of.linear] = False
+    rows = slice(2, 3) if effect.run_parameters else of.own_states
+    active[rows] = problem.active[rows]
+    return replace(problem, free=free, active=active), start_local(problem, linear)
 
 
 def score(base: Optimum, table: list[Column], *, instead: Absent | None = None) -> list[Scored]:
