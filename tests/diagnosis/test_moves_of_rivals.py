@@ -191,7 +191,7 @@ def test_an_effect_is_wholly_like_itself() -> None:
     assert found is not None
     assert found.left < 1e-12
     assert found.values[0] == pytest.approx((cubic.best.shared[-1],))
-    np.testing.assert_allclose(found.linear, standing(cubic).linear, rtol=1e-6)
+    np.testing.assert_allclose(force.beside(found)[0], standing(cubic).linear, rtol=1e-6)
 
 
 def test_friction_of_two_laws_is_alike_where_runs_move_one_way() -> None:

@@ -185,7 +185,7 @@ def test_weights_explain_what_is_left_where_their_errors_are_likely(
 
 def test_noise_in_the_race_scatters_above_its_cost() -> None:
     context: Any = Made(decimated=Made(size=450), noise_cost=2.0)
-    assert FitContext.noise_limit.fget(context) == pytest.approx((1.05 + 3 / 30) ** 2 * 2.0)  # type: ignore[attr-defined]
+    assert FitContext.noise_limit.func(context) == pytest.approx((1.05 + 3 / 30) ** 2 * 2.0)
 
 
 @pytest.mark.parametrize(

@@ -43,7 +43,7 @@ class Coordinates:
 
     def steps(self, shared: Array) -> Array:
         """Steps of these, by which derivatives of the reading are told from differences."""
-        out: Array = self._problem.simulator.steps(shared)[: shared.size]
+        out: Array = self._problem.simulator.steps(shared)[: shared.size].copy()
         for c, _ in self._powers:
             out[c] /= shared[c]
         return out

@@ -100,7 +100,7 @@ class FitContext:
         """RMS that rounding leaves at least, m: a fit that leaves less follows the steps of the sensor."""
         return least_floor(self.records)
 
-    @property
+    @cached_property
     def rounding_cost(self) -> float:
         """Cost of all samples that rounding leaves at least, m²: less is no evidence."""
         return float((self.records.weight**2).sum()) * self.rounding**2
@@ -110,18 +110,18 @@ class FitContext:
         """Whether rounding is noise, too: the sensor's own is half a step or more (Widrow 1956, IRE Trans. CT-3)."""
         return self.floor >= 2 * self.rounding
 
-    @property
+    @cached_property
     def noise_cost(self) -> float:
         """Cost of a perfect model in the race, m²."""
         square = self.records.weight**2
         return float((square if self.decimated.at is None else square[self.decimated.at]).sum()) * self.floor**2
 
-    @property
+    @cached_property
     def noise_limit(self) -> float:
         """Cost in the race below which nothing but noise is left, m²: the noise's own scatter above its cost."""
         return (1.05 + 3.0 / math.sqrt(2.0 * self.decimated.size)) ** 2 * self.noise_cost
 
-    @property
+    @cached_property
     def unit(self) -> float:
         """Cost in the race of one unit of χ² in all samples, m²."""
         return float((self.decimated.weight**2).sum() / (self.records.weight**2).sum()) * self.floor**2

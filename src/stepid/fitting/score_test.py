@@ -10,10 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.once import once
 from stepid.effects.base import Effect, Scales
 from stepid.effects.drive import acts_on_input
 from stepid.fitting.absent import Absent
-from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.levenberg_marquardt import Optimum, Problem
 from stepid.fitting.multistart import FitContext, Scored, Start
 from stepid.fitting.problem import build, start_local
 from stepid.fitting.tangent import Tangent, scaled_parts
@@ -22,7 +23,7 @@ from stepid.simulation.simulator import COARSE, Simulator
 
 _HARDLY = 0.02  # share of the change to a general law that a linearized step must ask for
 _STARTS = 3  # of each effect: of what rings, the loudest may not be what is missing
-_AT_ONCE = 8  # forces whose responses are simulated together
+_AT_ONCE = 16  # forces whose responses are simulated together
 _ASTRAY = 0.2  # share of the motion that the linear plant leaves, beyond which it swings out of step
 _SLIGHT = 1e-4  # of the spring's largest force: a force that hardly changes the motion
 
@@ -44,7 +45,7 @@ def force_responses(context: FitContext, forces: list[Array]) -> Array:
     out = np.empty((len(forces), records.size))
     for i in range(0, len(forces), _AT_ONCE):  # the plant driven by the forces, beside each other
         some = forces[i : i + _AT_ONCE]
-        pushed = records.repeated(len(some)).with_input(np.concatenate([_means(force, records) for force in some]))
+        pushed = records.repeated(len(some)).with_input(_means(some, records).ravel())
         pushed = replace(pushed, before=np.zeros(len(pushed.runs)))
         still = np.zeros((1, linear.local.shape[0], len(pushed.runs)))
         out[i : i + len(some)] = Simulator(pushed, ()).readings(plant[None], still).reshape(len(some), -1)
@@ -52,13 +53,14 @@ def force_responses(context: FitContext, forces: list[Array]) -> Array:
     return out.T
 
 
-def _means(force: Array, records: Records) -> Array:
-    """Mean of a force, given at all samples, from each decimated sample to the next, shape (S,)."""
-    between = 0.5 * (force[:-1] + force[1:])
+def _means(forces: list[Array], records: Records) -> Array:
+    """Means of forces, given at all samples, from each decimated sample to the next, shape (n, S)."""
+    force, none = np.array(forces), np.zeros((len(forces), 1))
+    between = 0.5 * (force[:, :-1] + force[:, 1:])
     if records.at is not None:
-        sums = np.concatenate([[0.0], np.cumsum(between)])
-        between = np.diff(sums[records.at]) / np.diff(records.at)
-    return np.append(between, 0.0)
+        sums = np.concatenate([none, np.cumsum(between, axis=1)], axis=1)
+        between = np.diff(sums[:, records.at], axis=1) / np.diff(records.at)
+    return np.concatenate([between, none], axis=1)
 
 
 def responses_along(base: Optimum, records: Records, forces: list[Array]) -> Array:
@@ -72,14 +74,13 @@ def responses_along(base: Optimum, records: Records, forces: list[Array]) -> Arr
     plain = Simulator(records, problem.simulator.effects).readings(base.shared[None], base.local[None])
     out = np.empty((len(forces), records.size))
     for i in range(0, len(forces), _AT_ONCE):
-        some = [_means(force, records) for force in forces[i : i + _AT_ONCE]]
-        sizes = [_SLIGHT * stiffness * problem.simulator.scale / max(float(np.abs(f).max()), 1e-300) for f in some]
-        volts = np.concatenate([records.volts + size * f / gain for size, f in zip(sizes, some, strict=True)])
-        pushed = records.repeated(len(some)).with_input(volts)
+        some = _means(forces[i : i + _AT_ONCE], records)
+        sizes = _SLIGHT * stiffness * problem.simulator.scale / np.maximum(np.abs(some).max(axis=1), 1e-300)
+        pushed = records.repeated(len(some)).with_input((records.volts + sizes[:, None] * some / gain).ravel())
         readings = Simulator(pushed, problem.simulator.effects).readings(
             shared[None], np.tile(base.local, len(some))[None]
         )
-        out[i : i + len(some)] = (readings.reshape(len(some), -1) - plain) / np.array(sizes)[:, None]
+        out[i : i + len(some)] = (readings.reshape(len(some), -1) - plain) / sizes[:, None]
     return out.T
 
 
@@ -165,13 +166,9 @@ def difference(linear: Optimum, effect: Effect, values: tuple[float, ...]) -> Ar
     None where the plant runs away. Beside the change at these values stand the derivatives by them, and those by the
     effect's own states where a run starts in motion; of an effect with a phase, cosine and sine of each run.
     """
-    records = linear.problem.records
-    problem = build(records, (effect,), tolerance=COARSE)
-    of = problem.layout
-    free = problem.free.copy()
-    free[of.linear] = False
-    local = start_local(problem, linear)
-    solved = replace(problem, free=free).solve(np.concatenate([linear.shared, values]), local)
+    problem, local = _asked(linear, effect)
+    records, of = problem.records, problem.layout
+    solved = problem.solve(np.concatenate([linear.shared, values]), local)
     if solved is None:
         return None
     by_shared, by_local = solved.derivatives
@@ -184,11 +181,23 @@ def difference(linear: Optimum, effect: Effect, values: tuple[float, ...]) -> Ar
         return split
     parts.append(by_shared[of.linear.stop :].T)
     pieces = records.pieces()
-    for row, run in np.argwhere(problem.active[of.own_states]):
+    for row, run in np.argwhere(problem.active):
         started = np.zeros((records.size, 1))
-        started[pieces[run], 0] = by_local[of.own_states][row, pieces[run]]
+        started[pieces[run], 0] = by_local[row, pieces[run]]
         parts.append(started)
     return np.concatenate(parts, axis=1)
+
+
+@once
+def _asked(linear: Optimum, effect: Effect) -> tuple[Problem, Array]:
+    """What `difference` derives by: the effect's parameters and own states, or its phase; and the local parameters."""
+    problem = build(linear.problem.records, (effect,), tolerance=COARSE)
+    of = problem.layout
+    free, active = problem.free.copy(), np.zeros_like(problem.active)
+    free[slice(None) if effect.run_parameters else of.linear] = False
+    rows = slice(2, 3) if effect.run_parameters else of.own_states
+    active[rows] = problem.active[rows]
+    return replace(problem, free=free, active=active), start_local(problem, linear)
 
 
 def score(base: Optimum, table: list[Column], *, instead: Absent | None = None) -> list[Scored]:

@@ -53,53 +53,50 @@ class Homogeneity:
     """
 
     def __init__(self, layout: ParameterLayout, scale: float) -> None:
-        self._layout, self._scale = layout, scale
-        self._parameters = tuple(q for e in layout.effects for q in e.parameters)
+        self._layout, self._notable = layout, _NOTABLE * scale
+        parameters = tuple(q for e in layout.effects for q in e.parameters)
         self._told = all(e.own_units is not None for e in layout.effects)
-        own = [unit for e in layout.effects for unit in e.own_units or ()]
-        self._own_mass = np.array([unit == "N" for unit in own], dtype=float)
-        self._own_time = -np.array(["/s" in unit for unit in own], dtype=float) - 2.0 * self._own_mass
         self._shaken = any(e.never_rests for e in layout.effects)  # by a law of the clock, which starts when it likes
-        self._moves = np.array([type(e).reading is Effect.reading for e in layout.effects for _ in e.parameters], bool)
+        moves = [type(e).reading is Effect.reading for e in layout.effects for _ in e.parameters]
         self._touched = np.zeros((layout.n_global, len(layout.records.runs)), dtype=bool)
         for p in range(layout.n_global):
             self._touched[p, layout.touched(p)] = True
+        # power of each unit in each parameter: by how much it changes, for a value of one
+        n, one, (first, stop) = layout.n_global, np.ones(len(parameters)), (layout.linear.stop, layout.n_global)
+        self._powers = np.zeros((3, n + layout.n_run))
+        by_length, by_time, by_mass = self._powers
+        by_length[layout.force_gain] = by_mass[layout.force_gain] = 1.0
+        by_length[first:stop], by_mass[first:stop] = lengths(parameters, one), masses(parameters, one)
+        by_time[first:stop] = times(parameters, one) * moves
+        by_time[layout.stiffness], by_time[layout.damping] = -2.0, -1.0
+        by_mass[layout.stiffness] = by_mass[layout.damping] = 1.0
+        own = slice(n + layout.own_states.start, n + layout.own_states.stop)
+        units = [unit for e in layout.effects for unit in e.own_units or ()]
+        if self._told:
+            by_mass[own] = [unit == "N" for unit in units]
+            by_time[own] = -np.array(["/s" in unit for unit in units], dtype=float) - 2.0 * by_mass[own]
+        by_length[n : n + 2], by_time[n + 1], by_length[own] = 1.0, -1.0, 1.0
+        # of N·(s/m)^p, whose exponent stands beside it
+        self._exponents = [first + i for i, q in enumerate(parameters) if q.length is None and "^p" in q.unit]
 
     def following(self, shared: Array, local: Array, wanted: Mask, active: Mask, *, flow: bool) -> Following:
         """Tell which of the wanted derivatives follow from the others; with `flow` those by times, too."""
-        of, runs = self._layout, np.arange(local.shape[1])
-        n, gain, base = of.n_global, of.force_gain, of.records.base
+        from stepid.simulation.slopes import follow_units
+
+        of, records = self._layout, self._layout.records
+        powers = self._powers
+        if self._exponents:
+            powers = powers.copy()
+            powers[0, self._exponents] = 1.0 - shared[np.add(self._exponents, 1)]
         asked = np.concatenate([self._touched & wanted[:, None], active])
-        pushed = of.records.largest_input
-        driven = pushed > 0
-        at = np.where(self._touched, shared[:, None], 0.0).T
-        at[~driven, gain] = 0.0
-        own, effects = slice(n + of.own_states.start, n + of.own_states.stop), slice(of.linear.stop, n)
-        states = local[of.own_states].T
-        weight = np.zeros((3, runs.size, asked.shape[0]))
-        by_length, by_time, by_mass = weight
-        by_length[:, gain] = by_mass[:, gain] = at[:, gain]
-        by_length[:, effects] = lengths(self._parameters, shared[effects])
-        by_length[:, n : n + 2], by_length[:, own] = local[:2].T, states
-        by_time[:, of.stiffness], by_time[:, of.damping] = -2.0 * at[:, of.stiffness], -at[:, of.damping]
-        by_time[:, effects] = times(self._parameters, shared[effects]) * self._moves
-        by_time[:, n + 1], by_time[:, own] = -local[1], states * self._own_time
-        by_mass[:, of.stiffness], by_mass[:, of.damping] = at[:, of.stiffness], at[:, of.damping]
-        by_mass[:, effects] = masses(self._parameters, shared[effects])
-        by_mass[:, own] = states * self._own_mass
-        missing = ((weight != 0.0) & ~asked.T).any(axis=2)
-        spring = of.stiffness.start + of.records.spring
-        notable = _NOTABLE * self._scale
-        by_gain = asked[gain] & (np.abs(at[:, gain]) * pushed > notable * np.abs(at[runs, spring]))
-        by_start = asked[n] & (np.abs(local[0]) > notable)
-        row = np.empty((3, runs.size), dtype=np.intp)
-        row[0] = np.where(by_gain, gain, np.where(by_start, n, -1))
-        row[1] = np.where(asked[spring, runs] & ~driven & (flow and not self._shaken), spring, -1)
-        row[2] = np.where(asked[base, runs], base, -1)
-        row[missing | (not self._told)] = -1
-        by_mass[runs, base] = of.mass(shared) + local[of.deviation("added_mass")]
-        spared = np.zeros_like(asked)
-        spared[gain] = ~driven  # without input it does nothing
-        for rows in row:
-            spared[rows[rows >= 0], runs[rows >= 0]] = True
-        return Following(spared, row, weight)
+        out = Following(
+            np.zeros_like(asked),
+            np.full((3, len(records.runs)), -1, dtype=np.intp),
+            np.zeros((3, len(records.runs), len(asked))),
+        )
+        follow_units(
+            powers, shared, np.ascontiguousarray(local), self._touched, asked, records.largest_input, of.force_gain,
+            records.base, of.stiffness.start + records.spring, of.mass(shared) + local[of.deviation("added_mass")],
+            self._notable, self._told, flow and not self._shaken, *out,
+        )  # fmt: skip
+        return out

@@ -127,6 +127,11 @@ class Records:
         return out
 
     @cached_property
+    def extent(self) -> float:
+        """How far from its run's mean a reading is at most, m."""
+        return float(np.abs(self.centered(self.position)).max(initial=0.0))
+
+    @cached_property
     def _share(self) -> Array:
         """Weight of each sample in its run, their sum 1, shape (S,)."""
         square = self.weight**2

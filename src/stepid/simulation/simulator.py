@@ -94,32 +94,29 @@ class Simulator:
         affine = all((e.linear or e.affine) and not e.n_extra for e in effects)
         self._leaps = 2 if self.linear else int(affine)  # see `stepid.simulation.kernel.simulate`
         self.taken = 0
-        self.scale = max(float(np.abs(records.centered(records.position)).max(initial=0.0)), _STILL)
+        self.scale = max(records.extent, _STILL)
         self.moves = self.scale > _STILL  # whether anything does in the records
         self._powers = exponents(tuple(q for e in effects for q in e.parameters))
+        self._stepped: tuple[bytes, Array] | None = None
         self._planned: tuple[bytes, tuple[Index, Index, Index]] | None = None
         self._tiled: tuple[int, Index, Index] | None = None
 
     # ---- magnitudes -----------------------------------------------------------------------------------------------
 
     def steps(self, shared: Array) -> Array:
-        """Finite-difference steps of the global and the per-run parameters, shape (P + Q,)."""
-        typical = self.typical(shared)
-        local = self._local_steps.copy()
-        local[self.layout.deviation("added_mass")] *= typical[self.layout.base_mass.start]
-        return np.concatenate([_DIFFERENCE * np.maximum(np.abs(shared), 1e-2 * typical), local])
+        """Finite-difference steps of global and per-run parameters, shape (P + Q,): the last call's are kept."""
+        key, of = shared.tobytes(), self.layout
+        if self._stepped is None or self._stepped[0] != key:
+            typical, local = self.typical(shared), np.full(of.n_run, _DIFFERENCE)
+            local[:2] = _DIFFERENCE * self.scale, 10 * _DIFFERENCE * self.scale
+            local[of.own_states] = _DIFFERENCE * self.scale
+            local[of.deviation("added_mass")] *= typical[of.base_mass.start]
+            self._stepped = key, np.concatenate([_DIFFERENCE * np.maximum(np.abs(shared), 1e-2 * typical), local])
+        return self._stepped[1]
 
     @cached_property
     def _homogeneity(self) -> Homogeneity:
         return Homogeneity(self.layout, self.scale)
-
-    @cached_property
-    def _local_steps(self) -> Array:
-        """Finite-difference steps of the per-run parameters, that of the added mass per kg of the base's."""
-        local = np.full(self.layout.n_run, _DIFFERENCE)
-        local[:2] = _DIFFERENCE * self.scale, 10 * _DIFFERENCE * self.scale
-        local[self.layout.own_states] = _DIFFERENCE * self.scale
-        return local
 
     def typical(self, shared: Array) -> Array:
         """Magnitudes by which the global parameters are judged."""
@@ -154,13 +151,13 @@ class Simulator:
 
         def some(replicas: slice) -> int:
             work = structure(self.effects)
-            work.kinked &= int(self.tolerance < COARSE)  # what is looked for need not know its derivatives so well
+            work["kinked"] &= int(self.tolerance < COARSE)  # what is looked for need not know its derivatives so well
             kernel.simulate(
                 work, values[replicas], start[replicas], run[replicas],
                 r.bounds, r.time, r.coefficients, r.before, r.moving,
                 self.tolerance * scale, scale, leaps, self.patience, offset[replicas], reading, states,
             )  # fmt: skip
-            return int(work.taken)
+            return int(work["taken"])
 
         if self.workers == 1 or len(run) <= 1:
             self.taken += some(slice(None))

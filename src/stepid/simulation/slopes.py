@@ -33,6 +33,75 @@ def slopes(moved: Array, reading: Array, steps: Array, run: Array, offset: Array
 
 
 @compiled
+def follow_units(
+    powers: Array,
+    shared: Array,
+    local: Array,
+    touched: Array,
+    asked: Array,
+    pushed: Array,
+    gain: int,
+    base: Array,
+    spring: Array,
+    mass: Array,
+    notable: float,
+    told: bool,
+    flow: bool,
+    spared: Array,
+    row: Array,
+    weight: Array,
+) -> None:
+    """Tell which derivatives follow from others, see `stepid.simulation.homogeneity`.
+
+    Parameters
+    ----------
+    powers : array, shape (3, P + Q)
+        Of length, time and mass in each parameter.
+    shared, local : arrays, shape (P,) and (Q, R)
+    touched, asked : arrays of bool, shape (P, R) and (P + Q, R)
+        Whether a global parameter enters a run, and whether a derivative is wanted.
+    pushed : array, shape (R,)
+        V, largest input.
+    gain : int
+    base, spring : arrays of int, shape (R,)
+        Parameters by their places.
+    mass : array, shape (R,)
+        kg, that moves.
+    notable : float
+        m, of the motion that a parameter must make up.
+    told, flow : bool
+        Whether units tell how the laws scale, and whether derivatives by times may follow.
+    spared, row, weight
+        Written, see `stepid.simulation.homogeneity.Following`: false, -1 and zero before.
+    """
+    n = shared.size
+    for r in range(pushed.size):
+        driven = pushed[r] > 0.0
+        spared[gain, r] = not driven  # without input it does nothing
+        for unit in range(3):
+            missing = not told
+            for p in range(asked.shape[0]):
+                value = local[p - n, r] if p >= n else shared[p] if touched[p, r] and (driven or p != gain) else 0.0
+                weight[unit, r, p] = powers[unit, p] * value
+                missing |= weight[unit, r, p] != 0.0 and not asked[p, r]
+            if missing:
+                continue
+            if unit == 0:
+                if asked[gain, r] and driven and abs(shared[gain]) * pushed[r] > notable * abs(shared[spring[r]]):
+                    row[unit, r] = gain
+                elif asked[n, r] and abs(local[0, r]) > notable:
+                    row[unit, r] = n
+            elif unit == 1:
+                if asked[spring[r], r] and flow and not driven:
+                    row[unit, r] = spring[r]
+            elif asked[base[r], r]:
+                row[unit, r] = base[r]
+            if row[unit, r] >= 0:
+                spared[row[unit, r], r] = True
+        weight[2, r, base[r]] = mass[r]
+
+
+@compiled
 def follow(out: Array, reading: Array, velocity: Array, time: Array, bounds: Array, row: Array, weight: Array) -> None:
     """Write the derivatives that follow from others.
 

@@ -60,6 +60,10 @@ def _simulate() -> None:
     bounds, one, by_one = np.array([0, 2]), np.ones(1), np.eye(2)
     residual, none, first = np.empty(2), np.zeros(1, dtype=np.intp), np.zeros((1, 1), dtype=np.intp)
     slopes.slopes(np.ones(2), time, one, none, none, bounds)
+    slopes.follow_units(
+        np.zeros((3, 2)), one, np.zeros((1, 1)), none.astype(bool)[None], np.zeros((2, 1), dtype=bool), one, 0, none,
+        none, one, 0.02, True, True, np.zeros((2, 1), dtype=bool), np.zeros((3, 1), dtype=np.intp), np.zeros((3, 1, 2)),
+    )  # fmt: skip
     slopes.follow(by_one, time, time, time, bounds, np.full((3, 1), -1, dtype=np.intp), np.zeros((3, 1, 2)))
     triangles.weigh(time, np.zeros(2), np.ones(2), bounds, residual)
     found, size, no_own = np.zeros((1, 2, 2)), np.zeros(1), np.zeros((1, 0))

@@ -10,12 +10,16 @@ import numpy as np
 from stepid.effects.base import Effect
 from stepid.errors import InputError
 from stepid.simulation import kernel
+from stepid.simulation.compiled import JIT
 from stepid.simulation.laws import changes, law
 
 
 def structure(effects: tuple[Effect, ...]) -> Any:
     """A new record of `kernel.WORK`: the effects in the order of the drive's chain, where values and states stand."""
-    return _structure(effects).copy()[0]  # a record, with fields as attributes: plain Python reads them, too
+    room = _structure(effects)
+    if JIT:  # as bytes: numpy copies a record field by field
+        return np.frombuffer(bytearray(room.tobytes()), room.dtype)[0]
+    return room.copy()[0]  # with fields as attributes: plain Python reads them, too
 
 
 @lru_cache(maxsize=1024)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Protocol
 
 from stepid.core.base import Array
@@ -44,7 +45,7 @@ class Node:
         """Conditions that differ from run to run."""
         return self.fitted.deviations
 
-    @property
+    @cached_property
     def key(self) -> Key:
         """See `Candidate.key`."""
         return frozenset(e.name for e in self.effects), self.deviations
@@ -66,6 +67,26 @@ class Node:
         return self.fitted.best
 
 
+class Postponed:
+    """Starts that are found once something is fitted from them: most proposals never are.
+
+    Parameters
+    ----------
+    find : callable
+        Finds them.
+    """
+
+    def __init__(self, find: Callable[[], Sequence[Start]]) -> None:
+        self._find = find
+
+    @cached_property
+    def _found(self) -> Sequence[Start]:
+        return self._find()
+
+    def __iter__(self) -> Iterator[Start]:
+        return iter(self._found)
+
+
 @dataclass(frozen=True)
 class Proposal:
     """A set of effects to fit: where from, and what is promised.
@@ -74,7 +95,7 @@ class Proposal:
     ----------
     effects : tuple of Effect
     deviations : frozenset of str
-    starts : tuple of Start
+    starts : iterable of Start
         Most promising first.
     base : tuple
         Key of the node that it is proposed on.
@@ -90,7 +111,7 @@ class Proposal:
 
     effects: tuple[Effect, ...]
     deviations: Deviations
-    starts: tuple[Start, ...]
+    starts: Iterable[Start]
     base: Key
     like: Optimum
     left: float
@@ -112,7 +133,7 @@ class Proposal:
         """What it promises to leave, m², more where it is costly: the least goes first."""
         return self.like.cost - self.gain
 
-    @property
+    @cached_property
     def key(self) -> Key:
         """See `Candidate.key`."""
         return frozenset(e.name for e in self.effects), self.deviations

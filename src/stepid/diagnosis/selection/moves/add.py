@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from stepid.diagnosis.selection.proposal import (
     Node,
+    Postponed,
     Proposal,
     SearchContext,
     is_mode,
@@ -41,9 +44,9 @@ class Add:
         out = []
         for effect in (e for e in new if e in found or not e.contains):
             own = [s for s in scored if s.effect is effect]
-            starts = race_starts(fit, effect, own)
+            starts = Postponed(partial(race_starts, fit, effect, own))
             left = node.cost - max((s.gain for s in own), default=0.0)
-            out.append(Proposal((effect,), node.deviations, tuple(starts), node.key, node.best, left, 1.0, self.name))
+            out.append(Proposal((effect,), node.deviations, starts, node.key, node.best, left, 1.0, self.name))
         return out
 
     def _further(self, node: Node, new: tuple[Effect, ...], context: SearchContext) -> list[Proposal]:

@@ -47,11 +47,11 @@ class Exchange:
         self, node: Node, absent: Absent, rest: list[int], deviations: Deviations, context: SearchContext
     ) -> list[Proposal]:
         fit, effort, of = context.fit, context.effort, node.best.problem.layout
-        known = {e.name for e in context.catalogue}
+        every = {e.name for e in context.catalogue}
         new = tuple(
             e
             for e in context.catalogue
-            if not known.intersection(e.contains) and not any(related(e, own) for own in node.effects)
+            if not every.intersection(e.contains) and not any(related(e, own) for own in node.effects)
         )
         out: dict[str, Proposal] = {}
         for scored in score(node.best, columns(fit, new), instead=absent):
@@ -61,9 +61,9 @@ class Exchange:
                 for s in (scored.shared, node.best.shared)
             )
             if name in out:
-                old = out[name]
-                if len(old.starts) < 2 * effort.starts:
-                    out[name] = replace(old, starts=(*old.starts, *starts))
+                known = tuple(out[name].starts)
+                if len(known) < 2 * effort.starts:
+                    out[name] = replace(out[name], starts=(*known, *starts))
                 continue
             effects = (*(node.effects[i] for i in rest), scored.effect)
             costly = 1.0 + effort.price * (n_parameters((scored.effect,)) - 1)

@@ -15,15 +15,11 @@ from stepid.fitting.weak_form import force_along, motion_along
 
 
 class Likeness(NamedTuple):
-    """What effects in the place of one leave of its force, a share; their values, and the linear plant beside them.
-
-    `displacement` is how far from the spring's rest position each run starts then, m.
-    """
+    """What effects in the place of one leave of its force: as a share, and as a force [N]; and their values."""
 
     left: float
     values: tuple[tuple[float, ...], ...]
-    linear: Array
-    displacement: Array
+    rest: Array
 
 
 class ForceAlong:
@@ -81,12 +77,14 @@ class ForceAlong:
                 return None
             out.append(values)
             at += len(one.forces)
-        linear, displacement = self._beside(left)
-        return Likeness(self._power_beyond(left) / self._beyond, tuple(out), linear, displacement)
+        return Likeness(self._power_beyond(left) / self._beyond, tuple(out), left)
 
-    def _beside(self, left: Array) -> tuple[Array, Array]:
-        """The linear plant and each run's displacement where they stand in for what effects leave of the force."""
-        spring, damper, drive, *rests = _least_squares(self._followed, left)
+    def beside(self, like: Likeness) -> tuple[Array, Array]:
+        """The linear plant and how far from the spring's rest position [m] each run starts beside effects in its place.
+
+        They stand in for what these leave of the force.
+        """
+        spring, damper, drive, *rests = _least_squares(self._followed, like.rest)
         linear = self._linear.copy()
         linear[self._layout.stiffness] -= spring
         linear[self._layout.damping] -= damper

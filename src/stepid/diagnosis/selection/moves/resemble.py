@@ -35,9 +35,8 @@ class Resemble:
                 near = sorted((f for f in found if f and f.left < self.most(context)), key=lambda f: f.left)
                 if not near:
                     continue
-                starts = tuple(
-                    Start(f.linear, (*kept, *f.values), f.displacement) for f in near[: context.effort.starts]
-                )
+                plants = ((f.values, *force.beside(f)) for f in near[: context.effort.starts])
+                starts = tuple(Start(linear, (*kept, *values), apart) for values, linear, apart in plants)
                 effects = (*(node.effects[i] for i in rest), other)
                 proposal = Proposal(effects, node.deviations, starts, node.key, node.best, node.cost, move=self.name)
                 out.append((near[0].left, proposal))

@@ -30,7 +30,7 @@ class Split:
                 like, known = force.by(pair), found.get(other.name)
                 if like is None or like.left >= context.effort.alike or (known is not None and like.left >= known[0]):
                     continue
-                start, promise = Start(like.linear, like.values), 0.5 * node.cost
+                start, promise = Start(force.beside(like)[0], like.values), 0.5 * node.cost
                 found[other.name] = (
                     like.left,
                     Proposal((one, other), node.deviations, (start,), node.key, node.best, promise, move=self.name),
