@@ -170,9 +170,9 @@ def records_of(position: Array, volts: Array, **more: Any) -> Records:
     return lay_out(stepid.Campaign(name="c", experiments=(run,)))
 
 
-def fault(kind: str, size: float, *, error: float = 0.0, scatter: float = 0.0) -> Any:
+def fault(kind: str, size: float, *, error: float = 0.0, scatter: float = 0.0, weights: float = 0.0) -> Any:
     layout = SimpleNamespace(mass=lambda _: np.array([2.0, 3.0]), stiffness=slice(0, 1), damping=slice(1, 2))
-    records = SimpleNamespace(sample_time=[0.01, 0.02], spring=[0, 0], damper=[0, 0])
+    records = SimpleNamespace(sample_time=[0.01, 0.02], spring=[0, 0], damper=[0, 0], weight_uncertainty=weights)
     optimum = SimpleNamespace(problem=SimpleNamespace(layout=layout, records=records), shared=np.array([200.0, 8.0]))
     return SimpleNamespace(kind=kind, size=size, error=error, scatter=scatter, run=1, optimum=optimum)
 
@@ -195,6 +195,12 @@ def test_a_fault_has_a_size_worth_mentioning(kind: str, unit: float) -> None:
     assert _has_size(fault(kind, -2 * least, error=0.39 * least), 5.0)
     assert not _has_size(fault(kind, -2 * least, error=0.41 * least), 5.0)
     assert not _has_size(fault(kind, -2 * least, scatter=0.41 * least), 5.0)
+
+
+def test_a_wrong_mass_is_worth_mentioning_beyond_what_the_weights_are_known_to() -> None:
+    assert not _has_size(fault("added_mass", 0.026), 5.0)  # exact weights: 2 % of what moves
+    assert _has_size(fault("added_mass", 0.026, weights=0.005), 5.0)
+    assert not _has_size(fault("added_mass", 0.024, weights=0.005), 5.0)
 
 
 def test_the_run_with_the_largest_or_smallest_input_is_extreme() -> None:
