@@ -70,3 +70,15 @@ def test_the_single_effect_that_leaves_least_with_all_runs_alike() -> None:
     context: Any = None
     assert explore.Found(context, every).single == [alone]
     assert explore.Found(context, every[:1]).single == []
+
+
+def test_a_fault_is_held_against_fewer_effects_and_conditions() -> None:
+    def fewer(names: list[str], *kinds: str) -> list[tuple[str, ...]]:
+        return explore._fewer(replace(candidate(names), deviations=frozenset(kinds)))
+
+    both = ["cogging", "end_stop"]
+    assert fewer([]) == fewer([], "gain") == fewer(["stribeck_friction"]) == []
+    assert fewer(["stribeck_friction"], "gain") == [("stribeck_friction",), ("coulomb_friction",)]
+    assert fewer(both) == [("cogging",), ("end_stop",)]
+    assert fewer(both, "gain")[0] == ("cogging", "end_stop")
+    assert len(fewer([*both, "free_play"])) == 6

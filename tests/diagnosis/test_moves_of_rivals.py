@@ -37,6 +37,20 @@ def test_generalize_offers_what_contains_an_effect_from_where_it_stands() -> Non
     assert Generalize().propose(node(fit), context(fit)) == []
 
 
+def test_what_contains_a_lone_effect_starts_from_the_weak_form_too() -> None:
+    """Grown from a level it keeps the damper that was fitted beside that, whose part it may take."""
+    fit = prepared("friction")
+    found = Generalize().propose(node(fit, FRICTION), context(fit))
+    assert any(fit.weak_starts(proposal.effects[0], 3) for proposal in found)
+    for proposal in found:
+        (general,), known = proposal.effects, [start.values for start in proposal.starts]
+        assert all(start.values in known for start in fit.weak_starts(general, 3))
+    beside = node(fit, FRICTION | {"free_play": {"gap": 1e-4}})
+    for proposal in Generalize().propose(beside, context(fit)):
+        weak = [start.values for start in fit.weak_starts(proposal.effects[0], 3)]
+        assert not any(start.values[:1] in weak for start in proposal.starts)
+
+
 def test_specialize_offers_what_is_inside_at_the_same_level() -> None:
     fit = prepared("friction")
     uneven = node(fit, {"asymmetric_friction": {"level_forward": 0.15, "level_backward": 0.25}})

@@ -213,6 +213,15 @@ def test_a_law_that_bends_once_along_the_way_is_no_line() -> None:
     assert find_eccentricity(context.linear, context.floor) is None
 
 
+@pytest.mark.parametrize(("turns", "told"), [(1.6, False), (2.6, True)])
+def test_a_line_that_does_not_come_again_may_be_a_bent_sensor(turns: float, told: bool) -> None:
+    clean = runs()
+    pitch = float(np.ptp(np.concatenate(clean))) / turns
+    read = white(12, [x + 60e-6 * np.sin(2 * np.pi * x / pitch + 1.0) for x in clean], 5e-6)
+    context = prepare(campaign(read, counts=FINE))
+    assert (find_eccentricity(context.linear, context.floor) is not None) is told
+
+
 @pytest.mark.parametrize("friction", [0.0, 0.01, 0.05])
 def test_a_misfit_is_no_eccentricity(friction: float) -> None:
     context = prepare(campaign(white(13, runs(friction=friction), 5e-6), counts=FINE))
