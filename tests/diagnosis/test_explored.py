@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import stepid
-from made_up_evidence import candidate
+from made_up_evidence import candidate, context
 from scattered_campaigns import scattered
 from stepid import Criteria, Effort
 from stepid.diagnosis import diagnose, explore
@@ -82,3 +82,18 @@ def test_a_fault_is_held_against_fewer_effects_and_conditions() -> None:
     assert fewer(both) == [("cogging",), ("end_stop",)]
     assert fewer(both, "gain")[0] == ("cogging", "end_stop")
     assert len(fewer([*both, "free_play"])) == 6
+
+
+def test_another_look_at_the_readings_that_leaves_the_effects_is_the_last() -> None:
+    def found(name: str, times: float, *kinds: str) -> explore.Found:
+        return explore.Found(context(), (replace(candidate([name], times=times), deviations=frozenset(kinds)),))
+
+    def stands(before: explore.Found, after: explore.Found) -> bool:
+        return explore._stands(before, after, Criteria())
+
+    noise, rest = found("cogging", 1.0), found("cogging", 3.0)
+    assert stands(noise, found("cogging", 1.0, "gain"))  # which conditions differ names nothing
+    assert not stands(noise, found("end_stop", 1.0))
+    assert stands(rest, noise)
+    assert stands(rest, rest)
+    assert not stands(noise, rest)  # a rest has come to light

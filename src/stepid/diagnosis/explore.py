@@ -139,11 +139,11 @@ def explored(
 def _stands(before: Found, after: Found, criteria: Criteria) -> bool:
     """Tell whether another look at the readings leaves the answer: no further search can tell more then.
 
-    The same candidate is the likeliest, and no rest has come to light: where one was left before, the search went on
-    for longer than it would now.
+    The likeliest candidate has the same effects, whichever conditions differ, and no rest has come to light: where one
+    was left before, the search went on for longer than it would now.
     """
     rest = [not at_floor(found.context, criteria, found.best) for found in (before, after)]
-    return before.likeliest.key == after.likeliest.key and rest[0] >= rest[1]
+    return before.likeliest.key[0] == after.likeliest.key[0] and rest[0] >= rest[1]
 
 
 def _fitted_again(context: FitContext, candidates: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
