@@ -107,3 +107,15 @@ def test_a_name_that_two_columns_have_is_that_of_the_one_with_numbers(tmp_path: 
 def test_a_clock_whose_first_cell_is_empty_is_in_doubt(tmp_path: Path) -> None:
     (draft,) = draft_runs([write(tmp_path / "run.csv", ["", *map(str, T[1:])], X)])
     assert draft.doubts == ("the time is no number in row 1 of the table",)
+
+
+def test_two_columns_alike_make_no_export_of_a_table_without_header(tmp_path: Path) -> None:
+    """Time, reference, and a position in m that follows it: neither a sample counter nor whole counts."""
+    rows = np.column_stack([T, np.round(0.2 * T) / 400, 1e-3 * X, 1.001e-3 * X, 0.1 * X**2, 0.1 * X])
+    text = "".join("\t".join(f"{value:.4f}" for value in row) + "\n" for row in rows)
+    (tmp_path / "run.txt").write_text(text, encoding="utf-8")
+    (draft,) = draft_runs([tmp_path / "run.txt"])
+    assert (draft.format, dict(draft.columns)) == ("table", {"time": 0, "input": 1})
+    assert draft.choices == ("2", "3", "4", "5")
+    with pytest.raises(InputError, match="no header says what its 6 columns are"):
+        stepid.read_ecp(tmp_path / "run.txt", counts_per_meter=1.0)
