@@ -10,6 +10,7 @@ import pytest
 import stepid
 from stepid.errors import InputError
 from stepid.io.guess.understand import draft_runs
+from stepid.io.guess.words import read_title
 from stepid.io.table_layout import cells
 
 T = 0.08 * np.arange(200)
@@ -119,3 +120,35 @@ def test_two_columns_alike_make_no_export_of_a_table_without_header(tmp_path: Pa
     assert draft.choices == ("2", "3", "4", "5")
     with pytest.raises(InputError, match="no header says what its 6 columns are"):
         stepid.read_ecp(tmp_path / "run.txt", counts_per_meter=1.0)
+
+
+@pytest.mark.parametrize(
+    ("title", "found"),
+    [
+        ("Hubangle(Theta in rad)", ("position", "rad")),
+        ("arm (yaw angle, deg)", ("position", "deg")),
+        ("Armposition / mm", ("position", "mm")),
+        ("Sollwinkel (rad)", ("other", None)),
+        ("x (target, mm)", ("other", None)),
+        ("u (x in V)", ("input", "V")),
+        ("x (5 m)", ("position", None)),
+        ("Rectangle (V)", ("input", "V")),
+    ],
+)
+def test_compound_words_and_words_in_brackets(title: str, found: tuple[str, str | None]) -> None:
+    assert read_title(title)[:2] == found
+
+
+FLICKER = np.where(np.arange(T.size) % 7 == 0, 0.001, 0.0)
+NOISE = np.random.default_rng(1).normal(0.0, 0.01, T.size)
+
+
+@pytest.mark.parametrize("still", [FLICKER, NOISE, 0 * T])
+@pytest.mark.parametrize("other", ["Hubangle(Theta in rad)", "B", "angle (quux)"])
+def test_a_column_at_rest_beside_one_that_moves_is_asked_about(still: np.ndarray, other: str, tmp_path: Path) -> None:
+    file = write(tmp_path / "run.csv", T, X, still, np.sign(T - 2), head=f"t (s),{other},Tip Deflection(m),u (V)\n")
+    (draft,) = draft_runs([file])
+    assert draft.choices == (other, "Tip Deflection(m)")
+    file = write(tmp_path / "run.csv", T, NOISE + 1, X, np.sign(T - 2), head="t (s),B,Tip Deflection(mm),u (V)\n")
+    (draft,) = draft_runs([file])
+    assert dict(draft.columns) == {"time": "t (s)", "position": "Tip Deflection(mm)", "input": "u (V)"}

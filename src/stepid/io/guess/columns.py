@@ -18,6 +18,8 @@ _EVEN = 0.3  # of the usual step, by which stamps of samples may differ; but for
 _MOST = 0.9  # of them: beside dropped samples
 _ZERO = 0.02  # of its span, from which an uneven clock starts
 _HALVES = 0.1  # of its span, by which its middle row is off the middle at most: a cart that comes to rest slows down
+_FLAT = 4  # levels of a reading at rest: its last digit flickers
+_NOISE = 0.5  # of the variance of any two readings, that of two in a row: 1 for noise, far less where something moves
 UNKNOWN = "a unit that stepid does not know"
 _SENSORS = {"enc", "encoder", "sensor", "cart", "mass", "wagen", "masse", "laser"}
 
@@ -82,8 +84,8 @@ def _in_units(column: Column, below: str) -> Column:
 
 
 def _in_known_units(columns: Sequence[Column]) -> list[Column]:
-    """Take no column of an unknown unit for a position where another has a known one."""
-    sure = any(c.role == "position" and c.unit is not None for c in columns)
+    """Take no column of an unknown unit for a position where another has a known one, and moves."""
+    sure = any(c.role == "position" and c.unit is not None and _moves(c) for c in columns)
     return [replace(c, role="other") if sure and c.role == "position" and c.why == UNKNOWN else c for c in columns]
 
 
@@ -159,6 +161,9 @@ def _by_content(columns: Sequence[Column], told: Collection[str]) -> tuple[Colum
     """Roles of columns whose names tell none; a role that somebody `told` has its column already."""
     columns = _abscissa_as_time(columns)
     found = {c.role for c in columns}
+    rests = "position" in found and not any(_moves(c) for c in columns if c.role == "position")
+    if rests:  # another that moves may be the position, too
+        found.remove("position")
     if not any(c.name for c in columns):
         found &= {"time"}  # without names, several columns may be positions or inputs
     taken: set[str | None] = {*told, *found}
@@ -166,7 +171,8 @@ def _by_content(columns: Sequence[Column], told: Collection[str]) -> tuple[Colum
     for c in columns:
         if c.role is None:
             kind = _kind(c)
-            c = replace(c, role="other" if kind in taken else kind)
+            still = rests and kind == "position" and not _moves(c)
+            c = replace(c, role="other" if still or kind in taken else kind)
             if kind == "time":  # another that rises evenly is none
                 taken.add("time")
         out.append(c)
@@ -198,6 +204,15 @@ def _kind(column: Column) -> Role:
     if levels <= _LEVELS and np.count_nonzero(steps) <= _LEVELS:
         return "input"
     return "position"
+
+
+def _moves(column: Column) -> bool:
+    """Say whether a column's readings move, and do not only flicker about one value."""
+    kept = column.values[np.isfinite(column.values)]
+    spread = float(np.var(kept)) if kept.size > 1 else 0.0
+    if spread == 0 or np.unique(kept).size <= _FLAT:
+        return False
+    return float(np.var(np.diff(kept))) < _NOISE * 2 * spread
 
 
 def _runs_on(values: Array) -> bool:

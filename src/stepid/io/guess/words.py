@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 Role = Literal["time", "position", "input", "other"]
@@ -39,7 +40,7 @@ _ALSO = {  # other spellings, lower case
         "um": "µm μm micron microns micrometer micrometers mikrometer",
         "in": "inch inches zoll",
         "deg": "° degree degrees grad gradi grados graus degrés",
-        "rad": "radian radians",
+        "rad": "radian radians rads",
         COUNTS: "count cts cnt counts pulses ticks inc inkremente incr impulse",
     },
     "input": {
@@ -87,11 +88,14 @@ _WORDS: dict[Role, tuple[str, str]] = {  # whole words, and how longer words beg
         "x y pos position weg auslenkung deflection enc encoder lage travel distance dist angle winkel theta phi "
         "abstand strecke laser lvdt height cart elongation hub stroke extension ort displ disp spostamento "
         "posizione lvdt1 q z läge laege lege stand amplitude positie plaats pot sensor measured messwert mass1 "
-        "drehwinkel alpha",
+        "alpha",
         "pos displ depl dépl spost despl auslenk deflect encod versch weg elong allong winkel angul",
     ),
 }
+_HEADS = ("angle", "winkel", "position", "auslenkung")  # how longer words of a position end: "Hubangle"
+_NO_HEAD = re.compile(r"(?:tri|rect)angle|(?:com|dis|ex)position")
 _COMMANDED = {"commanded", "command", "cmd", "desired", "target", "ref", "reference", "soll", "set", "setpoint"}
+_SETS = ("soll", "set", "ref", "target", "command", "desired")  # how longer ones begin
 RUN_WORDS = frozenset(
     {"run", "case", "test", "trial", "exp", "experiment", "versuch", "messung", "messreihe", "rep", "lauf", "probe"}
     | {"essai", "prova", "ensayo", "fall", "rec", "record", "series", "measurement", "nr", "no", "take"}
@@ -133,12 +137,16 @@ def read_title(name: str) -> Title:
     if _names_rate(name, brackets):
         return Title("other", None, name, False)
     if brackets:
-        stem, unit, bracketed = name[: brackets.start()] + name[brackets.end() :], brackets[1], True
+        words, unit = _split_brackets(brackets[1])
+        bare, bracketed = name[: brackets.start()] + name[brackets.end() :], True
+        stem = bare + words
     elif (tail := _TAIL.match(name)) is not None:
         stem, unit, bracketed = tail["stem"], tail["unit"], False
     else:
         stem, unit, bracketed = name, "", False
     role = role_of(stem)
+    if brackets and role != "other":  # what stands in brackets tells only what the name leaves open
+        role = role_of(bare) or role
     if not unit:
         return Title(role, None, stem, False)
     for one in (role,) if role in SCALES else SCALES:
@@ -162,10 +170,16 @@ def _names_rate(name: str, brackets: re.Match[str] | None) -> bool:
     return known and role_of(name) in (None, "position")
 
 
+def _split_brackets(inside: str) -> tuple[str, str]:
+    """Part what stands in brackets into words and their unit: "(theta in rad)"; a size such as 5 m is none."""
+    tail = None if is_unit(inside) or any(map(str.isdigit, inside)) else _TAIL.match(inside)
+    return (f" {tail['stem']}", tail["unit"]) if tail and is_unit(tail["unit"]) else ("", inside)
+
+
 def _unit_brackets(name: str) -> re.Match[str] | None:
     """The brackets that hold a unit, or what stands in its place at the end of a name."""
     found = list(_BRACKETS.finditer(name))
-    known = [one for one in found if is_unit(one[1])]
+    known = [one for one in found if is_unit(_split_brackets(one[1])[1])]
     return known[-1] if known else next((one for one in found if one.end() == len(name)), None)
 
 
@@ -178,11 +192,16 @@ def role_of(name: str) -> Role | None:
     if "other" in found and not ({"v", "n", "no", "nr", "i", "a", "r"} >= {w for w in words if _is_word(w, "other")}):
         return "other"
     if "position" in found:
-        return "other" if _COMMANDED.intersection(words) else "position"
+        return "other" if _COMMANDED.intersection(words) or _is_set(words) else "position"
     for role in ("input", "time", "other"):
         if role in found:
             return role
     return None
+
+
+def _is_set(words: Sequence[str]) -> bool:
+    """Say whether a word is one of a commanded position: "Sollwinkel"."""
+    return any(word.startswith(_SETS) and word.endswith(_HEADS) for word in words)
 
 
 def tokens(name: str) -> list[str]:
@@ -193,7 +212,8 @@ def tokens(name: str) -> list[str]:
 
 def _is_word(word: str, role: Role) -> bool:
     whole, starts = _WORDS[role]
-    return word in whole.split() or (len(word) > 3 and word.startswith(tuple(starts.split())))
+    ends = role == "position" and word.endswith(_HEADS) and not _NO_HEAD.fullmatch(word)
+    return word in whole.split() or (len(word) > 3 and word.startswith(tuple(starts.split()))) or ends
 
 
 def _unit_of(text: str, role: str, *, bracketed: bool) -> str | None:
