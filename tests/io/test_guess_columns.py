@@ -152,3 +152,17 @@ def test_a_column_at_rest_beside_one_that_moves_is_asked_about(still: np.ndarray
     file = write(tmp_path / "run.csv", T, NOISE + 1, X, np.sign(T - 2), head="t (s),B,Tip Deflection(mm),u (V)\n")
     (draft,) = draft_runs([file])
     assert dict(draft.columns) == {"time": "t (s)", "position": "Tip Deflection(mm)", "input": "u (V)"}
+
+
+@pytest.mark.parametrize(
+    "title", ["xGyro", "ZGyro", "gyro_x", "pitch rate", "omega", "yaw vel", "Gyroskop y", "roll rate (deg)"]
+)
+def test_names_of_rates_are_no_positions(title: str) -> None:
+    assert read_title(title).role == "other"
+
+
+def test_angles_of_an_inertial_sensor_are_offered_and_its_rates_are_not(tmp_path: Path) -> None:
+    head = "Time,sensPitch,sensRoll,sensYaw,xGyro,yGyro,ZGyro,xAcc\n"
+    file = write(tmp_path / "run.csv", T, X, 0.5 * X, 2 * X, *4 * [np.gradient(X)], head=head)
+    (draft,) = draft_runs([file])
+    assert draft.choices == ("sensPitch", "sensRoll", "sensYaw")

@@ -69,8 +69,10 @@ _WORDS: dict[Role, tuple[str, str]] = {  # whole words, and how longer words beg
     "other": (
         "v n i nr no idx index sample samples set sp soll sollwert ref reference desired target wanted error err "
         "status state flag comment comments remark remarks note notes kommentar date datum fecha velocity speed "
-        "vel acc a ax temperature label commentaire event marker counter row line zeile xref rref r",
-        "veloc vitess geschw snelh accel beschl setp consig referen kommentar remark comment temperat veloci sollw",
+        "vel acc a ax temperature label commentaire event marker counter row line zeile xref rref r gyro gyr rate "
+        "rates omega ω rpm",
+        "veloc vitess geschw snelh accel beschl setp consig referen kommentar remark comment temperat veloci sollw "
+        "gyro",
     ),
     "time": (
         "t time times zeit tid tijd temps tempo tiempo sec secs seconds millis micros ms clock timestamp elapsed "
@@ -88,7 +90,7 @@ _WORDS: dict[Role, tuple[str, str]] = {  # whole words, and how longer words beg
         "x y pos position weg auslenkung deflection enc encoder lage travel distance dist angle winkel theta phi "
         "abstand strecke laser lvdt height cart elongation hub stroke extension ort displ disp spostamento "
         "posizione lvdt1 q z läge laege lege stand amplitude positie plaats pot sensor measured messwert mass1 "
-        "alpha",
+        "alpha yaw pitch roll tilt",
         "pos displ depl dépl spost despl auslenk deflect encod versch weg elong allong winkel angul",
     ),
 }
@@ -206,7 +208,7 @@ def _is_set(words: Sequence[str]) -> bool:
 
 def tokens(name: str) -> list[str]:
     """Words of a name in lower case; digits, signs and humps of camelCase part them."""
-    humps = re.sub(r"(?<=[a-zäöüéß])(?=[A-Z])", " ", unicodedata.normalize("NFC", name))
+    humps = re.sub(r"(?<=[a-zäöüéß])(?=[A-Z])|(?<=\b[A-Z])(?=[A-Z][a-z])", " ", unicodedata.normalize("NFC", name))
     return [word for word in re.split(r"[\W\d_]+", humps.lower()) if word]
 
 
