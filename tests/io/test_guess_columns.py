@@ -166,3 +166,25 @@ def test_angles_of_an_inertial_sensor_are_offered_and_its_rates_are_not(tmp_path
     file = write(tmp_path / "run.csv", T, X, 0.5 * X, 2 * X, *4 * [np.gradient(X)], head=head)
     (draft,) = draft_runs([file])
     assert draft.choices == ("sensPitch", "sensRoll", "sensYaw")
+
+
+@pytest.mark.parametrize("second", [X / 91.9, np.round(3 - X / 91.9, 5), X / 10])
+@pytest.mark.parametrize("inputs", ["u (V),U_k (V)", "a,b"])
+def test_scaled_copies_are_one_motion_and_no_two_runs(second: np.ndarray, inputs: str, tmp_path: Path) -> None:
+    steps = [np.sign(T - 2), np.sign(T - 3)]
+    file = write(tmp_path / "run.csv", T, X, second, *steps, head=f"t (s),Weg (mm),winkel (rad),{inputs}\n")
+    (draft,) = draft_runs([file])
+    assert draft.choices == ("Weg (mm)", "winkel (rad)")
+    assert draft.doubts[-1].endswith("; Weg (mm) and winkel (rad) are one motion, to scale")
+    assert len(draft_runs([file], {"position": "all"})) == 2
+    head = "t (s),x left (mm),x right (mm),u left (V),u right (V)\n"
+    file = write(tmp_path / "run.csv", T, X, np.exp(-0.1 * T) * np.cos(4 * T), *steps, head=head)
+    assert len(draft_runs([file])) == 2
+
+
+def test_a_slow_clock_in_a_unit_that_is_told_is_not_doubted(tmp_path: Path) -> None:
+    time = 0.1001 * np.arange(6000)
+    file = write(tmp_path / "run.csv", time, np.cos(time), head="t (s),x (rad)\n")
+    assert draft_runs([file])[0].doubts == ()
+    file = write(tmp_path / "run.csv", 20 * time, np.cos(time), head="t (s),x (rad)\n")
+    assert draft_runs([file])[0].doubts == ("the time is in s by its name, by its size in ms; check it",)

@@ -21,6 +21,7 @@ _HALVES = 0.1  # of its span, by which its middle row is off the middle at most:
 _FLAT = 4  # levels of a reading at rest: its last digit flickers
 _NOISE = 0.5  # of the variance of any two readings, that of two in a row: 1 for noise, far less where something moves
 UNKNOWN = "a unit that stepid does not know"
+_SAME = 1e-6  # of its variance, what is left of a column beside its scaled copy
 _SENSORS = {"enc", "encoder", "sensor", "cart", "mass", "wagen", "masse", "laser"}
 
 
@@ -101,7 +102,7 @@ def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = F
     labels = _labels(positions, block)
     if not all_runs and not _several_runs(positions, times, inputs, labels, block):
         choices = _names(positions, columns)
-        doubt = f"several columns may be the position: {', '.join(choices)}"
+        doubt = f"several columns may be the position: {', '.join(choices)}" + _said_of_copies(positions, columns)
         return (Group(_best_time(times), None, _one(inputs), "", read_name(""), doubt, choices),)
     time_labels, input_labels = _labels(times, block), _labels(inputs, block)
     return tuple(
@@ -251,12 +252,32 @@ def _several_runs(
     if len(set(labels)) < len(labels):
         return False
     ends = {int(np.flatnonzero(np.isfinite(c.values))[-1]) for c in positions}
-    if len(ends) > 1 or len(inputs) == len(positions) or len(times) == len(positions) or any(block.groups):
+    if len(ends) > 1 or any(block.groups) or any(read_name(f"{c.rest}").mass is not None for c in positions):
         return True
-    if any(read_name(f"{c.rest}").mass is not None for c in positions):
+    if _copies(positions):
+        return False
+    if len(inputs) == len(positions) or len(times) == len(positions):
         return True
     words = {word for c in positions for word in tokens(c.rest)}
     return bool(words & RUN_WORDS) and not words & _SENSORS
+
+
+def _copies(positions: Sequence[Column]) -> list[Column]:
+    """The first two columns of which one is the other to scale, and so the same motion: a length and its angle."""
+    values = np.column_stack([c.values for c in positions])
+    values = values[np.isfinite(values).all(axis=1)]
+    spread = values.std(axis=0) if len(values) else np.zeros(len(positions))
+    moving = np.flatnonzero(spread > 0)
+    if len(values) <= 2 or moving.size < 2:
+        return []
+    normal = (values[:, moving] - values[:, moving].mean(axis=0)) / spread[moving]
+    alike = np.argwhere(np.triu(1 - (normal.T @ normal / len(values)) ** 2 < _SAME, k=1))
+    return [positions[moving[i]] for i in alike[0]] if len(alike) else []
+
+
+def _said_of_copies(positions: Sequence[Column], every: Sequence[Column]) -> str:
+    pair = _names(_copies(positions), every)
+    return f"; {' and '.join(pair)} are one motion, to scale" if pair else ""
 
 
 def _own(
