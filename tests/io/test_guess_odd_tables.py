@@ -172,3 +172,28 @@ def test_an_abscissa_is_not_taken_for_the_position(tmp_path: Path) -> None:
     (draft,) = draft_runs([file], {"position": "y"})
     assert draft.columns["position"] == 1
     assert "input" not in draft.columns
+
+
+@pytest.mark.parametrize(
+    ("head", "x"),
+    [
+        ("", X),
+        ("", 0.2975 + 0.1 * X),
+        ("", 5 + X),
+        ("x (mm)\n", 0.5 + 0.3 * X),
+        ("Lab 3\nWeg in mm\n", 30.5 + np.rint(9 * X)),
+    ],
+)
+def test_one_column_with_decimal_commas_is_one(head: str, x: np.ndarray, tmp_path: Path) -> None:
+    file = tmp_path / "run.txt"
+    file.write_text(head + "".join(f"{value:.4f}\n".replace(".", ",") for value in x), encoding="utf-8")
+    draft = stepid.draft_campaign(file, sample_time=1 / 30, position_unit="mm", **RELEASED)
+    assert draft.campaign()[0].position == pytest.approx(1e-3 * x.round(4))
+
+
+@pytest.mark.parametrize("head", ["", "x1,x2\n", "encoder, pot\n"])
+def test_two_columns_of_counts_are_two(head: str, tmp_path: Path) -> None:
+    file = tmp_path / "run.txt"
+    rows = [f"{round(1e3 * x)},{round(500 + 1e3 * x)}\n" for x in X]
+    file.write_text(head + "".join(rows), encoding="utf-8")
+    assert len(draft_runs([file], {"position": "all"})) == 2
