@@ -154,7 +154,7 @@ def sample_time_above(lines: tuple[str, ...]) -> float | None:
 
     LabVIEW's header has seconds where it says that its abscissa is a time, or is that of waveforms.
     """
-    told = set()
+    told: set[float] = set()
     labview = any(map(_LABVIEW_TIME.match, lines))
     for line in lines:
         if labview and (found := _LABVIEW_STEP.match(line)) is not None:
