@@ -133,6 +133,7 @@ def test_two_columns_alike_make_no_export_of_a_table_without_header(tmp_path: Pa
         ("u (x in V)", ("input", "V")),
         ("x (5 m)", ("position", None)),
         ("Rectangle (V)", ("input", "V")),
+        ("p (Pa/s)", (None, None)),
     ],
 )
 def test_compound_words_and_words_in_brackets(title: str, found: tuple[str, str | None]) -> None:
@@ -155,7 +156,19 @@ def test_a_column_at_rest_beside_one_that_moves_is_asked_about(still: np.ndarray
 
 
 @pytest.mark.parametrize(
-    "title", ["xGyro", "ZGyro", "gyro_x", "pitch rate", "omega", "yaw vel", "Gyroskop y", "roll rate (deg)"]
+    "title",
+    [
+        "xGyro",
+        "ZGyro",
+        "gyro_x",
+        "pitch rate",
+        "omega",
+        "yaw vel",
+        "Gyroskop y",
+        "roll rate (deg)",
+        "Winkelgeschwindigkeit",
+        "yawrate",
+    ],
 )
 def test_names_of_rates_are_no_positions(title: str) -> None:
     assert read_title(title).role == "other"

@@ -95,6 +95,7 @@ _WORDS: dict[Role, tuple[str, str]] = {  # whole words, and how longer words beg
     ),
 }
 _HEADS = ("angle", "winkel", "position", "auslenkung")  # how longer words of a position end: "Hubangle"
+_RATE_HEADS = ("rate", "speed", "velocity", "acceleration", "geschwindigkeit", "beschleunigung")
 _NO_HEAD = re.compile(r"(?:tri|rect)angle|(?:com|dis|ex)position")
 _COMMANDED = {"commanded", "command", "cmd", "desired", "target", "ref", "reference", "soll", "set", "setpoint"}
 _SETS = ("soll", "set", "ref", "target", "command", "desired")  # how longer ones begin
@@ -174,7 +175,7 @@ def _names_rate(name: str, brackets: re.Match[str] | None) -> bool:
 
 def _split_brackets(inside: str) -> tuple[str, str]:
     """Part what stands in brackets into words and their unit: "(theta in rad)"; a size such as 5 m is none."""
-    tail = None if is_unit(inside) or any(map(str.isdigit, inside)) else _TAIL.match(inside)
+    tail = None if is_unit(inside) or re.search(r"[\d/]", inside) else _TAIL.match(inside)
     return (f" {tail['stem']}", tail["unit"]) if tail and is_unit(tail["unit"]) else ("", inside)
 
 
@@ -214,7 +215,8 @@ def tokens(name: str) -> list[str]:
 
 def _is_word(word: str, role: Role) -> bool:
     whole, starts = _WORDS[role]
-    ends = role == "position" and word.endswith(_HEADS) and not _NO_HEAD.fullmatch(word)
+    heads = {"position": _HEADS, "other": _RATE_HEADS}.get(role, ())
+    ends = word.endswith(heads) and not _NO_HEAD.fullmatch(word)
     return word in whole.split() or (len(word) > 3 and word.startswith(tuple(starts.split()))) or ends
 
 
