@@ -203,7 +203,7 @@ def test_lines_below_the_rows_are_left_out(tmp_path: Path) -> None:
 
 def test_a_unit_that_stepid_does_not_know_is_asked_for(tmp_path: Path) -> None:
     assert "position" not in one(tmp_path, table("t(s),pos(V),in(V)\n", x=X / 1000)).units
-    both = one(tmp_path, table("t(s),pos(V),pos(mm)\n"))
+    both = one(tmp_path, table("t(s),pos(mm),pos(V)\n"))
     assert both.columns["position"] == "pos(mm)"
 
 

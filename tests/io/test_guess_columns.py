@@ -10,6 +10,7 @@ import pytest
 import stepid
 from stepid.errors import InputError
 from stepid.io.guess.understand import draft_runs
+from stepid.io.guess.words import read_title
 from stepid.io.table_layout import cells
 
 T = 0.08 * np.arange(200)
@@ -107,3 +108,96 @@ def test_a_name_that_two_columns_have_is_that_of_the_one_with_numbers(tmp_path: 
 def test_a_clock_whose_first_cell_is_empty_is_in_doubt(tmp_path: Path) -> None:
     (draft,) = draft_runs([write(tmp_path / "run.csv", ["", *map(str, T[1:])], X)])
     assert draft.doubts == ("the time is no number in row 1 of the table",)
+
+
+def test_two_columns_alike_make_no_export_of_a_table_without_header(tmp_path: Path) -> None:
+    """Time, reference, and a position in m that follows it: neither a sample counter nor whole counts."""
+    rows = np.column_stack([T, np.round(0.2 * T) / 400, 1e-3 * X, 1.001e-3 * X, 0.1 * X**2, 0.1 * X])
+    text = "".join("\t".join(f"{value:.4f}" for value in row) + "\n" for row in rows)
+    (tmp_path / "run.txt").write_text(text, encoding="utf-8")
+    (draft,) = draft_runs([tmp_path / "run.txt"])
+    assert (draft.format, dict(draft.columns)) == ("table", {"time": 0, "input": 1})
+    assert draft.choices == ("2", "3", "4", "5")
+    with pytest.raises(InputError, match="no header says what its 6 columns are"):
+        stepid.read_ecp(tmp_path / "run.txt", counts_per_meter=1.0)
+
+
+@pytest.mark.parametrize(
+    ("title", "found"),
+    [
+        ("Hubangle(Theta in rad)", ("position", "rad")),
+        ("arm (yaw angle, deg)", ("position", "deg")),
+        ("Armposition / mm", ("position", "mm")),
+        ("Sollwinkel (rad)", ("other", None)),
+        ("x (target, mm)", ("other", None)),
+        ("u (x in V)", ("input", "V")),
+        ("x (5 m)", ("position", None)),
+        ("Rectangle (V)", ("input", "V")),
+        ("p (Pa/s)", (None, None)),
+    ],
+)
+def test_compound_words_and_words_in_brackets(title: str, found: tuple[str, str | None]) -> None:
+    assert read_title(title)[:2] == found
+
+
+FLICKER = np.where(np.arange(T.size) % 7 == 0, 0.001, 0.0)
+NOISE = np.random.default_rng(1).normal(0.0, 0.01, T.size)
+
+
+@pytest.mark.parametrize("still", [FLICKER, NOISE, 0 * T])
+@pytest.mark.parametrize("other", ["Hubangle(Theta in rad)", "B", "angle (quux)"])
+def test_a_column_at_rest_beside_one_that_moves_is_asked_about(still: np.ndarray, other: str, tmp_path: Path) -> None:
+    file = write(tmp_path / "run.csv", T, X, still, np.sign(T - 2), head=f"t (s),{other},Tip Deflection(m),u (V)\n")
+    (draft,) = draft_runs([file])
+    assert draft.choices == (other, "Tip Deflection(m)")
+    file = write(tmp_path / "run.csv", T, NOISE + 1, X, np.sign(T - 2), head="t (s),B,Tip Deflection(mm),u (V)\n")
+    (draft,) = draft_runs([file])
+    assert dict(draft.columns) == {"time": "t (s)", "position": "Tip Deflection(mm)", "input": "u (V)"}
+
+
+@pytest.mark.parametrize(
+    "title",
+    [
+        "xGyro",
+        "ZGyro",
+        "gyro_x",
+        "pitch rate",
+        "omega",
+        "yaw vel",
+        "Gyroskop y",
+        "roll rate (deg)",
+        "Winkelgeschwindigkeit",
+        "yawrate",
+    ],
+)
+def test_names_of_rates_are_no_positions(title: str) -> None:
+    assert read_title(title).role == "other"
+
+
+def test_angles_of_an_inertial_sensor_are_offered_and_its_rates_are_not(tmp_path: Path) -> None:
+    head = "Time,sensPitch,sensRoll,sensYaw,xGyro,yGyro,ZGyro,xAcc\n"
+    file = write(tmp_path / "run.csv", T, X, 0.5 * X, 2 * X, *4 * [np.gradient(X)], head=head)
+    (draft,) = draft_runs([file])
+    assert draft.choices == ("sensPitch", "sensRoll", "sensYaw")
+
+
+@pytest.mark.parametrize("second", [X / 91.9, np.round(3 - X / 91.9, 5), X / 10])
+@pytest.mark.parametrize("inputs", ["u (V),U_k (V)", "a,b"])
+def test_scaled_copies_are_one_motion_and_no_two_runs(second: np.ndarray, inputs: str, tmp_path: Path) -> None:
+    steps = [np.sign(T - 2), np.sign(T - 3)]
+    file = write(tmp_path / "run.csv", T, X, second, *steps, head=f"t (s),Weg (mm),winkel (rad),{inputs}\n")
+    (draft,) = draft_runs([file])
+    assert draft.choices == ("Weg (mm)", "winkel (rad)")
+    assert draft.doubts[-1].endswith("; Weg (mm) and winkel (rad) are one motion, to scale")
+    assert len(draft_runs([file], {"position": "all"})) == 2
+    head = "t (s),x left (mm),x right (mm),u left (V),u right (V)\n"
+    file = write(tmp_path / "run.csv", T, X, np.exp(-0.1 * T) * np.cos(4 * T), *steps, head=head)
+    assert len(draft_runs([file])) == 2
+
+
+def test_a_slow_clock_in_a_unit_that_is_told_is_not_doubted(tmp_path: Path) -> None:
+    time = 0.1001 * np.arange(6000)
+    file = write(tmp_path / "run.csv", time, np.cos(time), head="t (s),x (rad)\n")
+    assert draft_runs([file])[0].doubts == ()
+    file = write(tmp_path / "run.csv", 20 * time, np.cos(time), head="t (s),x (rad)\n")
+    assert draft_runs([file])[0].doubts == ("the time is in s by its name, by its size in ms; check it",)

@@ -83,6 +83,21 @@ def test_repeated_stamps_are_checked_against_the_sample_time(printed: str, tmp_p
         stepid.read_table(file, time=0, position=1, sample_time=0.04)
 
 
+def test_three_digits_are_named_as_what_hides_the_sample_time(tmp_path: Path) -> None:
+    file = stamped(tmp_path / "run.csv", COARSE["three digits"])
+    with pytest.raises(InputError, match=r"as it is printed to 0\.1 s only, and rows are about 0\.0334 s") as refused:
+        stepid.read_table(file, time=0, position=1)
+    assert refused.value.remedy.startswith("Give sample_time=")
+    with pytest.raises(InputError, match=r"line \d+: .*, printed to 0\.1 s only, .*about 0\.0334 s apart") as refused:
+        stepid.read_table(file, time=0, position=1, sample_time=1 / 300)
+    assert refused.value.remedy.startswith("Correct sample_time")
+    draft = stepid.draft_campaign(file, time_unit="s", **RELEASED)
+    assert draft.questions[0].startswith(
+        "The times are printed too coarsely, so that they repeat. Rows are about 0.0334 s"
+    )
+    assert "600 × 33.39 ms?" in draft.summary()
+
+
 @pytest.mark.parametrize("gap", [0.1, 1.0, 100.0])
 def test_a_gap_is_no_rounding(gap: float, tmp_path: Path) -> None:
     time = T + gap * (T > 10)
@@ -172,3 +187,28 @@ def test_an_abscissa_is_not_taken_for_the_position(tmp_path: Path) -> None:
     (draft,) = draft_runs([file], {"position": "y"})
     assert draft.columns["position"] == 1
     assert "input" not in draft.columns
+
+
+@pytest.mark.parametrize(
+    ("head", "x"),
+    [
+        ("", X),
+        ("", 0.2975 + 0.1 * X),
+        ("", 5 + X),
+        ("x (mm)\n", 0.5 + 0.3 * X),
+        ("Lab 3\nWeg in mm\n", 30.5 + np.rint(9 * X)),
+    ],
+)
+def test_one_column_with_decimal_commas_is_one(head: str, x: np.ndarray, tmp_path: Path) -> None:
+    file = tmp_path / "run.txt"
+    file.write_text(head + "".join(f"{value:.4f}\n".replace(".", ",") for value in x), encoding="utf-8")
+    draft = stepid.draft_campaign(file, sample_time=1 / 30, position_unit="mm", **RELEASED)
+    assert draft.campaign()[0].position == pytest.approx(1e-3 * x.round(4))
+
+
+@pytest.mark.parametrize("head", ["", "x1,x2\n", "encoder, pot\n"])
+def test_two_columns_of_counts_are_two(head: str, tmp_path: Path) -> None:
+    file = tmp_path / "run.txt"
+    rows = [f"{round(1e3 * x)},{round(500 + 1e3 * x)}\n" for x in X]
+    file.write_text(head + "".join(rows), encoding="utf-8")
+    assert len(draft_runs([file], {"position": "all"})) == 2

@@ -72,7 +72,7 @@ def init(
 
 def read_records(paths: Sequence[Path], said: Said, *, allow_outside: bool = False) -> Campaign:
     """Read a campaign from its manifest, or from recordings without one; InputError where something is not known."""
-    from stepid.io.guess.files import looks_like_records
+    from stepid.io.guess.files import holds_records
     from stepid.io.guess.read import campaign_of_drafts
     from stepid.io.guess.sources import doubts_of
     from stepid.io.recordings import paths_of
@@ -80,7 +80,7 @@ def read_records(paths: Sequence[Path], said: Said, *, allow_outside: bool = Fal
     paths = paths_of(paths)
     first = paths[0]
     manifest = len(paths) == 1 and (first.suffix == ".toml" or (first / "campaign.toml").is_file())
-    if manifest or (len(paths) == 1 and not first.is_dir() and not looks_like_records(first)):
+    if manifest or (len(paths) == 1 and not first.is_dir() and not holds_records(first)):
         if said.given:
             raise InputError(f"{flag(said.given[0])} is for recordings", f"Say it in {first}.")
         return stepid.read_campaign(first, allow_outside=allow_outside)

@@ -19,6 +19,7 @@ _KNOWN = re.compile(
     r"|encoder\s+(?P<encoder>\d+)\s+pos(?:ition)?|(?P<effort>control\s+effort))\b",
     re.IGNORECASE,
 )
+_MOST = 0.9  # of the rows: a damaged one is told by its line
 AGAIN = "Export the record again, or restore the line from the original file."
 
 
@@ -224,8 +225,8 @@ def _distinct(names: tuple[str, ...], where: str) -> tuple[str, ...]:
 def _recognized(rows: Sequence[Sequence[str]], values: Array, where: str) -> tuple[str, ...]:
     """Names of the columns of a file without header, where its content leaves no doubt about them.
 
-    It leaves none where, in a known set of columns, Commanded Pos visibly repeats Encoder 1; Control Effort is
-    the one that is printed with decimals.
+    It leaves none where, in a known set of columns, Sample counts up, encoders read whole counts, and Commanded Pos
+    visibly repeats Encoder 1; Control Effort is the one that is printed with decimals.
     """
     width = values.shape[1]
     effort = all("." in row[-1] for row in rows)
@@ -234,8 +235,7 @@ def _recognized(rows: Sequence[Sequence[str]], values: Array, where: str) -> tup
         (6, True): (SAMPLE, TIME, COMMANDED, encoder_column(1), encoder_column(2), EFFORT),
         (6, False): (SAMPLE, TIME, COMMANDED, *map(encoder_column, (1, 2, 3))),
     }.get((width, effort))
-    moves = known is not None and np.unique(values[:, 3]).size > 10
-    if known is None or not moves or not repeats(values[:, 2], values[:, 3]):
+    if known is None or not _fits(known, values):
         raise InputError(
             f"{where}: no header says what its {width} columns are",
             f"State all {width} with columns=('Sample', 'Time', …).",
@@ -243,11 +243,22 @@ def _recognized(rows: Sequence[Sequence[str]], values: Array, where: str) -> tup
     return known
 
 
+def _fits(known: Sequence[str], values: Array) -> bool:
+    """Say whether columns hold what an export's do: any table of this width may have two columns that are alike."""
+    columns = dict(zip(known, values.T, strict=True))
+    sample, time, encoder = (columns[name] for name in (SAMPLE, TIME, encoder_column(1)))
+    counted = [sample, *(readings for name, readings in columns.items() if name.startswith("Encoder "))]
+    whole = all(np.mean(readings == np.rint(readings)) > _MOST for readings in counted)
+    rises = np.mean(np.diff(sample) > 0) > _MOST and np.mean(np.diff(time) >= 0) > _MOST
+    moves = np.unique(encoder).size > 10
+    return bool(whole and rises and moves and repeats(columns[COMMANDED], encoder))
+
+
 def repeats(commanded: Array, encoder: Array) -> bool:
     """Say whether Commanded Pos only repeats the encoder, within a sample's travel and two counts."""
     low = np.minimum(encoder[1:], encoder[:-1]) - 2
     high = np.maximum(encoder[1:], encoder[:-1]) + 2
-    return bool(np.mean((commanded[1:] >= low) & (commanded[1:] <= high)) > 0.9)
+    return bool(np.mean((commanded[1:] >= low) & (commanded[1:] <= high)) > _MOST)
 
 
 def _resolution(tokens: Sequence[str]) -> float:

@@ -103,6 +103,16 @@ def parse_manifest(text: str, where: str, readers: Readers) -> tuple[dict[str, A
         return _parsed(document, where, readers)
 
 
+def is_manifest(text: str) -> bool:
+    """Say whether a text may be a manifest, good or bad: it is TOML, or JSON in its place."""
+    try:
+        _check_depth(text, "")
+        tomllib.loads(text)
+    except (InputError, ValueError, RecursionError):
+        return _JSON.match(text) is not None
+    return True
+
+
 def no_json(where: str) -> InputError:
     """Say that a file of JSON is no manifest, and no table either."""
     return InputError(f"{where}: is no manifest of a campaign but JSON", f"Save the record as CSV. {_NAME_CSV}")

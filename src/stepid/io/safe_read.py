@@ -7,6 +7,7 @@ import stat
 from pathlib import Path
 
 from stepid.errors import InputError
+from stepid.io.program_files import check_no_program_file
 
 LARGEST = 500_000_000
 """Bytes of a file. Ten million rows of three short numbers; 20 GB would fill the memory before anything is said."""
@@ -39,7 +40,8 @@ def read_regular(path: Path, *, largest: int = LARGEST) -> bytes:
     Raises
     ------
     stepid.errors.InputError
-        If it is a pipe, a device or a socket, larger than `largest`, or one of its lines than `LONGEST_LINE`.
+        If it is a pipe, a device or a socket, larger than `largest`, or one of its lines than `LONGEST_LINE`; if it
+        is in a binary format of a program such as MATLAB.
     OSError, ValueError
         What the operating system says.
     """
@@ -65,6 +67,8 @@ def _pieces(path: Path, file: object, largest: int) -> bytes:
     pieces: list[bytes] = []
     size = line = 0  # bytes in all, and since the last line began
     while piece := file.read(_PIECE):  # type: ignore[attr-defined]
+        if not size:
+            check_no_program_file(path, piece)
         size += len(piece)
         if size > largest:  # some files of the system say that they hold nothing
             raise _too_large(path, largest, f"more than {largest / 1e6:,.0f} MB")

@@ -24,6 +24,9 @@ from stepid.io.table_layout import Layout
 from stepid.io.textfile import as_path
 from stepid.io.unsaid import check_said
 
+COARSE = 0.05
+"""Of the time stamps: where more repeat they are printed too coarsely; fewer are single wrong ones."""
+
 Column = str | int
 
 
@@ -205,11 +208,18 @@ def _time(
         mean = float((time[-1] - time[0]) / (time.size - 1))
         step = mean if sample_time is None else sample_time
         steps, digit = np.diff(time), _stamp_resolution(time)
+        coarse = 0 < digit < np.inf and float(np.mean(steps == 0)) > COARSE
         if sample_time is None:
             if np.all(steps > 0):
                 stamps: Array = time
                 return stamps
             row = int(np.argmax(~(steps > 0))) + 1
+            if coarse:
+                raise InputError(
+                    f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s: time does not increase, "
+                    f"as it is printed to {digit:.3g} s only, and rows are about {mean:.3g} s apart",
+                    "Give sample_time=… (s). Times that are printed rounded may stay: they are checked against it.",
+                )
             own = " if each file starts a clock of its own" * (len(rows_of_files(table.places)) > 1)
             remedy = f"Correct it, or give sample_time=… (s) and leave time out{own}."
             if digit:
@@ -217,7 +227,7 @@ def _time(
             cause = f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s: time does not increase"
             raise InputError(cause, remedy)
         uniform = _follows(time, index, mean, 0.01)
-        usual = float(np.median(steps))
+        usual = float(np.median(steps)) or mean  # where most printed times repeat
         odd = np.abs(steps - usual) > 0.02 * abs(usual)
         rounded = digit > 0 and float(np.ptp(time - index * step)) <= digit + 0.5 * step
         if rounded or (mean > 0 and _follows(time, index, step, 0.5)):
@@ -229,6 +239,13 @@ def _time(
             "Leave sample_time out, or correct it.",
         )
     row = int(np.argmax(odd)) + 1
+    if coarse:
+        row = int(np.argmax(np.abs(time - time[0] - index * step) > digit + 0.5 * step))
+        raise InputError(
+            f"{table.places[row]}: {time[row]:.10g} s, printed to {digit:.3g} s only, is more than half a sample off "
+            f"{sample_time:g} s, where rows are about {mean:.3g} s apart",
+            "Correct sample_time, or leave time out if samples were dropped or each file starts a clock of its own.",
+        )
     raise InputError(
         f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s, where rows are about {usual:.6g} s "
         f"apart: more than half a sample off {sample_time:g} s",

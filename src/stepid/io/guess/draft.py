@@ -13,6 +13,7 @@ from stepid.core.base import Array
 from stepid.core.quantities import CART, INPUT_UNITS, Quantities
 from stepid.io.ecp import FEWEST
 from stepid.io.guess.words import SCALES
+from stepid.io.table import COARSE
 
 T = TypeVar("T")
 TURNS = ("deg", "rad", "mrad")
@@ -20,7 +21,6 @@ TURNS = ("deg", "rad", "mrad")
 ROLES = ("time", "position", "input")
 ALL = "all"
 """In place of the position's column: each column of a position is a run."""
-_REPEATS = 0.05  # of the time stamps: fewer are single wrong ones
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class Draft:
     @property
     def has_no_clock(self) -> bool:
         """True where no column tells the sample time: there is none of the time, or it is printed too coarsely."""
-        return self.repeated > _REPEATS
+        return self.repeated > COARSE
 
     def clock(self) -> Array | None:
         """Times of the samples, s; None where neither a sample time nor a column in a known unit tells them."""

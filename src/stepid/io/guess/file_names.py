@@ -59,8 +59,8 @@ _ENCODER = re.compile(
 )
 _SLOW = 1.0  # s, that no readings of a cart are apart
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")  # or three decimals
-_LABVIEW_STEP = re.compile(r"Delta_X\s+(?P<number>\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?)\b")
-_LABVIEW_TIME = re.compile(r"X_Dimension\s+Time\b")
+_LABVIEW_STEP = re.compile(r"(?:Delta_X|delta t)((?:\s+\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?)+)\s*")
+_LABVIEW_TIME = re.compile(r"X_Dimension\s+Time\b|(?:waveform|t0)\t")
 _STIFFNESS = r"soft|medium|stiff|hard|weak|strong|weich|mittel|hart"
 _SPRING = re.compile(
     rf"(?<![a-z])(?:(?P<kind>{_STIFFNESS})(?:[\s_-]*(?:spring|feder))?|(?:spring|feder)[\s_-]*"
@@ -152,13 +152,13 @@ def _label(line: str, found: re.Match[str]) -> str:
 def sample_time_above(lines: tuple[str, ...]) -> float | None:
     """Return the sample time in s that a line above a table tells, None where none does, or two differ.
 
-    LabVIEW's header has seconds where it says that its abscissa is a time.
+    LabVIEW's header has seconds where it says that its abscissa is a time, or is that of waveforms.
     """
-    told = set()
+    told: set[float] = set()
     labview = any(map(_LABVIEW_TIME.match, lines))
     for line in lines:
         if labview and (found := _LABVIEW_STEP.match(line)) is not None:
-            told.add(_float(found["number"]))
+            told.update(map(_float, found[1].split()))
             continue
         found = _RATE.search(line) or _PERIOD.search(line)
         if found is None or _FILTER.search(_label(line, found)):

@@ -9,7 +9,11 @@ from pathlib import Path
 
 from stepid.errors import InputError
 from stepid.io.guess.file_names import natural
+from stepid.io.guess.text import NoTableError, find_encoding
 from stepid.io.guess.understand import recordings
+from stepid.io.manifest import is_manifest
+from stepid.io.textfile import read_bytes
+from stepid.io.workbook import is_workbook
 
 KINDS = (".csv", ".txt", ".xlsx", ".tsv", ".dat", ".m", ".lvm", ".asc")
 _MANY = 500  # files
@@ -18,6 +22,24 @@ _MANY = 500  # files
 def looks_like_records(path: Path) -> bool:
     """Say whether a file's name ends as those of recordings do."""
     return path.suffix.lower() in KINDS
+
+
+def holds_records(path: Path) -> bool:
+    """Say whether a file holds recordings and is no manifest, by its content where its name does not tell."""
+    if looks_like_records(path):
+        return True
+    if not path.is_file():
+        return False
+    raw = read_bytes(path)
+    if is_workbook(raw):
+        return True
+    try:
+        text, _ = find_encoding(raw, path)
+        return not is_manifest(text) and bool(recordings([path])[0])
+    except NoTableError:
+        return False
+    except InputError:  # a table that is damaged: its reader says where
+        return True
 
 
 def files_of(

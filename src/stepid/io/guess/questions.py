@@ -61,6 +61,16 @@ def _needs_sample_time(draft: Draft) -> bool:
     return draft.sample_time is None and draft.has_no_clock
 
 
+def _which_sample_time(drafts: Sequence[Draft]) -> str:
+    coarse = [draft for draft in drafts if _needs_sample_time(draft) and draft.repeated < 1]
+    text = "How many seconds are two samples apart?"
+    if not coarse:
+        return text
+    time = coarse[0].si("time")
+    about = "" if time is None else f" Rows are about {float(time[-1] - time[0]) / (time.size - 1):.3g} s apart."
+    return f"The times are printed too coarsely, so that they repeat.{about} {text}"
+
+
 def _has_open_unit(draft: Draft) -> bool:
     open_ = draft.scale("position") is None and not counts_alone(draft)
     return open_ and _has_table(draft, "position")
@@ -84,7 +94,7 @@ _ASKED: dict[str, _Asked] = {
     "time_unit": _Asked(
         lambda d: _has_table(d, "time") and d.scale("time") is None, _words("In which unit is the time: s, ms or us?")
     ),
-    "sample_time": _Asked(_needs_sample_time, _words("How many seconds are two samples apart?")),
+    "sample_time": _Asked(_needs_sample_time, _which_sample_time),
     "position_unit": _Asked(
         _has_open_unit, _words("In which unit is the position: m, cm, mm, um, in, deg, rad or counts?")
     ),

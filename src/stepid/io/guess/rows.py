@@ -11,6 +11,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.io.ecp import FEWEST
+from stepid.io.guess.words import read_title
 from stepid.io.table_layout import cells as split_cells
 from stepid.io.textfile import is_name, is_number
 
@@ -19,6 +20,7 @@ _QUOTED = (*_CANDIDATES, (",", ","))  # in quotation marks a comma may be both
 _MOST = 0.9  # of a column's cells are numbers where it holds readings
 _PROBED = 600  # lines from which delimiter and decimal mark are told
 _SOME = 0.05  # of a column's cells; beside longer records the rest is empty
+_PAIR = re.compile(r"([+-]?\d+),(\d+)")
 _LOST = re.compile(r"|-+|[+-]?(nan|inf|infinity)|-?1\.#\w+|#.+|n/?a|null", re.IGNORECASE)  # in place of a reading
 
 
@@ -44,7 +46,10 @@ def find_marks(lines: Sequence[str], *, workbook: bool = False) -> tuple[str | N
     """
     best: tuple[tuple[int, int, int, int], str | None, str] | None = None
     quoted = any('"' in line for line in lines[:_PROBED])
+    alone = _is_one_column(lines[:_PROBED])
     for rank, (separator, decimal) in enumerate(_CANDIDATES[:1] if workbook else _QUOTED if quoted else _CANDIDATES):
+        if alone and separator == ",":
+            continue
         found = longest_rows([cells(line, separator) for line in lines[:_PROBED]], decimal)
         if found.last - found.first < FEWEST:
             continue
@@ -53,6 +58,23 @@ def find_marks(lines: Sequence[str], *, workbook: bool = False) -> tuple[str | N
         if best is None or score > best[0]:
             best = (score, separator, decimal)
     return None if best is None else best[1:]
+
+
+def _is_one_column(lines: Sequence[str]) -> bool:
+    """Say whether rows of two whole numbers about a comma are one column of decimals.
+
+    They are where one name stands above them, what comes first never changes, or one of the two is none that is
+    printed: -0, 05.
+    """
+    pairs = [found.groups() for line in lines if (found := _PAIR.fullmatch(line.strip()))]
+    top = next((i for i, line in enumerate(lines) if _PAIR.fullmatch(line.strip())), 0)
+    if len(pairs) < FEWEST or len(pairs) + top < len(lines):
+        return False
+    name = lines[top - 1] if top else ""
+    if "," in name or read_title(name).role is not None:
+        return "," not in name
+    odd = any(whole == "-0" or (part[0] == "0" and len(part) > 1) for whole, part in pairs)
+    return odd or len({whole for whole, _ in pairs}) == 1
 
 
 def cells(line: str, separator: str | None) -> list[str]:

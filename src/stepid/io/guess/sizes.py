@@ -9,6 +9,7 @@ from stepid.io.guess.draft import TURNS, Draft
 
 _FASTEST, _SLOWEST = 1e-4, 0.1  # s between samples
 _SHORTEST, _LONGEST = 0.3, 300.0  # s of a record
+_SLACK = 10.0  # beyond these a unit that is told may lie: long swings are sampled slowly
 _LARGEST_IN_METERS = 0.05  # of readings in cm, it would be half a millimeter
 _VOLTS = 15.0  # more than such an amplifier gives
 _FAR, _NEAR = 1.0, 2e-5  # m; a teaching plant travels less, and more
@@ -17,16 +18,14 @@ _COUNTS = 50.0  # fewer whole readings may be millimeters
 
 def time_unit(time: Array) -> str | None:
     """Return the unit of times, shape (n,), None where two are possible."""
-    steps = np.diff(time)
-    step, span = float(np.median(steps)), float(time[-1] - time[0])
-    if not step > 0:
-        return None
-    possible = [
-        unit
-        for unit, scale in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6))
-        if _FASTEST <= step * scale <= _SLOWEST and _SHORTEST <= span * scale <= _LONGEST
-    ]
+    possible = [unit for unit, scale in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)) if _may_be_seconds(time * scale)]
     return possible[0] if len(possible) == 1 else None
+
+
+def _may_be_seconds(time: Array, *, slack: float = 1.0) -> bool:
+    """Say whether times are those of a record in seconds by their step and span."""
+    step, span = float(np.median(np.diff(time))), float(time[-1] - time[0])
+    return _FASTEST / slack <= step <= _SLOWEST * slack and _SHORTEST / slack <= span <= _LONGEST * slack
 
 
 def position_unit(position: Array) -> str | None:
@@ -49,7 +48,7 @@ def odd_units(draft: Draft) -> tuple[str, ...]:
     time, unit = draft.si("time"), draft.units.get("time")
     if time is not None and unit is not None and time.size > 1:
         by_size = time_unit(draft.readings["time"])
-        if by_size is not None and by_size != unit.value:
+        if by_size not in (None, unit.value) and not _may_be_seconds(time, slack=_SLACK):
             out.append(f"the time is in {unit.value} by {unit.why}, by its size in {by_size}; check it")
     meters, unit = draft.si("position"), draft.units.get("position")
     if meters is not None and meters.size and unit is not None and unit.value not in TURNS:

@@ -78,12 +78,13 @@ def _file(draft: Draft) -> str:
 def _time(draft: Draft) -> str:
     seconds = draft.clock()
     if seconds is not None and seconds.size > 1:
-        step = float(np.median(np.diff(seconds)))
+        coarse = draft.has_no_clock and draft.sample_time is None
+        step = float(np.mean(np.diff(seconds)) if coarse else np.median(np.diff(seconds)))
     else:
         return _column(draft, "time") if "time" in draft.columns else "?"
     size = max((values.size for values in draft.readings.values()), default=0)
     unit = draft.units.get("time")
-    sure = "?" if unit is not None and unit.assumed else ""
+    sure = "?" if coarse or (unit is not None and unit.assumed) else ""
     return f"{size} × {1000 * step:.4g} ms{sure}"
 
 

@@ -10,6 +10,7 @@ from stepid.io.guess.rows import cells
 from stepid.io.guess.words import is_unit, role_of
 from stepid.io.textfile import is_comment, is_name, is_number
 
+_REMARKS = ("comment", "comments")
 _SYMBOL = re.compile(r"[dΔσ]?[^\W\d_]\d?")  # t, x, dx, y2
 
 
@@ -27,7 +28,8 @@ class Titles(NamedTuple):
         if place is None or any(self.groups) or (any(self.units) and self.units != self.names):
             return None
         row = cells(lines[place], separator)
-        usable = not is_comment(lines[place]) and _usable(row) and len(row) >= len(self.names)
+        beyond = any(row[len(self.names) :])
+        usable = not is_comment(lines[place]) and _usable(row) and len(row) >= len(self.names) and not beyond
         return place if usable else None
 
 
@@ -72,6 +74,8 @@ def _row(line: str, separator: str | None, width: int) -> tuple[str, ...] | None
     if len(split) != width:
         wide = [cell for cell in bare.replace("\t", "  ").split("  ") if cell.strip()]
         split = [cell.strip() for cell in wide] if len(wide) == width else split
+    if len(split) == width + 1 and split[-1].lower() in _REMARKS:  # LabVIEW writes no cell below it
+        split = split[:-1]
     if len(split) != width and _are_names(words := bare.split(), width):
         split = words
     if len(split) < width and separator is not None:  # titles of groups may end early

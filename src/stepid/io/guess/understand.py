@@ -13,6 +13,7 @@ from stepid.io.guess.file_names import plain_name, read_name
 from stepid.io.guess.named import named
 from stepid.io.guess.table import from_table
 from stepid.io.guess.text import NoTableError, text_lines
+from stepid.io.program_files import ProgramFileError
 from stepid.io.textfile import as_path, read_bytes
 from stepid.io.workbook import is_workbook, sheet_names, workbook_lines
 
@@ -79,7 +80,7 @@ def recordings(files: Sequence[Path]) -> tuple[list[Path], tuple[str, ...]]:
     for file in files:
         try:
             _file(as_path(file), {})
-        except NoTableError as error:
+        except (NoTableError, ProgramFileError) as error:
             refused.append(error.cause)
         else:
             taken.append(file)

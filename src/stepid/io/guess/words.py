@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 Role = Literal["time", "position", "input", "other"]
@@ -39,7 +40,7 @@ _ALSO = {  # other spellings, lower case
         "um": "µm μm micron microns micrometer micrometers mikrometer",
         "in": "inch inches zoll",
         "deg": "° degree degrees grad gradi grados graus degrés",
-        "rad": "radian radians",
+        "rad": "radian radians rads",
         COUNTS: "count cts cnt counts pulses ticks inc inkremente incr impulse",
     },
     "input": {
@@ -68,8 +69,10 @@ _WORDS: dict[Role, tuple[str, str]] = {  # whole words, and how longer words beg
     "other": (
         "v n i nr no idx index sample samples set sp soll sollwert ref reference desired target wanted error err "
         "status state flag comment comments remark remarks note notes kommentar date datum fecha velocity speed "
-        "vel acc a ax temperature label commentaire event marker counter row line zeile xref rref r",
-        "veloc vitess geschw snelh accel beschl setp consig referen kommentar remark comment temperat veloci sollw",
+        "vel acc a ax temperature label commentaire event marker counter row line zeile xref rref r gyro gyr rate "
+        "rates omega ω rpm",
+        "veloc vitess geschw snelh accel beschl setp consig referen kommentar remark comment temperat veloci sollw "
+        "gyro",
     ),
     "time": (
         "t time times zeit tid tijd temps tempo tiempo sec secs seconds millis micros ms clock timestamp elapsed "
@@ -87,11 +90,15 @@ _WORDS: dict[Role, tuple[str, str]] = {  # whole words, and how longer words beg
         "x y pos position weg auslenkung deflection enc encoder lage travel distance dist angle winkel theta phi "
         "abstand strecke laser lvdt height cart elongation hub stroke extension ort displ disp spostamento "
         "posizione lvdt1 q z läge laege lege stand amplitude positie plaats pot sensor measured messwert mass1 "
-        "drehwinkel alpha",
+        "alpha yaw pitch roll tilt",
         "pos displ depl dépl spost despl auslenk deflect encod versch weg elong allong winkel angul",
     ),
 }
+_HEADS = ("angle", "winkel", "position", "auslenkung")  # how longer words of a position end: "Hubangle"
+_RATE_HEADS = ("rate", "speed", "velocity", "acceleration", "geschwindigkeit", "beschleunigung")
+_NO_HEAD = re.compile(r"(?:tri|rect)angle|(?:com|dis|ex)position")
 _COMMANDED = {"commanded", "command", "cmd", "desired", "target", "ref", "reference", "soll", "set", "setpoint"}
+_SETS = ("soll", "set", "ref", "target", "command", "desired")  # how longer ones begin
 RUN_WORDS = frozenset(
     {"run", "case", "test", "trial", "exp", "experiment", "versuch", "messung", "messreihe", "rep", "lauf", "probe"}
     | {"essai", "prova", "ensayo", "fall", "rec", "record", "series", "measurement", "nr", "no", "take"}
@@ -133,12 +140,16 @@ def read_title(name: str) -> Title:
     if _names_rate(name, brackets):
         return Title("other", None, name, False)
     if brackets:
-        stem, unit, bracketed = name[: brackets.start()] + name[brackets.end() :], brackets[1], True
+        words, unit = _split_brackets(brackets[1])
+        bare, bracketed = name[: brackets.start()] + name[brackets.end() :], True
+        stem = bare + words
     elif (tail := _TAIL.match(name)) is not None:
         stem, unit, bracketed = tail["stem"], tail["unit"], False
     else:
         stem, unit, bracketed = name, "", False
     role = role_of(stem)
+    if brackets and role != "other":  # what stands in brackets tells only what the name leaves open
+        role = role_of(bare) or role
     if not unit:
         return Title(role, None, stem, False)
     for one in (role,) if role in SCALES else SCALES:
@@ -162,10 +173,16 @@ def _names_rate(name: str, brackets: re.Match[str] | None) -> bool:
     return known and role_of(name) in (None, "position")
 
 
+def _split_brackets(inside: str) -> tuple[str, str]:
+    """Part what stands in brackets into words and their unit: "(theta in rad)"; a size such as 5 m is none."""
+    tail = None if is_unit(inside) or re.search(r"[\d/]", inside) else _TAIL.match(inside)
+    return (f" {tail['stem']}", tail["unit"]) if tail and is_unit(tail["unit"]) else ("", inside)
+
+
 def _unit_brackets(name: str) -> re.Match[str] | None:
     """The brackets that hold a unit, or what stands in its place at the end of a name."""
     found = list(_BRACKETS.finditer(name))
-    known = [one for one in found if is_unit(one[1])]
+    known = [one for one in found if is_unit(_split_brackets(one[1])[1])]
     return known[-1] if known else next((one for one in found if one.end() == len(name)), None)
 
 
@@ -178,22 +195,29 @@ def role_of(name: str) -> Role | None:
     if "other" in found and not ({"v", "n", "no", "nr", "i", "a", "r"} >= {w for w in words if _is_word(w, "other")}):
         return "other"
     if "position" in found:
-        return "other" if _COMMANDED.intersection(words) else "position"
+        return "other" if _COMMANDED.intersection(words) or _is_set(words) else "position"
     for role in ("input", "time", "other"):
         if role in found:
             return role
     return None
 
 
+def _is_set(words: Sequence[str]) -> bool:
+    """Say whether a word is one of a commanded position: "Sollwinkel"."""
+    return any(word.startswith(_SETS) and word.endswith(_HEADS) for word in words)
+
+
 def tokens(name: str) -> list[str]:
     """Words of a name in lower case; digits, signs and humps of camelCase part them."""
-    humps = re.sub(r"(?<=[a-zäöüéß])(?=[A-Z])", " ", unicodedata.normalize("NFC", name))
+    humps = re.sub(r"(?<=[a-zäöüéß])(?=[A-Z])|(?<=\b[A-Z])(?=[A-Z][a-z])", " ", unicodedata.normalize("NFC", name))
     return [word for word in re.split(r"[\W\d_]+", humps.lower()) if word]
 
 
 def _is_word(word: str, role: Role) -> bool:
     whole, starts = _WORDS[role]
-    return word in whole.split() or (len(word) > 3 and word.startswith(tuple(starts.split())))
+    heads = {"position": _HEADS, "other": _RATE_HEADS}.get(role, ())
+    ends = word.endswith(heads) and not _NO_HEAD.fullmatch(word)
+    return word in whole.split() or (len(word) > 3 and word.startswith(tuple(starts.split()))) or ends
 
 
 def _unit_of(text: str, role: str, *, bracketed: bool) -> str | None:
