@@ -71,6 +71,21 @@ def test_runs_that_differ_are_told() -> None:
     assert re.search(r"of its own in every run.*do not repeat", said)
 
 
+@pytest.mark.parametrize(("times", "alike", "overtone"), [(3.0, True, True), (3.3, True, False), (3.0, False, False)])
+def test_a_swing_at_a_multiple_of_the_natural_frequency_is_an_overtone(
+    times: float, alike: bool, overtone: bool
+) -> None:
+    """A shaker shakes all runs alike; an overtone follows the mass."""
+    runs, rate = [], np.sqrt(200.0)
+    for run in released(600, stiffness=(200.0, 400.0 if alike else 200.0)).experiments:
+        louder = run.position + 4e-4 * np.exp(-0.5 * run.time) * np.cos(times * rate * run.time)
+        runs.append(run.model_copy(update={"position": louder, "spring": run.name if alike else "s"}))
+    context = prepare(stepid.Campaign(name="overtone", experiments=tuple(runs)))
+    (said, *_) = remainder(context, linear_candidate(context))
+    assert (", 3 times the natural frequency: a law that bends" in said) is overtone
+    assert ("steady swing" in said) is not overtone
+
+
 @pytest.mark.parametrize("count", [30, 45, 60])
 @pytest.mark.parametrize("jitter", [0.0, 0.2])
 def test_short_and_uneven_releases_do_not_fail(count: int, jitter: float) -> None:

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 import stepid
+from made_up_evidence import Kept
 from stepid.core.base import Array
 from stepid.core.outliers import outliers, stand_out
 from stepid.diagnosis.notes import _is_clipped
 from stepid.fitting import run_fault
-from stepid.fitting.eccentricity import find_eccentricity
+from stepid.fitting.eccentricity import _cause, find_eccentricity
 from stepid.fitting.reading_faults import _fault, _stuck, mend, outliers_of, trust
 from stepid.fitting.run_fault_words import _explanation, _factor, fault_words
 from stepid.simulation.records import lay_out
@@ -200,6 +201,12 @@ def test_an_encoder_off_its_axis_takes_most_of_what_is_left() -> None:
     half = 2e-5 / math.sqrt(2)  # as much again is something else
     assert find_eccentricity(off_axis((2e-5,) * 3, half), 5e-6) is None
     assert find_eccentricity(off_axis((2e-5,) * 3, half), half) is not None
+
+
+@pytest.mark.parametrize(("steps", "cause"), [(4.0, "every 4 steps"), (2.02, "every 2 steps"), (4.2, "off its axis")])
+def test_a_line_that_comes_again_with_the_steps_of_a_counter_is_theirs(steps: float, cause: str) -> None:
+    records: Any = SimpleNamespace(runs=[Kept(resolution=1e-5)] * 2)
+    assert cause in _cause(steps * 1e-5, records)
 
 
 @pytest.mark.parametrize(("turning", "found"), [(0.5, True), (1.3, False)])

@@ -20,6 +20,7 @@ _BESIDE = 0.5  # of the largest share: a shape that takes less is not told besid
 _PIECE = 0.2  # of the period: segments of motion shorter than this are not independent
 _PLENTY = 2.0  # independent segments a coefficient, the least that tell a shape
 _APART = 0.15  # of the natural frequency: a swing nearer than this is the plant's own
+_OVERTONES, _IN_TUNE = (2, 3, 4, 5), 0.05  # of the natural frequency; relative, how near a swing is to one of them
 _SINGLED = 2.0  # times its even share of what a shape takes, that makes a run one of those that are named
 _RUNS = 3  # named at most
 
@@ -87,7 +88,7 @@ def rest_shares(context: FitContext, optimum: Optimum) -> tuple[Share, ...]:
         Share("velocity", _share(rest, basis, _of_velocity(force), pieces)),
         Share("position", _share(rest, basis, _of_position(force), pieces)),
         Share("slow", _share(rest, basis, _slow(force), pieces)),
-        _line(_lines(context, optimum, period), force, rest, basis, pieces),
+        _told_overtone(context, _line(_lines(context, optimum, period), force, rest, basis, pieces)),
         _of_runs(context, force, rest, basis, pieces),
     ]
     return tuple(sorted(found, key=lambda one: -one.share))
@@ -153,6 +154,17 @@ def _line(lines: tuple[float, ...], force: ResidualForce, rest: Array, basis: Ar
     return best
 
 
+def _told_overtone(context: FitContext, line: Share) -> Share:
+    """The same swing as an overtone, where it is a multiple of the natural frequency in every run."""
+    of, shared, records = context.linear.problem.layout, context.linear.shared, context.records
+    rate = np.sqrt(np.maximum(shared[of.stiffness][records.spring], 0.0) / of.mass(shared)) / (2 * np.pi)
+    frequency = float(line.detail.removesuffix(" Hz") or 0.0)
+    for times in _OVERTONES:
+        if np.all(np.abs(frequency - times * rate) < _IN_TUNE * times * rate):
+            return Share("overtone", line.share, f"{line.detail}, {times} times the natural frequency")
+    return line
+
+
 def _of_runs(context: FitContext, force: ResidualForce, rest: Array, basis: Array, pieces: float) -> Share:
     """A linear plant of its own in every run, and the runs in which that takes most."""
     columns = _by_run(force, np.column_stack([force.x, force.v, force.volts]))
@@ -185,6 +197,8 @@ def _sentence(one: Share) -> str:
         return f"{percent} changes slowly in time: a drifting sensor, creep or warming makes it."
     if one.shape == "line":
         return f"{percent} is a steady swing at {one.detail}: a shaker, a fan or a further mode of the plant makes it."
+    if one.shape == "overtone":
+        return f"{percent} is a swing at {one.detail}: a law that bends makes such an overtone, and a further mode may."
     where = f", most in {one.detail}" if one.detail else ""
     return (
         f"{percent} is a stiffness, damping or gain of its own in every run{where}: "

@@ -9,6 +9,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
+from stepid.core.noise import reading_step
 from stepid.core.words import length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.record_fault import ALL_RUNS, RecordFault
@@ -21,6 +22,7 @@ _LEAST_SLOPE = 0.2  # of the reading over the position, in these: where it hardl
 _PASSES = 2  # from where the readings are to where the cart is
 _EVIDENCE = 50.0  # n ln(RSS / RSS) of the line
 _MOST = 0.7  # share of what is left above the noise that the line must take
+_TRACKS, _A_STEP = (2, 4), 0.05  # steps after which one track of a counter, or two, come again; how near to whole ones
 _AT_ONCE = 16  # pitches, that are tried together
 _SAME = 1e-12  # of the product of two squares, by which sine and cosine differ at least
 _ALIKE = 0.3  # of the amplitude, by which runs may differ
@@ -81,10 +83,19 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
             return None
     words = (
         f"All runs: the readings are off by {length(amplitude)} in turn every {length(pitch)} of travel, "
-        "whatever the mass and speed: an encoder or a pulley that sits off its axis."
+        f"whatever the mass and speed: {_cause(pitch, records)}."
     )
     fault = RecordFault(run=ALL_RUNS, kind="encoder eccentricity", size=amplitude, unit="m", words=words)
     return Eccentricity(amplitude, pitch, phase, fault)
+
+
+def _cause(pitch: float, records: Records) -> str:
+    """What makes a line of a pitch [m], by the steps of the readings."""
+    steps = pitch / max(float(np.median([reading_step(run) for run in records.runs])), 1e-30)
+    for few in _TRACKS:
+        if abs(steps - few) < _A_STEP:
+            return f"that is every {few} steps of the counter, which are unequal"
+    return "an encoder or a pulley that sits off its axis"
 
 
 def _wave(values: Array) -> tuple[float, float]:
