@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import control
 import numpy as np
 import pytest
 
@@ -241,3 +242,14 @@ def test_two_modes_that_beat_are_no_hands(share: float, noise: float) -> None:
     both = np.cos(2 * np.pi * 2.5 * time) + share * np.cos(2 * np.pi * 2.9 * time)
     run = record(0.01 * np.exp(-0.1 * time) * both, noise=noise, starts="motion")
     assert stepid.split_releases(run) == (run,)
+
+
+@pytest.mark.parametrize("periods", [2.0, 4.0])
+def test_a_slow_push_breaks_what_swings(periods: float) -> None:
+    """A linear prediction of two modes nearly follows it: the force of the hand is as smooth as the swing."""
+    time, rate, decay = STEP * np.arange(1200), 2 * np.pi, 0.3
+    hand_ = np.clip((time - 4.0) / periods, 0.0, 1.0)
+    force = 0.02 * rate**2 * np.sin(np.pi * hand_) ** 2
+    free = control.ss([[0, 1], [-(rate**2), -2 * decay]], [[0], [1]], [[1, 0]], [[0]])
+    pushed = control.forced_response(free, time, force, [0.01, 0.0]).outputs
+    assert len(stepid.split_releases(record(pushed, noise=3e-5, starts="motion"))) == 2

@@ -33,7 +33,7 @@ _FEWEST = 24  # samples of a release
 _ORDER = 4  # of a linear prediction: two modes
 _LAG = 4  # parts of half a swing, from one of its samples to the next
 _APART = 3.0  # times the median that it misses, from where on a sample is no part of it
-_BREAKS = 8.0  # the same, from where on a hand breaks it: noise misses by five
+_BREAKS = 2.1  # times the same, RMS, from where on a hand breaks it: white noise misses by 1.5
 
 
 @in_own_quantities
@@ -84,7 +84,7 @@ def _swings_on(y: Array, hands: list[tuple[int, int]]) -> bool:
         law = np.linalg.lstsq(table[keep], here[keep], rcond=None)[0]
         missed = np.abs(here - table @ law)
         keep = missed <= _APART * np.median(missed[keep])
-    return bool(missed[held].max() < _BREAKS * np.median(missed))
+    return bool(np.mean(missed[held] ** 2) < (_BREAKS * np.median(missed)) ** 2)
 
 
 class _Lobe(NamedTuple):

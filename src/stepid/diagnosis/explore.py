@@ -98,7 +98,7 @@ def _fewer(best: Candidate) -> list[tuple[str, ...]]:
 
 def _alike(found: Found, names: tuple[str, ...]) -> Optimum | None:
     """Some effects with conditions alike in all runs, from where the search fitted them; None where it did not."""
-    fitted = [c for c in found.candidates if c.names == names]
+    fitted = [c for c in found.candidates if c.key[0] == frozenset(names)]
     if not fitted:
         return None
     nearest = min(fitted, key=lambda c: len(c.deviations))

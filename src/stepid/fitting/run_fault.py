@@ -25,7 +25,8 @@ from stepid.simulation.records import Records
 from stepid.simulation.simulator import Simulator
 
 _WORTH = {"added_mass": 0.02, "stiffness": 0.05, "damping": 0.05, "gain": 0.03, "start_time": 1.0}
-# worth mentioning, as a share of the run's moving mass, stiffness, damping and gain, and in samples
+# worth mentioning, as a share of the run's moving mass, stiffness, damping and gain, and in samples; a mass also where
+# one weight is known better
 _HINT = 0.15  # share of the misfit that a linearized step must promise: a fault takes 0.7, a step tells a quarter of it
 _TRIED = 6  # fits
 _STANDS_OUT = 0.3  # share of the cost left, by far less than by any other run's fault, where more is missing
@@ -222,13 +223,12 @@ def _has_size(found: _Found, sure: float) -> bool:
     if found.kind == DRIFT:
         return True
     of, records = found.optimum.problem.layout, found.optimum.problem.records
-    if found.kind == "added_mass" and records.weight_uncertainty > 0:
-        return size >= sure * records.weight_uncertainty  # who knows the weights so well can mend it
     unit = {
         "added_mass": float(of.mass(found.optimum.shared)[found.run]),
         "start_time": float(records.sample_time[found.run]),
     }.get(found.kind, 1.0)
-    return size >= _WORTH[found.kind] * unit
+    known = sure * records.weight_uncertainty if found.kind == "added_mass" else np.inf  # one weight
+    return size >= min(_WORTH[found.kind] * unit, known)
 
 
 def _explains(found: _Found, optimum: Optimum, others: list[_Found], floor: float) -> bool:
