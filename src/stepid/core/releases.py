@@ -33,7 +33,7 @@ _FEWEST = 24  # samples of a release
 _ORDER = 4  # of a linear prediction: two modes
 _LAG = 4  # parts of half a swing, from one of its samples to the next
 _APART = 3.0  # times the median that it misses, from where on a sample is no part of it
-_BREAKS = 2.1  # times the same, RMS, from where on a hand breaks it: white noise misses by 1.5
+_BREAKS = 2.4  # times the same, RMS, from where on a hand breaks it: white noise misses by 1.5
 
 
 @in_own_quantities
