@@ -174,6 +174,11 @@ def test_names_of_rates_are_no_positions(title: str) -> None:
     assert read_title(title).role == "other"
 
 
+@pytest.mark.parametrize("title", ["VIn (V)", "VSupply (V)", "VApplied (V)", "VPlant (V)", "AIn (A)", "IIn (A)"])
+def test_a_capital_before_the_name_of_an_input_is_no_word(title: str) -> None:
+    assert read_title(title)[:2] == ("input", title[-2])
+
+
 def test_angles_of_an_inertial_sensor_are_offered_and_its_rates_are_not(tmp_path: Path) -> None:
     head = "Time,sensPitch,sensRoll,sensYaw,xGyro,yGyro,ZGyro,xAcc\n"
     file = write(tmp_path / "run.csv", T, X, 0.5 * X, 2 * X, *4 * [np.gradient(X)], head=head)

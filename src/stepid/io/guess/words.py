@@ -96,6 +96,7 @@ _WORDS: dict[Role, tuple[str, str]] = {  # whole words, and how longer words beg
 }
 _HEADS = ("angle", "winkel", "position", "auslenkung")  # how longer words of a position end: "Hubangle"
 _RATE_HEADS = ("rate", "speed", "velocity", "acceleration", "geschwindigkeit", "beschleunigung")
+_AXIS = r"(?<=\b[XYZ])(?=(?:Acc|Ang|Gyr|Pos|Rate|Vel))"  # "ZGyro", but not "VIn" or "IMotor"
 _NO_HEAD = re.compile(r"(?:tri|rect)angle|(?:com|dis|ex)position")
 _COMMANDED = {"commanded", "command", "cmd", "desired", "target", "ref", "reference", "soll", "set", "setpoint"}
 _SETS = ("soll", "set", "ref", "target", "command", "desired")  # how longer ones begin
@@ -209,7 +210,7 @@ def _is_set(words: Sequence[str]) -> bool:
 
 def tokens(name: str) -> list[str]:
     """Words of a name in lower case; digits, signs and humps of camelCase part them."""
-    humps = re.sub(r"(?<=[a-zäöüéß])(?=[A-Z])|(?<=\b[A-Z])(?=[A-Z][a-z])", " ", unicodedata.normalize("NFC", name))
+    humps = re.sub(rf"(?<=[a-zäöüéß])(?=[A-Z])|{_AXIS}", " ", unicodedata.normalize("NFC", name))
     return [word for word in re.split(r"[\W\d_]+", humps.lower()) if word]
 
 
