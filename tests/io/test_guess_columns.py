@@ -204,5 +204,6 @@ def test_a_slow_clock_in_a_unit_that_is_told_is_not_doubted(tmp_path: Path) -> N
     time = 0.1001 * np.arange(6000)
     file = write(tmp_path / "run.csv", time, np.cos(time), head="t (s),x (rad)\n")
     assert draft_runs([file])[0].doubts == ()
-    file = write(tmp_path / "run.csv", 20 * time, np.cos(time), head="t (s),x (rad)\n")
-    assert draft_runs([file])[0].doubts == ("the time is in s by its name, by its size in ms; check it",)
+    for ms in (20 * time, np.arange(3000.0)):
+        file = write(tmp_path / "run.csv", ms, np.cos(0.02 * ms), head="t (s),x (rad)\n")
+        assert draft_runs([file])[0].doubts == ("the time is in s by its name, by its size in ms; check it",)
