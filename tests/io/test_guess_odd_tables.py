@@ -193,7 +193,7 @@ def test_an_abscissa_is_not_taken_for_the_position(tmp_path: Path) -> None:
     ("head", "x"),
     [
         ("", X),
-        ("", 0.2975 + 0.1 * X),
+        ("", 0.0975 + 0.1 * X),
         ("", 5 + X),
         ("x (mm)\n", 0.5 + 0.3 * X),
         ("Lab 3\nWeg in mm\n", 30.5 + np.rint(9 * X)),
@@ -212,3 +212,22 @@ def test_two_columns_of_counts_are_two(head: str, tmp_path: Path) -> None:
     rows = [f"{round(1e3 * x)},{round(500 + 1e3 * x)}\n" for x in X]
     file.write_text(head + "".join(rows), encoding="utf-8")
     assert len(draft_runs([file], {"position": "all"})) == 2
+
+
+@pytest.mark.parametrize(
+    ("head", "first"),
+    [
+        ("", 0),  # an input that is off
+        ("Position record 3\n", None),
+        ("Time and position\n", None),
+        ("Weg und Zeit\n", None),
+        ("Cart position run\n", None),
+    ],
+)
+def test_whole_numbers_beside_counts_are_no_decimals(head: str, first: int | None, tmp_path: Path) -> None:
+    file = tmp_path / "run.txt"
+    counts = np.rint(2e4 * (1 + X)).astype(int)
+    rows = [f"{i if first is None else first},{count}\n" for i, count in enumerate(counts)]
+    file.write_text(head + "".join(rows), encoding="utf-8")
+    (draft,) = draft_runs([file], {"position": "1"})
+    np.testing.assert_array_equal(draft.readings["position"], counts)
