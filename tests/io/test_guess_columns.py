@@ -155,6 +155,16 @@ def test_a_column_at_rest_beside_one_that_moves_is_asked_about(still: np.ndarray
     assert dict(draft.columns) == {"time": "t (s)", "position": "Tip Deflection(mm)", "input": "u (V)"}
 
 
+SPIKE = np.where(np.arange(T.size) == 100, 1e5, X)
+
+
+@pytest.mark.parametrize("x", [8 * np.exp(-0.1 * T) * np.cos(0.4 * np.pi * np.arange(T.size)), SPIKE, X**9])
+def test_fast_swings_and_spikes_are_no_rest(x: np.ndarray, tmp_path: Path) -> None:
+    file = write(tmp_path / "run.csv", T, x, np.sin(3 * T), head="t (s),Position (mm),B\n")
+    (draft,) = draft_runs([file])
+    assert dict(draft.columns) == {"time": "t (s)", "position": "Position (mm)"}
+
+
 @pytest.mark.parametrize(
     "title",
     [
@@ -198,6 +208,22 @@ def test_scaled_copies_are_one_motion_and_no_two_runs(second: np.ndarray, inputs
     head = "t (s),x left (mm),x right (mm),u left (V),u right (V)\n"
     file = write(tmp_path / "run.csv", T, X, np.exp(-0.1 * T) * np.cos(4 * T), *steps, head=head)
     assert len(draft_runs([file])) == 2
+
+
+U = np.where(T > 2, 1.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("head", "columns"),
+    [
+        ("t (s),x1 (mm),u1 (V),x2 (mm),u2 (V)\n", [T, X, U, 2 * X, 2 * U]),
+        ("t1 (s),x1 (mm),u1 (V),t2 (s),x2 (mm),u2 (V)\n", [T, X, U, T, 2 * X, 2 * U]),
+        ("t (s),run 1 (mm),run 2 (mm)\n", [T, X, 2 * X]),
+    ],
+)
+def test_runs_of_a_linear_plant_are_runs(head: str, columns: list[np.ndarray], tmp_path: Path) -> None:
+    runs = draft_runs([write(tmp_path / "run.csv", *columns, head=head)])
+    assert [run.readings["position"][9] for run in runs] == [X[9], 2 * X[9]]
 
 
 def test_a_slow_clock_in_a_unit_that_is_told_is_not_doubted(tmp_path: Path) -> None:
