@@ -134,6 +134,12 @@ def test_two_columns_alike_make_no_export_of_a_table_without_header(tmp_path: Pa
         ("x (5 m)", ("position", None)),
         ("Rectangle (V)", ("input", "V")),
         ("p (Pa/s)", (None, None)),
+        ("accurate position (mm)", ("position", "mm")),
+        ("Substrate (mm)", ("position", "mm")),
+        ("Reflexionswinkel (deg)", ("position", "deg")),
+        ("Reflectionangle (rad)", ("position", "rad")),
+        ("Referenzposition (mm)", ("other", None)),
+        ("setposition (mm)", ("other", None)),
     ],
 )
 def test_compound_words_and_words_in_brackets(title: str, found: tuple[str, str | None]) -> None:
