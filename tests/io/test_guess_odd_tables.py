@@ -98,6 +98,18 @@ def test_three_digits_are_named_as_what_hides_the_sample_time(tmp_path: Path) ->
     assert "600 × 33.39 ms?" in draft.summary()
 
 
+@pytest.mark.parametrize("late", [True, False])
+def test_of_coarse_stamps_the_one_that_is_off_most_is_named(late: bool, tmp_path: Path) -> None:
+    tick = np.arange(600)
+    off = np.where((tick > 30) & (tick < 60), 0.009 - 0.004 * late, 0.0)
+    off -= np.where((tick > 120) & (tick < 150), 0.005 + 0.004 * late, 0.0)
+    time = np.maximum.accumulate(np.round(np.floor((0.003 * tick + 0.005 + off) * 100 + 1e-9) / 100, 2))
+    with pytest.raises(InputError, match=r"printed to 0\.01 s only, is more than half a sample off") as refused:
+        stepid.read_table(stamped(tmp_path / "run.csv", time), time=0, position=1, sample_time=0.003)
+    row = int(refused.value.cause.split("line ")[1].split(":")[0]) - 2
+    assert off[row] == pytest.approx(-0.009 if late else 0.009)
+
+
 @pytest.mark.parametrize("gap", [0.1, 1.0, 100.0])
 def test_a_gap_is_no_rounding(gap: float, tmp_path: Path) -> None:
     time = T + gap * (T > 10)
