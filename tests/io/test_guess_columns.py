@@ -118,7 +118,7 @@ def test_two_columns_alike_make_no_export_of_a_table_without_header(tmp_path: Pa
     (draft,) = draft_runs([tmp_path / "run.txt"])
     assert (draft.format, dict(draft.columns)) == ("table", {"time": 0, "input": 1})
     assert draft.choices == ("2", "3", "4", "5")
-    with pytest.raises(InputError, match="no header says what its 6 columns are"):
+    with pytest.raises(InputError, match=r"no header says what its 6 columns are\. .*other units .* read_table"):
         stepid.read_ecp(tmp_path / "run.txt", counts_per_meter=1.0)
 
 
