@@ -223,6 +223,7 @@ U = np.where(T > 2, 1.0, 0.0)
     ("head", "columns"),
     [
         ("t (s),x1 (mm),u1 (V),x2 (mm),u2 (V)\n", [T, X, U, 2 * X, 2 * U]),
+        ("t (s),x1 (mm),u1 (V),x2 (mm),u2 (V)\n", [T, X, 0.5 + 0 * T, 2 * X, 1 + 0 * T]),
         ("t1 (s),x1 (mm),u1 (V),t2 (s),x2 (mm),u2 (V)\n", [T, X, U, T, 2 * X, 2 * U]),
         ("t (s),run 1 (mm),run 2 (mm)\n", [T, X, 2 * X]),
     ],

@@ -46,8 +46,9 @@ def copies(columns: Sequence[Array]) -> tuple[int, ...]:
 
 def alike(first: Sequence[Array], second: Sequence[Array]) -> bool:
     """Say whether position and input of one run are by one factor those of another."""
-    position, volts = ([values - values[0] for values in pair] for pair in zip(first, second, strict=True))
-    size = float(np.nansum(position[0] ** 2)) or np.inf
-    factor = float(np.nansum(position[0] * position[1])) / size
-    off = float(np.nanmax(np.abs(volts[1] - factor * volts[0])))
-    return bool(np.any(volts[0]) and off <= _BY * float(np.nanmax(np.abs(volts[1]))))
+    values = np.column_stack([*first, *second])
+    x, u, x2, u2 = values[np.isfinite(values).all(axis=1)].T
+    if not np.ptp(x) > 0 or not u.any():
+        return False
+    factor = float((x2 - x2.mean()) @ (x - x.mean()) / (x.size * x.var()))
+    return bool(np.abs(u2 - factor * u).max() <= _BY * np.abs(u2).max())
