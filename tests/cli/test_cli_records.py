@@ -56,3 +56,12 @@ def test_pictures_and_missing_files_are_no_recordings(tmp_path: Path) -> None:
     (tmp_path / "photo.png").write_bytes(bytes(range(256)) * 20)
     assert not holds_records(tmp_path / "photo.png")
     assert not holds_records(tmp_path / "nothing")
+
+
+@pytest.mark.parametrize("first", ['name = "lab"\n', "[[experiment]]\nname = a\n"])
+def test_a_slip_in_a_manifest_beside_many_values_is_said(
+    first: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "lab").write_text(first + "step = [\n" + "0.5,\n" * 20 + "]\nfile = a.csv\n", encoding="utf-8")
+    assert run(["diagnose", str(tmp_path / "lab")]) == 2
+    assert "not TOML" in capsys.readouterr().err

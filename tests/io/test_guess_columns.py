@@ -118,7 +118,7 @@ def test_two_columns_alike_make_no_export_of_a_table_without_header(tmp_path: Pa
     (draft,) = draft_runs([tmp_path / "run.txt"])
     assert (draft.format, dict(draft.columns)) == ("table", {"time": 0, "input": 1})
     assert draft.choices == ("2", "3", "4", "5")
-    with pytest.raises(InputError, match="no header says what its 6 columns are"):
+    with pytest.raises(InputError, match=r"no header says what its 6 columns are\. .*other units .* read_table"):
         stepid.read_ecp(tmp_path / "run.txt", counts_per_meter=1.0)
 
 
@@ -134,6 +134,12 @@ def test_two_columns_alike_make_no_export_of_a_table_without_header(tmp_path: Pa
         ("x (5 m)", ("position", None)),
         ("Rectangle (V)", ("input", "V")),
         ("p (Pa/s)", (None, None)),
+        ("accurate position (mm)", ("position", "mm")),
+        ("Substrate (mm)", ("position", "mm")),
+        ("Reflexionswinkel (deg)", ("position", "deg")),
+        ("Reflectionangle (rad)", ("position", "rad")),
+        ("Referenzposition (mm)", ("other", None)),
+        ("setposition (mm)", ("other", None)),
     ],
 )
 def test_compound_words_and_words_in_brackets(title: str, found: tuple[str, str | None]) -> None:
@@ -155,6 +161,16 @@ def test_a_column_at_rest_beside_one_that_moves_is_asked_about(still: np.ndarray
     assert dict(draft.columns) == {"time": "t (s)", "position": "Tip Deflection(mm)", "input": "u (V)"}
 
 
+SPIKE = np.where(np.arange(T.size) == 100, 1e5, X)
+
+
+@pytest.mark.parametrize("x", [8 * np.exp(-0.1 * T) * np.cos(0.4 * np.pi * np.arange(T.size)), SPIKE, X**9])
+def test_fast_swings_and_spikes_are_no_rest(x: np.ndarray, tmp_path: Path) -> None:
+    file = write(tmp_path / "run.csv", T, x, np.sin(3 * T), head="t (s),Position (mm),B\n")
+    (draft,) = draft_runs([file])
+    assert dict(draft.columns) == {"time": "t (s)", "position": "Position (mm)"}
+
+
 @pytest.mark.parametrize(
     "title",
     [
@@ -172,6 +188,11 @@ def test_a_column_at_rest_beside_one_that_moves_is_asked_about(still: np.ndarray
 )
 def test_names_of_rates_are_no_positions(title: str) -> None:
     assert read_title(title).role == "other"
+
+
+@pytest.mark.parametrize("title", ["VIn (V)", "VSupply (V)", "VApplied (V)", "VPlant (V)", "AIn (A)", "IIn (A)"])
+def test_a_capital_before_the_name_of_an_input_is_no_word(title: str) -> None:
+    assert read_title(title)[:2] == ("input", title[-2])
 
 
 def test_angles_of_an_inertial_sensor_are_offered_and_its_rates_are_not(tmp_path: Path) -> None:
@@ -195,9 +216,27 @@ def test_scaled_copies_are_one_motion_and_no_two_runs(second: np.ndarray, inputs
     assert len(draft_runs([file])) == 2
 
 
+U = np.where(T > 2, 1.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("head", "columns"),
+    [
+        ("t (s),x1 (mm),u1 (V),x2 (mm),u2 (V)\n", [T, X, U, 2 * X, 2 * U]),
+        ("t (s),x1 (mm),u1 (V),x2 (mm),u2 (V)\n", [T, X, 0.5 + 0 * T, 2 * X, 1 + 0 * T]),
+        ("t1 (s),x1 (mm),u1 (V),t2 (s),x2 (mm),u2 (V)\n", [T, X, U, T, 2 * X, 2 * U]),
+        ("t (s),run 1 (mm),run 2 (mm)\n", [T, X, 2 * X]),
+    ],
+)
+def test_runs_of_a_linear_plant_are_runs(head: str, columns: list[np.ndarray], tmp_path: Path) -> None:
+    runs = draft_runs([write(tmp_path / "run.csv", *columns, head=head)])
+    assert [run.readings["position"][9] for run in runs] == [X[9], 2 * X[9]]
+
+
 def test_a_slow_clock_in_a_unit_that_is_told_is_not_doubted(tmp_path: Path) -> None:
     time = 0.1001 * np.arange(6000)
     file = write(tmp_path / "run.csv", time, np.cos(time), head="t (s),x (rad)\n")
     assert draft_runs([file])[0].doubts == ()
-    file = write(tmp_path / "run.csv", 20 * time, np.cos(time), head="t (s),x (rad)\n")
-    assert draft_runs([file])[0].doubts == ("the time is in s by its name, by its size in ms; check it",)
+    for ms in (20 * time, np.arange(3000.0)):
+        file = write(tmp_path / "run.csv", ms, np.cos(0.02 * ms), head="t (s),x (rad)\n")
+        assert draft_runs([file])[0].doubts == ("the time is in s by its name, by its size in ms; check it",)

@@ -98,6 +98,18 @@ def test_three_digits_are_named_as_what_hides_the_sample_time(tmp_path: Path) ->
     assert "600 × 33.39 ms?" in draft.summary()
 
 
+@pytest.mark.parametrize("late", [True, False])
+def test_of_coarse_stamps_the_one_that_is_off_most_is_named(late: bool, tmp_path: Path) -> None:
+    tick = np.arange(600)
+    off = np.where((tick > 30) & (tick < 60), 0.009 - 0.004 * late, 0.0)
+    off -= np.where((tick > 120) & (tick < 150), 0.005 + 0.004 * late, 0.0)
+    time = np.maximum.accumulate(np.round(np.floor((0.003 * tick + 0.005 + off) * 100 + 1e-9) / 100, 2))
+    with pytest.raises(InputError, match=r"printed to 0\.01 s only, is more than half a sample off") as refused:
+        stepid.read_table(stamped(tmp_path / "run.csv", time), time=0, position=1, sample_time=0.003)
+    row = int(refused.value.cause.split("line ")[1].split(":")[0]) - 2
+    assert off[row] == pytest.approx(-0.009 if late else 0.009)
+
+
 @pytest.mark.parametrize("gap", [0.1, 1.0, 100.0])
 def test_a_gap_is_no_rounding(gap: float, tmp_path: Path) -> None:
     time = T + gap * (T > 10)
@@ -193,7 +205,7 @@ def test_an_abscissa_is_not_taken_for_the_position(tmp_path: Path) -> None:
     ("head", "x"),
     [
         ("", X),
-        ("", 0.2975 + 0.1 * X),
+        ("", 0.0975 + 0.1 * X),
         ("", 5 + X),
         ("x (mm)\n", 0.5 + 0.3 * X),
         ("Lab 3\nWeg in mm\n", 30.5 + np.rint(9 * X)),
@@ -212,3 +224,22 @@ def test_two_columns_of_counts_are_two(head: str, tmp_path: Path) -> None:
     rows = [f"{round(1e3 * x)},{round(500 + 1e3 * x)}\n" for x in X]
     file.write_text(head + "".join(rows), encoding="utf-8")
     assert len(draft_runs([file], {"position": "all"})) == 2
+
+
+@pytest.mark.parametrize(
+    ("head", "first"),
+    [
+        ("", 0),  # an input that is off
+        ("Position record 3\n", None),
+        ("Time and position\n", None),
+        ("Weg und Zeit\n", None),
+        ("Cart position run\n", None),
+    ],
+)
+def test_whole_numbers_beside_counts_are_no_decimals(head: str, first: int | None, tmp_path: Path) -> None:
+    file = tmp_path / "run.txt"
+    counts = np.rint(2e4 * (1 + X)).astype(int)
+    rows = [f"{i if first is None else first},{count}\n" for i, count in enumerate(counts)]
+    file.write_text(head + "".join(rows), encoding="utf-8")
+    (draft,) = draft_runs([file], {"position": "1"})
+    np.testing.assert_array_equal(draft.readings["position"], counts)

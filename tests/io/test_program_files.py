@@ -49,3 +49,8 @@ def test_among_recordings_they_are_left_out(tmp_path: Path) -> None:
 def test_text_that_matlab_saves_is_read(tmp_path: Path) -> None:
     (tmp_path / "ascii.mat").write_text(TABLE.replace(",", "  ").split("\n", 1)[1], encoding="utf-8")
     assert dict(stepid.draft_campaign(tmp_path / "ascii.mat").runs[0].columns) == {"time": 0, "position": 1}
+
+
+def test_text_that_names_matlab_is_text(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text("MATLAB 7 log of the cart\n" + TABLE, encoding="utf-8")
+    assert stepid.draft_campaign(tmp_path / "run.csv").runs[0].columns["position"] == "x (mm)"

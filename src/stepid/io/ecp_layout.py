@@ -238,7 +238,8 @@ def _recognized(rows: Sequence[Sequence[str]], values: Array, where: str) -> tup
     if known is None or not _fits(known, values):
         raise InputError(
             f"{where}: no header says what its {width} columns are",
-            f"State all {width} with columns=('Sample', 'Time', …).",
+            f"State all {width} with columns=('Sample', 'Time', …); positions in other units than counts "
+            "are for read_table.",
         )
     return known
 

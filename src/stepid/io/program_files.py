@@ -8,7 +8,7 @@ from stepid.errors import InputError
 
 _BEGINS = (
     (b"MATLAB 5.0 MAT-file", "MATLAB"),
-    (b"MATLAB 7", "MATLAB"),
+    (b"MATLAB 7.3 MAT-file", "MATLAB"),
     (b"\x89HDF\r\n\x1a\n", "HDF5"),
     (b"\x93NUMPY", "NumPy"),
     (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "Excel"),

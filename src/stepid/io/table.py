@@ -240,7 +240,8 @@ def _time(
         )
     row = int(np.argmax(odd)) + 1
     if coarse:
-        row = int(np.argmax(np.abs(time - time[0] - index * step) > digit + 0.5 * step))
+        off = time - index * step
+        row = int(np.argmax(np.abs(off - np.median(off))))
         raise InputError(
             f"{table.places[row]}: {time[row]:.10g} s, printed to {digit:.3g} s only, is more than half a sample off "
             f"{sample_time:g} s, where rows are about {mean:.3g} s apart",

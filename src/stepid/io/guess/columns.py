@@ -10,6 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.io.guess.file_names import FileName, read_name
+from stepid.io.guess.motion import alike, copies, moves
 from stepid.io.guess.text import Block
 from stepid.io.guess.words import RUN_WORDS, Role, read_title, role_of, tokens, unit_for
 
@@ -18,10 +19,7 @@ _EVEN = 0.3  # of the usual step, by which stamps of samples may differ; but for
 _MOST = 0.9  # of them: beside dropped samples
 _ZERO = 0.02  # of its span, from which an uneven clock starts
 _HALVES = 0.1  # of its span, by which its middle row is off the middle at most: a cart that comes to rest slows down
-_FLAT = 4  # levels of a reading at rest: its last digit flickers
-_NOISE = 0.5  # of the variance of any two readings, that of two in a row: 1 for noise, far less where something moves
 UNKNOWN = "a unit that stepid does not know"
-_SAME = 1e-6  # of its variance, what is left of a column beside its scaled copy
 _SENSORS = {"enc", "encoder", "sensor", "cart", "mass", "wagen", "masse", "laser"}
 
 
@@ -86,7 +84,7 @@ def _in_units(column: Column, below: str) -> Column:
 
 def _in_known_units(columns: Sequence[Column]) -> list[Column]:
     """Take no column of an unknown unit for a position where another has a known one, and moves."""
-    sure = any(c.role == "position" and c.unit is not None and _moves(c) for c in columns)
+    sure = any(c.role == "position" and c.unit is not None and moves(c.values) for c in columns)
     return [replace(c, role="other") if sure and c.role == "position" and c.why == UNKNOWN else c for c in columns]
 
 
@@ -162,7 +160,7 @@ def _by_content(columns: Sequence[Column], told: Collection[str]) -> tuple[Colum
     """Roles of columns whose names tell none; a role that somebody `told` has its column already."""
     columns = _abscissa_as_time(columns)
     found = {c.role for c in columns}
-    rests = "position" in found and not any(_moves(c) for c in columns if c.role == "position")
+    rests = "position" in found and not any(moves(c.values) for c in columns if c.role == "position")
     if rests:  # another that moves may be the position, too
         found.remove("position")
     if not any(c.name for c in columns):
@@ -172,7 +170,7 @@ def _by_content(columns: Sequence[Column], told: Collection[str]) -> tuple[Colum
     for c in columns:
         if c.role is None:
             kind = _kind(c)
-            still = rests and kind == "position" and not _moves(c)
+            still = rests and kind == "position" and not moves(c.values)
             c = replace(c, role="other" if still or kind in taken else kind)
             if kind == "time":  # another that rises evenly is none
                 taken.add("time")
@@ -205,15 +203,6 @@ def _kind(column: Column) -> Role:
     if levels <= _LEVELS and np.count_nonzero(steps) <= _LEVELS:
         return "input"
     return "position"
-
-
-def _moves(column: Column) -> bool:
-    """Say whether a column's readings move, and do not only flicker about one value."""
-    kept = column.values[np.isfinite(column.values)]
-    spread = float(np.var(kept)) if kept.size > 1 else 0.0
-    if spread == 0 or np.unique(kept).size <= _FLAT:
-        return False
-    return float(np.var(np.diff(kept))) < _NOISE * 2 * spread
 
 
 def _runs_on(values: Array) -> bool:
@@ -254,29 +243,18 @@ def _several_runs(
     ends = {int(np.flatnonzero(np.isfinite(c.values))[-1]) for c in positions}
     if len(ends) > 1 or any(block.groups) or any(read_name(f"{c.rest}").mass is not None for c in positions):
         return True
-    if _copies(positions):
-        return False
-    if len(inputs) == len(positions) or len(times) == len(positions):
-        return True
     words = {word for c in positions for word in tokens(c.rest)}
-    return bool(words & RUN_WORDS) and not words & _SENSORS
-
-
-def _copies(positions: Sequence[Column]) -> list[Column]:
-    """The first two columns of which one is the other to scale, and so the same motion: a length and its angle."""
-    values = np.column_stack([c.values for c in positions])
-    values = values[np.isfinite(values).all(axis=1)]
-    spread = values.std(axis=0) if len(values) else np.zeros(len(positions))
-    moving = np.flatnonzero(spread > 0)
-    if len(values) <= 2 or moving.size < 2:
-        return []
-    normal = (values[:, moving] - values[:, moving].mean(axis=0)) / spread[moving]
-    alike = np.argwhere(np.triu(1 - (normal.T @ normal / len(values)) ** 2 < _SAME, k=1))
-    return [positions[moving[i]] for i in alike[0]] if len(alike) else []
+    if len(times) == len(positions) or (words & RUN_WORDS and not words & _SENSORS):
+        return True
+    if len(inputs) != len(positions):
+        return False
+    # of a linear plant runs are alike to scale, too, but then their inputs are by as much
+    found = copies([c.values for c in positions])
+    return not found or alike(*([positions[i].values, inputs[i].values] for i in found))
 
 
 def _said_of_copies(positions: Sequence[Column], every: Sequence[Column]) -> str:
-    pair = _names(_copies(positions), every)
+    pair = _names([positions[i] for i in copies([c.values for c in positions])], every)
     return f"; {' and '.join(pair)} are one motion, to scale" if pair else ""
 
 

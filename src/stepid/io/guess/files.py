@@ -17,6 +17,7 @@ from stepid.io.workbook import is_workbook
 
 KINDS = (".csv", ".txt", ".xlsx", ".tsv", ".dat", ".m", ".lvm", ".asc")
 _MANY = 500  # files
+_MANIFEST = re.compile(r"""^\s*(?:\[\[\w+\]\]|\w+\s*=\s*["'])""", re.MULTILINE)  # one with a slip is no TOML
 
 
 def looks_like_records(path: Path) -> bool:
@@ -35,7 +36,7 @@ def holds_records(path: Path) -> bool:
         return True
     try:
         text, _ = find_encoding(raw, path)
-        return not is_manifest(text) and bool(recordings([path])[0])
+        return _MANIFEST.search(text) is None and not is_manifest(text) and bool(recordings([path])[0])
     except NoTableError:
         return False
     except InputError:  # a table that is damaged: its reader says where

@@ -11,7 +11,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.io.ecp import FEWEST
-from stepid.io.guess.words import read_title
+from stepid.io.guess.words import RUN_WORDS, read_title, role_of, tokens
 from stepid.io.table_layout import cells as split_cells
 from stepid.io.textfile import is_name, is_number
 
@@ -63,18 +63,23 @@ def find_marks(lines: Sequence[str], *, workbook: bool = False) -> tuple[str | N
 def _is_one_column(lines: Sequence[str]) -> bool:
     """Say whether rows of two whole numbers about a comma are one column of decimals.
 
-    They are where one name stands above them, what comes first never changes, or one of the two is none that is
-    printed: -0, 05.
+    They are where one name alone stands above them, or one of the two is none that is printed: -0, 05.
     """
     pairs = [found.groups() for line in lines if (found := _PAIR.fullmatch(line.strip()))]
     top = next((i for i, line in enumerate(lines) if _PAIR.fullmatch(line.strip())), 0)
     if len(pairs) < FEWEST or len(pairs) + top < len(lines):
         return False
     name = lines[top - 1] if top else ""
-    if "," in name or read_title(name).role is not None:
-        return "," not in name
-    odd = any(whole == "-0" or (part[0] == "0" and len(part) > 1) for whole, part in pairs)
-    return odd or len({whole for whole, _ in pairs}) == 1
+    if "," in name:
+        return False
+    return _is_one_name(name) or any(whole == "-0" or (part[0] == "0" and len(part) > 1) for whole, part in pairs)
+
+
+def _is_one_name(line: str) -> bool:
+    """Tell the name of one column from a title above several: "Position record 3", "time and position"."""
+    words = tokens(line)
+    title = RUN_WORDS.intersection(words) or re.search(r"\s\d", line) or len({*map(role_of, words)} - {None}) > 1
+    return not title and read_title(line).role is not None
 
 
 def cells(line: str, separator: str | None) -> list[str]:

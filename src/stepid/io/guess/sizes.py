@@ -9,7 +9,7 @@ from stepid.io.guess.draft import TURNS, Draft
 
 _FASTEST, _SLOWEST = 1e-4, 0.1  # s between samples
 _SHORTEST, _LONGEST = 0.3, 300.0  # s of a record
-_SLACK = 10.0  # beyond these a unit that is told may lie: long swings are sampled slowly
+_SLACK = 10.0  # by which records in a unit that is told may be slower and longer; 1 s already is a count of ms
 _LARGEST_IN_METERS = 0.05  # of readings in cm, it would be half a millimeter
 _VOLTS = 15.0  # more than such an amplifier gives
 _FAR, _NEAR = 1.0, 2e-5  # m; a teaching plant travels less, and more
@@ -25,7 +25,8 @@ def time_unit(time: Array) -> str | None:
 def _may_be_seconds(time: Array, *, slack: float = 1.0) -> bool:
     """Say whether times are those of a record in seconds by their step and span."""
     step, span = float(np.median(np.diff(time))), float(time[-1] - time[0])
-    return _FASTEST / slack <= step <= _SLOWEST * slack and _SHORTEST / slack <= span <= _LONGEST * slack
+    slow = step <= _SLOWEST or step < _SLOWEST * slack * (1 - 1e-9)
+    return step >= _FASTEST and slow and _SHORTEST <= span <= _LONGEST * slack
 
 
 def position_unit(position: Array) -> str | None:

@@ -95,10 +95,12 @@ _WORDS: dict[Role, tuple[str, str]] = {  # whole words, and how longer words beg
     ),
 }
 _HEADS = ("angle", "winkel", "position", "auslenkung")  # how longer words of a position end: "Hubangle"
-_RATE_HEADS = ("rate", "speed", "velocity", "acceleration", "geschwindigkeit", "beschleunigung")
+_RATE_HEADS = ("speed", "velocity", "acceleration", "geschwindigkeit", "beschleunigung")
+_AXIS = r"(?<=\b[XYZ])(?=(?:Acc|Ang|Gyr|Pos|Rate|Vel))"  # "ZGyro", but not "VIn" or "IMotor"
+_RATES = re.compile(r"(?:angle|dreh|gier|nick|pitch|roll|sample|turn|wank|winkel|yaw)rate")  # not "substrate"
 _NO_HEAD = re.compile(r"(?:tri|rect)angle|(?:com|dis|ex)position")
 _COMMANDED = {"commanded", "command", "cmd", "desired", "target", "ref", "reference", "soll", "set", "setpoint"}
-_SETS = ("soll", "set", "ref", "target", "command", "desired")  # how longer ones begin
+_SETS = re.compile(rf"(?:soll\w*|set|ref|reference|target|command|commanded|desired)(?:{'|'.join(_HEADS)})")
 RUN_WORDS = frozenset(
     {"run", "case", "test", "trial", "exp", "experiment", "versuch", "messung", "messreihe", "rep", "lauf", "probe"}
     | {"essai", "prova", "ensayo", "fall", "rec", "record", "series", "measurement", "nr", "no", "take"}
@@ -204,12 +206,12 @@ def role_of(name: str) -> Role | None:
 
 def _is_set(words: Sequence[str]) -> bool:
     """Say whether a word is one of a commanded position: "Sollwinkel"."""
-    return any(word.startswith(_SETS) and word.endswith(_HEADS) for word in words)
+    return any(_SETS.fullmatch(word) for word in words)
 
 
 def tokens(name: str) -> list[str]:
     """Words of a name in lower case; digits, signs and humps of camelCase part them."""
-    humps = re.sub(r"(?<=[a-zäöüéß])(?=[A-Z])|(?<=\b[A-Z])(?=[A-Z][a-z])", " ", unicodedata.normalize("NFC", name))
+    humps = re.sub(rf"(?<=[a-zäöüéß])(?=[A-Z])|{_AXIS}", " ", unicodedata.normalize("NFC", name))
     return [word for word in re.split(r"[\W\d_]+", humps.lower()) if word]
 
 
@@ -217,6 +219,7 @@ def _is_word(word: str, role: Role) -> bool:
     whole, starts = _WORDS[role]
     heads = {"position": _HEADS, "other": _RATE_HEADS}.get(role, ())
     ends = word.endswith(heads) and not _NO_HEAD.fullmatch(word)
+    ends = ends or (role == "other" and _RATES.fullmatch(word) is not None)
     return word in whole.split() or (len(word) > 3 and word.startswith(tuple(starts.split()))) or ends
 
 
