@@ -213,12 +213,18 @@ def test_a_law_that_bends_once_along_the_way_is_no_line() -> None:
     assert find_eccentricity(context.linear, context.floor) is None
 
 
-@pytest.mark.parametrize(("turns", "told"), [(1.6, False), (2.6, True)])
-def test_a_line_that_does_not_come_again_may_be_a_bent_sensor(turns: float, told: bool) -> None:
-    clean = runs()
+@pytest.mark.parametrize(("turns", "repeated", "told"), [(1.6, True, False), (1.6, False, True), (2.6, True, True)])
+def test_in_one_motion_a_line_that_does_not_come_again_may_be_a_bent_sensor(
+    turns: float, repeated: bool, told: bool
+) -> None:
+    clean = runs()[:1] * 4 if repeated else runs()
     pitch = float(np.ptp(np.concatenate(clean))) / turns
-    read = white(12, [x + 60e-6 * np.sin(2 * np.pi * x / pitch + 1.0) for x in clean], 5e-6)
-    context = prepare(campaign(read, counts=FINE))
+    read = campaign(white(12, [x + 60e-6 * np.sin(2 * np.pi * x / pitch + 1.0) for x in clean], 5e-6), counts=FINE)
+    if repeated:
+        first = read.experiments[0]
+        same = {"added_mass": first.added_mass, "input": first.input}
+        read = read.model_copy(update={"experiments": tuple(r.model_copy(update=same) for r in read.experiments)})
+    context = prepare(read)
     assert (find_eccentricity(context.linear, context.floor) is not None) is told
 
 

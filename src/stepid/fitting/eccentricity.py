@@ -12,10 +12,12 @@ from stepid.core.experiment import Campaign
 from stepid.core.noise import reading_step
 from stepid.core.words import length
 from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.noise_floor import repeats
 from stepid.fitting.record_fault import ALL_RUNS, RecordFault
 from stepid.simulation.records import Records
 
-_TURNS = (2.0, 100.0)  # of the encoder within the travel, that can be told: of fewer a bent sensor is as good
+_TURNS = (1.0, 100.0)  # of the encoder within the travel, that can be told
+_AGAIN = 2.0  # turns, below which runs have to move differently: in one motion any law of position looks so
 _FINE = 0.25  # turns, by which pitches are told apart
 _STEPS = 12  # Newton's, by which a reading is corrected
 _LEAST_SLOPE = 0.2  # of the reading over the position, in these: where it hardly grows a step would go too far
@@ -66,6 +68,8 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
     waves = line.waves(turns)
     values, gained = _fitted(waves, residual)
     if turns < _TURNS[0] + _FINE / 2:  # the longest that is tried: no pitch is the best
+        return None
+    if turns < _AGAIN and any(len(group) == len(records.runs) for group in repeats(records)):
         return None
     pitch = line.travel / turns
     amplitude, phase = _wave(values)
