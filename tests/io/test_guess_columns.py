@@ -122,6 +122,12 @@ def test_two_columns_alike_make_no_export_of_a_table_without_header(tmp_path: Pa
         stepid.read_ecp(tmp_path / "run.txt", counts_per_meter=1.0)
 
 
+def test_one_row_without_header_is_no_export(tmp_path: Path) -> None:
+    (tmp_path / "run.txt").write_text("0 0.0 10 10 0.5\n", encoding="utf-8")
+    with pytest.raises(InputError, match="no header says what its 5 columns are"):
+        stepid.read_ecp(tmp_path / "run.txt", counts_per_meter=1.0)
+
+
 @pytest.mark.parametrize(
     ("title", "found"),
     [
