@@ -59,8 +59,6 @@ def split_releases(experiment: Experiment) -> tuple[Experiment, ...]:
     if not experiment.is_release or experiment.starts == "rest":
         return (experiment,)
     hands = _hands(experiment)
-    if hands and _swings_on(without_outliers(experiment), hands):
-        return (experiment,)
     begins, ends = [0, *(after for _, after in hands)], [*(before for before, _ in hands), experiment.time.size]
     parts = [(a, b) for a, b in zip(begins, ends, strict=True) if b - a >= _FEWEST]
     if len(parts) < 2:
@@ -119,7 +117,7 @@ def _hands(experiment: Experiment) -> list[tuple[int, int]]:
         else:
             range_before = min(range_before if swings > 1 else np.inf, turn + quiet * unseen)  # a record cuts its first
             swings += lobe.side != before.side or rested
-    return out
+    return [] if out and _swings_on(y, out) else out
 
 
 def _moved(away: Array, before: _Lobe, lobe: _Lobe, quiet: float) -> int:

@@ -79,8 +79,7 @@ def outweighs(cost: float, plain: Optimum, found: Found, criteria: Criteria) -> 
 
 def fault_beside(found: Found, criteria: Criteria) -> RecordFault | None:
     """One fault of one run, beside fewer of the likeliest answer's effects or conditions: those can take its part."""
-    best = found.likeliest
-    for names in _fewer(best):
+    for names in _fewer(found.likeliest):
         plain = _alike(found, names)
         one = None if plain is None else accuse(plain, found.context.floor, sure=criteria.size)
         if plain and one and outweighs(one.cost, plain, found, criteria):

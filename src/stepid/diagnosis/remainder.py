@@ -88,7 +88,7 @@ def rest_shares(context: FitContext, optimum: Optimum) -> tuple[Share, ...]:
         Share("velocity", _share(rest, basis, _of_velocity(force), pieces)),
         Share("position", _share(rest, basis, _of_position(force), pieces)),
         Share("slow", _share(rest, basis, _slow(force), pieces)),
-        _told_overtone(context, _line(_lines(context, optimum, period), force, rest, basis, pieces)),
+        _line(context, _lines(context, optimum, period), force, rest, basis, pieces),
         _of_runs(context, force, rest, basis, pieces),
     ]
     return tuple(sorted(found, key=lambda one: -one.share))
@@ -143,26 +143,27 @@ def _slow(force: ResidualForce) -> Array:
     return _by_run(force, np.column_stack([np.ones_like(force.time), force.time, force.time**2]))
 
 
-def _line(lines: tuple[float, ...], force: ResidualForce, rest: Array, basis: Array, pieces: float) -> Share:
-    """The steady swing that takes most, with an amplitude and a phase of its own in every run."""
+def _line(
+    context: FitContext, lines: tuple[float, ...], force: ResidualForce, rest: Array, basis: Array, pieces: float
+) -> Share:
+    """The swing that takes most, with an amplitude and a phase of its own in every run: steady, or an overtone."""
     best = Share("line", 0.0)
     for frequency in lines:
         angle = 2 * np.pi * frequency * force.time
         share = _share(rest, basis, _by_run(force, np.column_stack([np.sin(angle), np.cos(angle)])), pieces)
         if share > best.share:
-            best = Share("line", share, f"{frequency:.3g} Hz")
+            times, detail = _overtone(context.linear, frequency), f"{frequency:.3g} Hz"
+            best = Share("line", share, detail)
+            if times:
+                best = Share("overtone", share, f"{detail}, {times} times the natural frequency")
     return best
 
 
-def _told_overtone(context: FitContext, line: Share) -> Share:
-    """The same swing as an overtone, where it is a multiple of the natural frequency in every run."""
-    of, shared, records = context.linear.problem.layout, context.linear.shared, context.records
-    rate = np.sqrt(np.maximum(shared[of.stiffness][records.spring], 0.0) / of.mass(shared)) / (2 * np.pi)
-    frequency = float(line.detail.removesuffix(" Hz") or 0.0)
-    for times in _OVERTONES:
-        if np.all(np.abs(frequency - times * rate) < _IN_TUNE * times * rate):
-            return Share("overtone", line.share, f"{line.detail}, {times} times the natural frequency")
-    return line
+def _overtone(linear: Optimum, frequency: float) -> int:
+    """Which multiple of the natural frequency of every run a frequency [Hz] is, 0 where it is none."""
+    own = linear.problem.layout.rates(linear.shared) / (2 * np.pi)
+    in_tune = (n for n in _OVERTONES if np.all(np.abs(frequency - n * own) < _IN_TUNE * n * own))
+    return next(in_tune, 0)
 
 
 def _of_runs(context: FitContext, force: ResidualForce, rest: Array, basis: Array, pieces: float) -> Share:

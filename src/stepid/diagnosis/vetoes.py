@@ -22,9 +22,7 @@ from stepid.fitting.multistart import FitContext
 def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
     """How the campaign's runs swing under a fit."""
     of, shared = found.optimum.problem.layout, found.optimum.shared
-    mass = of.mass(shared)
-    rates = np.sqrt(np.maximum(shared[of.stiffness][context.records.spring], 0.0) / mass)
-    decays = shared[of.damping][context.records.damper] / (2 * mass)
+    rates, decays = of.rates(shared), shared[of.damping][context.records.damper] / (2 * of.mass(shared))
     shortest = min(float(np.ptp(context.records.time[piece])) for piece in context.records.pieces())
     slowest = float(rates.min(initial=np.inf))
     return Swing(

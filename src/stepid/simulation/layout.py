@@ -126,6 +126,11 @@ class ParameterLayout:
         out: Array = shared[..., self.base_mass][..., self.records.base] + self.records.added_mass
         return out
 
+    def rates(self, shared: Array) -> Array:
+        """Natural frequency of each run, rad/s, shape (R,), for global parameters (P,)."""
+        out: Array = np.sqrt(np.maximum(shared[self.stiffness][self.records.spring], 0.0) / self.mass(shared))
+        return out
+
     def plants(self, shared: Array, local: Array) -> Array:
         """Values of C plants on every run, as the kernel takes them: shape (C, R, values)."""
         places, own = self._columns
