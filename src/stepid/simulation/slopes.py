@@ -33,6 +33,17 @@ def slopes(moved: Array, reading: Array, steps: Array, run: Array, offset: Array
 
 
 @compiled
+def _weigh(weight: Array, powers: Array, shared: Array, own: Array, touched: Array, asked: Array) -> bool:
+    """Write what each parameter weighs in one unit of one run; True where one that does is not asked for."""
+    missing, n = False, shared.size
+    for p in range(asked.size):
+        value = own[p - n] if p >= n else shared[p] if touched[p] else 0.0
+        weight[p] = powers[p] * value
+        missing |= weight[p] != 0.0 and not asked[p]
+    return missing
+
+
+@compiled
 def follow_units(
     powers: Array,
     shared: Array,
@@ -77,27 +88,22 @@ def follow_units(
     n = shared.size
     for r in range(pushed.size):
         driven = pushed[r] > 0.0
+        enters = touched[:, r].copy()
+        enters[gain] &= driven
         spared[gain, r] = not driven  # without input it does nothing
+        by_gain = asked[gain, r] and driven and abs(shared[gain]) * pushed[r] > notable * abs(shared[spring[r]])
+        by_start = asked[n, r] and abs(local[0, r]) > notable
+        by_spring = asked[spring[r], r] and flow and not driven
+        sources = (
+            gain if by_gain else n if by_start else -1,
+            spring[r] if by_spring else -1,
+            base[r] if asked[base[r], r] else -1,
+        )
         for unit in range(3):
-            missing = not told
-            for p in range(asked.shape[0]):
-                value = local[p - n, r] if p >= n else shared[p] if touched[p, r] and (driven or p != gain) else 0.0
-                weight[unit, r, p] = powers[unit, p] * value
-                missing |= weight[unit, r, p] != 0.0 and not asked[p, r]
-            if missing:
-                continue
-            if unit == 0:
-                if asked[gain, r] and driven and abs(shared[gain]) * pushed[r] > notable * abs(shared[spring[r]]):
-                    row[unit, r] = gain
-                elif asked[n, r] and abs(local[0, r]) > notable:
-                    row[unit, r] = n
-            elif unit == 1:
-                if asked[spring[r], r] and flow and not driven:
-                    row[unit, r] = spring[r]
-            elif asked[base[r], r]:
-                row[unit, r] = base[r]
-            if row[unit, r] >= 0:
-                spared[row[unit, r], r] = True
+            missing = _weigh(weight[unit, r], powers[unit], shared, local[:, r], enters, asked[:, r])
+            if told and not missing and sources[unit] >= 0:
+                row[unit, r] = sources[unit]
+                spared[sources[unit], r] = True
         weight[2, r, base[r]] = mass[r]
 
 
