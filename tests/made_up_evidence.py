@@ -131,7 +131,8 @@ class Told:
     sized: dict[str, Estimate] = field(default_factory=dict)
     open_beside: tuple[str, ...] = ()
     beside_lead: tuple[Candidate, ...] = ()
-    outdone: bool = False
+    outdone_by: bool = False
+    sure_part: Candidate | None = None
     share_taken: tuple[float, float] = (0.95, 0.9)
     held: float = 1.0
     simpler: tuple[Candidate, ...] = ()
@@ -159,6 +160,9 @@ class Told:
 
     def weight(self, *found: Candidate) -> float:
         return self.held
+
+    def outdone(self, lead: Candidate) -> bool:
+        return self.outdone_by
 
     def refuted(self, lead: Candidate) -> str:
         return self.other_shape

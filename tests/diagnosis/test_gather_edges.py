@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -13,7 +12,6 @@ from stepid.diagnosis import free_law, gather, verdict, vetoes
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, is_white
 from stepid.diagnosis.free_law import FreeLaw
-from stepid.effects.swing import OWN
 
 LINEAR = candidate(times=10.0)
 FRICTION = candidate(["coulomb_friction"])
@@ -247,30 +245,3 @@ def test_beside_colored_noise_a_name_needs_more(colored: Any, times: float, enou
     e = evidence(FRICTION, candidate(times=times))
     e.context.colored = colored
     assert bool(verdict.linear_is_enough(e)) is enough
-
-
-@pytest.mark.parametrize(
-    ("names", "free", "lead", "times", "words", "outdone"),
-    [
-        (["flexible_coupling"], (), 5.0, 2.0, OWN, True),
-        (["flexible_coupling"], (), 5.0, 3.9, OWN, False),  # it takes less than half of the power above the floor
-        (["flexible_coupling"], (), 1.02, 1.001, OWN, False),  # what is left is noise
-        (["flexible_coupling"], ("gain",), 5.0, 2.0, OWN, False),  # as all runs may differ
-        (["flexible_coupling", "cogging"], (), 5.0, 2.0, OWN, False),  # more effects take more
-        (["flexible_coupling"], (), 5.0, 2.0, "a slow shift of the rest position", False),
-    ],
-)
-def test_another_oscillation_outdoes_a_lead(
-    names: list[str],
-    free: tuple[str, ...],
-    lead: float,
-    times: float,
-    words: str,
-    outdone: bool,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    other = replace(candidate(names, times=times), deviations=frozenset(free))
-    monkeypatch.setattr(gather, "imitators", lambda *asked: {names[0]: words} if asked[-1] is other else {})
-    e = evidence(LINEAR, candidate(["coulomb_friction"], times=lead), other)
-    assert e.lead.names == ("coulomb_friction",)
-    assert e.outdone is outdone

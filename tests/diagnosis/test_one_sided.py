@@ -175,7 +175,7 @@ def test_what_is_not_seen_is_not_named_at_the_floor() -> None:
     assert beside is not None
     assert (beside.verdict, beside.shown, beside.alternatives) == ("named", play, ())
     assert verdict.complete_but_open(Told()) is None  # type: ignore[arg-type]
-    assert beside.reasons[-1].startswith("free play leaves ")
+    assert beside.reasons[-1].startswith("Free play leaves ")
     neither = verdict.complete_but_open(Told(**told, rivals=(play,), not_nameable=(play.names,), lead=candidate()))  # type: ignore[arg-type]
     assert neither is not None
     assert neither.verdict == "unexplained"

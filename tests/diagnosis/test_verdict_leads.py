@@ -45,7 +45,7 @@ def test_parameters_that_change_with_the_conditions_refute_a_lead() -> None:
 
 
 def test_a_lead_that_another_oscillation_outdoes_is_not_named() -> None:
-    found = ask("leads", lead=candidate(["presliding_hysteresis"], times=3.0), outdone=True)
+    found = ask("leads", lead=candidate(["presliding_hysteresis"], times=3.0), outdone_by=True)
     assert found is not None
     assert (found.verdict, found.shown.names) == ("unexplained", ("presliding_hysteresis",))
     assert found.reasons[-1].startswith("A second oscillation beside the plant's own halves what is left")
@@ -130,3 +130,20 @@ def test_what_takes_most_but_too_little_for_a_name_is_told(
     words = [r for r in found.reasons if "that a name needs" in r]
     assert len(words) == (told is not None)
     assert all(w.startswith(told or "") for w in words)
+
+
+def test_what_is_sure_of_the_best_leads_where_its_other_effect_is_open() -> None:
+    both = candidate(["coulomb_friction", "viscoelastic_spring"])
+    open_: dict[str, object] = {"best": both, "undetermined": ("viscoelastic_spring.damping",), "floored": both.names}
+    nothing = ask("complete_but_open", **open_, lead=PLAY)
+    assert nothing is not None
+    assert nothing.verdict == "unexplained"  # what leads is no part of it
+    found = ask("complete_but_open", **open_, lead=PLAY, sure_part=FRICTION)
+    assert found is not None
+    assert (found.verdict, found.shown, found.rule) == ("named", FRICTION, "leads")
+    assert found.reasons[-1].startswith(
+        "Coulomb friction and viscoelastic spring leave only noise, but the data do not"
+    )
+    weak = ask("complete_but_open", **open_, lead=PLAY, sure_part=FRICTION, share_taken=(0.8, 0.9))
+    assert weak is not None
+    assert weak.verdict == "unexplained"

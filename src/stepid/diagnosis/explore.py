@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
@@ -11,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import at_floor, block_means, effective_samples, is_white, price, weigh
+from stepid.diagnosis.evidence import at_floor, block_means, is_white, less_likely_by, weigh
 from stepid.diagnosis.progress import Progress
 from stepid.diagnosis.refine import refined
 from stepid.diagnosis.selection.candidate import Candidate
@@ -67,14 +66,9 @@ def outweighs(cost: float, plain: Optimum, found: Found, criteria: Criteria) -> 
     One effect in the whole plant is the likelier of two as good answers; several that are needed for one fault are not,
     nor are conditions that differ in all runs.
     """
-    records, best = found.context.records, found.likeliest
-    counts = effective_samples(records, best.optimum.problem.residual(best.optimum.solved))
-    samples = float(counts.sum())
-    variance = best.optimum.cost / float((records.weight**2).sum())
-    more = price(best.optimum, counts, variance) - price(plain, counts, variance) - math.log(samples)
-    lost = samples * math.log(cost / best.optimum.cost)
+    best = found.likeliest
     one = len(best.effects) == 1 and not best.deviations
-    return lost < more - (criteria.tie if one else 0.0)
+    return less_likely_by(plain, best.optimum, cost=cost, more=1) < -(criteria.tie if one else 0.0)
 
 
 def fault_beside(found: Found, criteria: Criteria) -> RecordFault | None:
@@ -126,7 +120,7 @@ def explored(
             found = Found(context, (linear,))
         else:
             found = Found(context, tuple(_search(context, catalogue, criteria, effort, tell)))
-        again = refined(context, found.best, found.simpler) if look < _LOOKS else None
+        again = refined(context, found.best, found.likeliest, found.simpler) if look < _LOOKS else None
         if again is None:
             return found
         same = Found(again, _fitted_again(again, found.candidates))

@@ -109,8 +109,6 @@ class EvidenceRecord:
         """RMS over the noise floor."""
         return found.optimum.rms / self.context.floor
 
-    # ---- rivals ---------------------------------------------------------------------------------------------------
-
     @cached_property
     def rivals(self) -> tuple[Candidate, ...]:
         """Candidates that the data do not tell from the best, no effect `unseen`, best first, one for each set."""
@@ -165,8 +163,6 @@ class EvidenceRecord:
         """Probability that an answer holds the truth; None where no effect is named."""
         return PROBABILITY.get(answer.rule) if answer.verdict in ("named", "ambiguous") else None
 
-    # ---- vetoes ---------------------------------------------------------------------------------------------------
-
     @cached_property
     def undetermined(self) -> tuple[str, ...]:
         """Parameters of the best candidate's effects that the data do not determine."""
@@ -202,8 +198,6 @@ class EvidenceRecord:
         """Tell whether a candidate may not be named: something else stands in for an effect, or it is open."""
         return bool(self.imitators(found)) or bool(self.open(found))
 
-    # ---- leads ----------------------------------------------------------------------------------------------------
-
     @cached_property
     def leads(self) -> Leads:
         """Candidates that may lead where a rest remains."""
@@ -220,9 +214,13 @@ class EvidenceRecord:
         return self.leads.beside
 
     @property
-    def outdone(self) -> bool:
-        """Whether the lead only comes near to what another oscillation beside the plant's own follows."""
-        return self.leads.outdone
+    def sure_part(self) -> Candidate | None:
+        """What may be named of the best, where not all of it may."""
+        return self.leads.sure_part
+
+    def outdone(self, lead: Candidate) -> bool:
+        """Tell whether another oscillation beside the plant's own outdoes a lead."""
+        return self.leads.outdone(lead)
 
     def refuted(self, lead: Candidate) -> str:
         """The state of which a law of another shape refutes a lead, '' where none does.

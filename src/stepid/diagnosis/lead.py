@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -118,17 +119,28 @@ class Leads:
         return 1.0 - max(after.optimum.rms**2 - noise, 0.0) / left if left > 0 else 0.0
 
     @cached_property
-    def outdone(self) -> bool:
-        """Whether as few effects halve what the lead leaves, of which one stands in for the plant's own oscillation.
+    def sure_part(self) -> Candidate | None:
+        """What may be named of the best without its other effects, where the candidates that hold it weigh enough."""
+        told, best = self._told, self._told.best
+        names = frozenset(best.names) - effects_of(told.open(best)) - told.imitators(best).keys()
+        alone = (w.candidate for w in self.able if w.candidate.key[0] == names and len(names) < len(best.names))
+        part = next((c for c in alone if c.effects and c.deviations <= best.deviations), None)
+        held = part and math.fsum(w.weight for w in told.weighed if includes(w.candidate.effects, part.effects))
+        return part if held and held >= told.criteria.sure else None
 
-        That oscillation then changes as no law of the catalogue lets it, which the lead only comes near to.
+    def outdone(self, lead: Candidate) -> bool:
+        """Tell whether as few effects halve what a lead leaves, of which one stands in for the plant's own oscillation.
+
+        That oscillation then changes as no law of the catalogue lets it, which the lead only comes near to: by more
+        than real laws are rough.
         """
-        best = self.best
-        if self._told.at_floor(best):
+        if self._told.at_floor(lead):
             return False
+        misfit = self._told.linear.optimum.rms**2 - self._told.context.floor**2
+        most = lead.optimum.rms**2 - self._told.criteria.rough * misfit
         every = (w.candidate for w in self._told.weighed)
-        few = (c for c in every if len(c.effects) <= len(best.effects) and c.deviations <= best.deviations)
-        halving = (c for c in few if self.taken(best, c) > 0.5)
+        few = (c for c in every if len(c.effects) <= len(lead.effects) and c.deviations <= lead.deviations)
+        halving = (c for c in few if self.taken(lead, c) > 0.5 and c.optimum.rms**2 < most)
         return any(OWN in self._told.imitators(c).values() for c in halving)
 
     @cached_property

@@ -9,6 +9,7 @@ import numpy as np
 
 from stepid.core.noise import floor_from_residual
 from stepid.core.words import length
+from stepid.diagnosis.evidence import less_likely_by
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.fitting.covariance import by_weights
 from stepid.fitting.levenberg_marquardt import minimize
@@ -26,13 +27,18 @@ _MANY = 0.02  # share of samples, beyond which they are no isolated wrong readin
 _UNTRUSTED = 1e-6  # square-root weight of a reading that is left out
 
 
-def refined(context: FitContext, best: Candidate, simpler: Iterable[Candidate] = ()) -> FitContext | None:
+def refined(
+    context: FitContext, best: Candidate, likeliest: Candidate | None = None, simpler: Iterable[Candidate] = ()
+) -> FitContext | None:
     """Look again at the data, by what the best answer leaves; a new context where that changes what is known.
 
     Parameters
     ----------
     context : FitContext
     best : Candidate
+        That leaves least.
+    likeliest : Candidate, optional
+        Of most evidence; the best where it is not given.
     simpler : iterable of Candidate
         Those that errors of the weights may stand beside, the simplest first.
     """
@@ -40,12 +46,17 @@ def refined(context: FitContext, best: Candidate, simpler: Iterable[Candidate] =
         found = look(context, best)
         if found is not None:
             return found
-    return _with_weights(context, simpler)
+    return _with_weights(context, likeliest or best, simpler)
 
 
-def _with_weights(context: FitContext, simpler: Iterable[Candidate]) -> FitContext | None:
-    """Take the added masses with which a simpler answer leaves only noise, as far as their uncertainty allows."""
-    likely = next(filter(None, (by_weights(c.optimum, context.floor) for c in simpler)), None)
+def _with_weights(context: FitContext, likeliest: Candidate, simpler: Iterable[Candidate]) -> FitContext | None:
+    """Take the added masses with which a simpler answer leaves only noise, as far as their uncertainty allows.
+
+    It has to be as likely as the likeliest is with the weights as they are: a floor is known to some per cent only, and
+    what an effect takes of that would be put into the weights.
+    """
+    able = filter(None, (by_weights(c.optimum, context.floor) for c in simpler))
+    likely = next((o for o in able if less_likely_by(o, likeliest.optimum) <= 0), None)
     if likely is None:
         return None
     return _again(context, context.floor, replace(context.records, added_mass=likely.problem.records.added_mass))

@@ -68,7 +68,7 @@ def scatter_is_a_law(e: EvidenceRecord) -> Answer | None:
     if found is None:
         return None
     said = (
-        f"{_title(e.best, 'A linear model')} leaves only noise where the {effect_names((found.kind,))} differs from "
+        f"{_leaves(e.best)} only noise where the {effect_names((found.kind,))} differs from "
         f"run to run, but that goes with {found.words}: it is a law, no scatter, and none of the catalogue's."
     )
     return _only_a_lead(e, said)
@@ -85,7 +85,7 @@ def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
     if inside is not None:
         return inside
     said = (
-        f"{_title(e.best)} leaves only noise, but does not predict: fitted to the first part of a run that was left "
+        f"{_leaves(e.best)} only noise, but that is no prediction: fitted to the first part of a run that was left "
         f"out, it takes {whole_percent(max(share, 0.0))} of the misfit's power in the rest."
     )
     return Answer("unexplained", e.best, (), (said, "No effect is named."))
@@ -97,7 +97,7 @@ def shape_is_patched(e: EvidenceRecord) -> Answer | None:
     if not state:
         return None
     said = (
-        f"{_title(e.best)} leaves only noise, but a sum of so many forces of {state} can follow a law of any shape.",
+        f"{_leaves(e.best)} only noise, but a sum of so many forces of {state} can follow a law of any shape.",
         f"A force of {state} is missing, whose law is none of the catalogue's.",
     )
     return Answer("unexplained", e.best, (), said)
@@ -109,7 +109,7 @@ def rest_follows_the_motion(e: EvidenceRecord) -> Answer | None:
     if not state:
         return None
     said = (
-        f"{_title(e.best)} leaves {length(e.best.optimum.rms)}, {e.times(e.best):.3g} times the noise floor, "
+        f"{_leaves(e.best)} {length(e.best.optimum.rms)}, {e.times(e.best):.3g} times the noise floor, "
         f"but what it leaves {_follows(state)}: its law is another, or more is missing."
     )
     return _only_a_lead(e, said)
@@ -124,14 +124,14 @@ def complete_but_open(e: EvidenceRecord) -> Answer | None:
     sure = [c for c in sure if not e.followed(c) and not e.barred(c)]
     but = ["the data do not determine " + ", ".join(map(parameter_words, e.undetermined))] if e.undetermined else []
     but += [f"{effect_names((name,))} cannot be told from {what} here" for name, what in unseen.items()]
-    said = f"{_title(e.best)} leaves only noise, but {', and '.join(but)}."
+    said = f"{_leaves(e.best)} only noise, but {', and '.join(but)}."
     if not sure:
         inside = _inside(e)
         if inside is None:
             return Answer("unexplained", e.best, (), (said, "No effect is named."))
         return replace(inside, reasons=(*inside.reasons, said))
     if unseen:
-        words = (said, f"{_title(sure[0])} leaves {length(sure[0].optimum.rms)}.")
+        words = (said, f"{_leaves(sure[0])} {length(sure[0].optimum.rms)}.")
         return _with_rivals(e, sure[0], tuple(sure[1:]), words) or Answer("named", sure[0], (), words)
     return Answer("ambiguous", sure[0], (*sure[1:], e.best), (said,))
 
@@ -164,11 +164,18 @@ def _with_rivals(
 
 
 def _inside(e: EvidenceRecord) -> Answer | None:
-    """What leads, where the best leaves only noise by effects that cannot be named: they describe a rest, no plant."""
+    """What leads, where the best leaves only noise by effects that cannot be named: they describe a rest, no plant.
+
+    It is a part of the best. Where what leads is none, that which may be named of the best is asked.
+    """
     found = leads(e)
-    if found is None or not includes(e.best.effects, found.shown.effects):
-        return None
-    return replace(found, rule=leads.__name__) if len(found.shown.effects) < len(e.best.effects) else None
+    if found is None or not _is_part(found.shown, e.best):
+        found = leads(e, e.sure_part) if e.sure_part else None
+    return replace(found, rule=leads.__name__) if found else None
+
+
+def _is_part(found: Candidate, best: Candidate) -> bool:
+    return len(found.effects) < len(best.effects) and includes(best.effects, found.effects)
 
 
 def _only_a_lead(e: EvidenceRecord, said: str) -> Answer:
@@ -179,10 +186,10 @@ def _only_a_lead(e: EvidenceRecord, said: str) -> Answer:
     return replace(found, reasons=(*found.reasons, said), rule=leads.__name__)
 
 
-def leads(e: EvidenceRecord) -> Answer | None:
-    """One effect or two predict most of the misfit on runs left out, although a rest remains."""
-    lead, beside = e.lead, e.beside_lead
-    if not lead.effects or e.weight(lead, *beside) < e.criteria.sure:
+def leads(e: EvidenceRecord, part: Candidate | None = None) -> Answer | None:
+    """One effect or two, or a part of the best, predict most of the misfit on runs left out; a rest remains."""
+    lead, beside = (part, ()) if part else (e.lead, e.beside_lead)
+    if not part and (not lead.effects or e.weight(lead, *beside) < e.criteria.sure):
         return None
     if e.open(lead):
         return None
@@ -193,7 +200,7 @@ def leads(e: EvidenceRecord) -> Answer | None:
     state = e.refuted(lead)
     if state:
         return Answer("unexplained", lead, (), (*said, _better(state)))
-    if e.outdone:
+    if e.outdone(lead):
         return Answer("unexplained", lead, (), (*said, _OUTDONE))
     more = "" if e.at_floor(lead) else ": more is missing"
     said += (f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor{more}.",)
@@ -211,7 +218,9 @@ def unexplained(e: EvidenceRecord) -> Answer | None:
         left += ", but no white noise"
     said: tuple[str, ...] = (f"The {'best' if best.effects else 'likeliest'} candidate, {_title(nearest)}, {left}.",)
     imitated = e.imitators(e.likeliest)
-    said += tuple(f"{_title_of(name)} cannot be told from {what} here." for name, what in imitated.items())
+    said += tuple(
+        f"{capitalized(effect_names((name,)))} cannot be told from {what} here." for name, what in imitated.items()
+    )
     return Answer("unexplained", best, (), (*said, *_too_little(e)))
 
 
@@ -284,5 +293,7 @@ def _title(found: Candidate, plain: str = "nothing") -> str:
     return effect_names(found.names) or plain
 
 
-def _title_of(name: str) -> str:
-    return capitalized(effect_names((name,)))
+def _leaves(found: Candidate) -> str:
+    """The begin of a sentence on what a candidate leaves."""
+    verb = "leave" if len(found.names) > 1 else "leaves"
+    return f"{capitalized(_title(found, 'a linear model'))} {verb}"

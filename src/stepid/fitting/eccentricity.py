@@ -14,7 +14,7 @@ from stepid.core.words import length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.noise_floor import repeats
 from stepid.fitting.record_fault import ALL_RUNS, RecordFault
-from stepid.simulation.records import Records
+from stepid.simulation.records import Records, mass_span
 
 _TURNS = (1.0, 100.0)  # of the encoder within the travel, that can be told
 _AGAIN = 2.0  # turns, below which runs have to move differently: in one motion any law of position looks so
@@ -69,7 +69,7 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
     values, gained = _fitted(waves, residual)
     if turns < _TURNS[0] + _FINE / 2:  # the longest that is tried: no pitch is the best
         return None
-    if turns < _AGAIN and any(len(group) == len(records.runs) for group in repeats(records)):
+    if turns < _AGAIN and _move_alike(records):
         return None
     pitch = line.travel / turns
     amplitude, phase = _wave(values)
@@ -91,6 +91,12 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
     )
     fault = RecordFault(run=ALL_RUNS, kind="encoder eccentricity", size=amplitude, unit="m", words=words)
     return Eccentricity(amplitude, pitch, phase, fault)
+
+
+def _move_alike(records: Records) -> bool:
+    """Tell whether all runs repeat one motion, or are parts of one: a plant left alone has only one, of one mass."""
+    repeated = any(len(group) == len(records.runs) for group in repeats(records))
+    return repeated or not (records.driven.any() or mass_span(records) > 0)
 
 
 def _cause(pitch: float, records: Records) -> str:

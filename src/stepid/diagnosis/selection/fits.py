@@ -56,6 +56,8 @@ class Fits(Standings):
         far = keep is not None and proposal.move in _TOGETHER  # from a few laps there is nothing to tell
         if known is not None or far or proposal.move in _STANDING_IN:  # what stands in for more is fitted as well
             fitted.run(laps=self.effort.polishing if proposal.move == Instead.name else self.effort.promote)
+        if known is not None and proposal.move in RIVALS and fitted.cost > known.cost > proposal.left:
+            known.fitted.run(laps=self.effort.polishing)  # its rival says that this is not its end
         if fitted.best is None:
             self._failed.add((proposal.base, proposal.key, proposal.move))
         self._keep(fitted, proposal.key)
@@ -113,14 +115,14 @@ class Fits(Standings):
     def _polish_leads(self) -> None:
         """Where a rest remains, fit what may lead to all samples: the first of each size, with runs alike, too.
 
-        Of what the best pair holds as well: the verdict asks whether one effect leads alone.
+        Of what the best pair and the best of all hold as well: the verdict asks whether one effect leads alone.
         """
         if self._complete(self.best):
             return
         order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
         able = [n for n in self._nameable(order) if len(n.effects) <= LEADING]
         leads = [node for alike in by.of_each_size(able) for node in alike[: self.effort.polish]]
-        inside = by.inside(order, [n for n in able if len(n.effects) == LEADING][:1])
+        inside = by.inside(order, [*[n for n in able if len(n.effects) == LEADING][:1], self.nodes[self.best.key]])
         for node in (*leads, *inside[: self.effort.polish]):
             for one in (node, self.nodes.get((node.key[0], frozenset()), node)):
                 if one.fitted.polished is None:

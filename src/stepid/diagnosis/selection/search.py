@@ -225,7 +225,7 @@ class Search(Attempts):
         hoped = by.hoped(proposal, self.effort)
         if proposal.move in RIVALS:
             no_answer = by.no_answer(self.fit.noise_limit, proposal.effects, hoped / 2)  # the best may lie above it
-            alike = min(node.cost for node in self.nodes.values() if node.size <= proposal.size)
+            alike = max(named, min(node.cost for node in self.nodes.values() if node.size <= proposal.size))
             return not no_answer and proposal.left < alike + self.effort.stuck * slack + self.effort.worth * alike
         if by.no_answer(self.noise_limit, proposal.effects, hoped):
             return False

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 from stepid.diagnosis.selection.moves.likeness import ForceAlong, is_force
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, related, standing
+from stepid.effects.base import Effect
 from stepid.fitting.multistart import Start
 
 
@@ -22,22 +25,26 @@ class Resemble:
 
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
         """Propose the node's effects with one of them exchanged for one that is like it, the nearest first."""
-        out, here = [], standing(node)
         new = [e for e in context.catalogue if not e.contains and not any(related(e, own) for own in node.effects)]
-        for place, effect in enumerate(node.effects):
-            if not is_force(effect):
-                continue
-            force = ForceAlong(node, place, context)
-            rest = [i for i in range(len(node.effects)) if i != place]
-            kept = tuple(here.values[i] for i in rest)
-            for other in new:
-                found = [force.by((one,)) for one in other.regressors(context.fit.scales, force.motion)]
-                near = sorted((f for f in found if f and f.left < self.most(context)), key=lambda f: f.left)
-                if not near:
-                    continue
+        forces = [place for place, effect in enumerate(node.effects) if is_force(effect)]
+        found = [each for place in forces for each in self._in_place(node, place, new, context)]
+        return [proposal for _, proposal in sorted(found, key=lambda item: item[0])]
+
+    def _in_place(
+        self, node: Node, place: int, new: Sequence[Effect], context: SearchContext
+    ) -> Iterator[tuple[float, Proposal]]:
+        """Effects that are like one of the node's, each with the share of its force that they leave."""
+        force, here = ForceAlong(node, place, context), standing(node)
+        rest = [i for i in range(len(node.effects)) if i != place]
+        kept = tuple(here.values[i] for i in rest)
+        for other in new:
+            found = [force.by((one,)) for one in other.regressors(context.fit.scales, force.motion)]
+            near = sorted((f for f in found if f and f.left < self.most(context)), key=lambda f: f.left)
+            if near:
                 plants = ((f.values, *force.beside(f)) for f in near[: context.effort.starts])
                 starts = tuple(Start(linear, (*kept, *values), apart) for values, linear, apart in plants)
                 effects = (*(node.effects[i] for i in rest), other)
-                proposal = Proposal(effects, node.deviations, starts, node.key, node.best, node.cost, move=self.name)
-                out.append((near[0].left, proposal))
-        return [proposal for _, proposal in sorted(out, key=lambda item: item[0])]
+                yield (
+                    near[0].left,
+                    Proposal(effects, node.deviations, starts, node.key, node.best, node.cost, move=self.name),
+                )

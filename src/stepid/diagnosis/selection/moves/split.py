@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from itertools import product
 
-from stepid.diagnosis.selection.moves.likeness import ForceAlong
+from stepid.diagnosis.selection.moves.likeness import ForceAlong, Likeness
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, related
+from stepid.effects.base import Effect
 from stepid.fitting.multistart import Start
 
 
@@ -23,17 +24,23 @@ class Split:
         if not inside or effect.affine or effect.n_extra or effect.n_memory:
             return []  # a curved law of velocity or position may be two; others are seldom mistaken
         force = ForceAlong(node, 0, context)
-        found: dict[str, tuple[float, Proposal]] = {}
-        others = [e for e in context.catalogue if not e.contains and not any(related(e, i) for i in inside)]
-        for one, other in product(inside, [e for e in others if not e.dry]):
-            for pair in product(one.regressors(scales, force.motion), other.regressors(scales, force.motion)):
-                like, known = force.by(pair), found.get(other.name)
-                if like is None or like.left >= context.effort.alike or (known is not None and like.left >= known[0]):
-                    continue
-                start, promise = Start(force.beside(like)[0], like.values), 0.5 * node.cost
-                found[other.name] = (
-                    like.left,
-                    Proposal((one, other), node.deviations, (start,), node.key, node.best, promise, move=self.name),
-                )
-        best = sorted(found.values(), key=lambda item: item[0])[:2]
-        return [proposal for _, proposal in best]
+        others = [e for e in context.catalogue if not (e.contains or e.dry or any(related(e, i) for i in inside))]
+        nearest: dict[str, tuple[Likeness, tuple[Effect, Effect]]] = {}
+        for one, other in product(inside, others):
+            pairs = product(one.regressors(scales, force.motion), other.regressors(scales, force.motion))
+            for like in filter(None, map(force.by, pairs)):
+                if other.name not in nearest or like.left < nearest[other.name][0].left:
+                    nearest[other.name] = like, (one, other)
+        alike = [found for found in nearest.values() if found[0].left < context.effort.alike]
+        return [
+            Proposal(
+                pair,
+                node.deviations,
+                (Start(force.beside(like)[0], like.values),),
+                node.key,
+                node.best,
+                0.5 * node.cost,
+                move=self.name,
+            )
+            for like, pair in sorted(alike, key=lambda found: found[0].left)[:2]
+        ]

@@ -1,0 +1,68 @@
+"""What may lead: a part of the best, and what another oscillation outdoes, on made-up evidence."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from made_up_evidence import LINEAR, candidate, evidence, losing
+from stepid.diagnosis import gather, vetoes
+from stepid.effects.swing import OWN
+
+
+@pytest.fixture(autouse=True)
+def _all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
+
+
+@pytest.mark.parametrize(
+    ("names", "free", "lead", "times", "words", "outdone"),
+    [
+        (["flexible_coupling"], (), 5.0, 2.0, OWN, True),
+        (["flexible_coupling"], (), 1.3, 1.1, OWN, False),  # less than real laws are rough
+        (["flexible_coupling"], (), 5.0, 3.9, OWN, False),  # it takes less than half of the power above the floor
+        (["flexible_coupling"], (), 1.02, 1.001, OWN, False),  # what is left is noise
+        (["flexible_coupling"], ("gain",), 5.0, 2.0, OWN, False),  # as all runs may differ
+        (["flexible_coupling", "cogging"], (), 5.0, 2.0, OWN, False),  # more effects take more
+        (["flexible_coupling"], (), 5.0, 2.0, "a slow shift of the rest position", False),
+    ],
+)
+def test_another_oscillation_outdoes_a_lead(
+    names: list[str],
+    free: tuple[str, ...],
+    lead: float,
+    times: float,
+    words: str,
+    outdone: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    other = replace(candidate(names, times=times), deviations=frozenset(free))
+    monkeypatch.setattr(gather, "imitators", lambda *asked: {names[0]: words} if asked[-1] is other else {})
+    e = evidence(LINEAR, candidate(["coulomb_friction"], times=lead), other)
+    assert e.lead.names == ("coulomb_friction",)
+    assert e.outdone(e.lead) is outdone
+
+
+@pytest.mark.parametrize(
+    ("names", "part"),
+    [
+        (["coulomb_friction", "cogging"], ("coulomb_friction",)),
+        (["coulomb_friction"], None),  # nothing is taken away
+        (["cogging", "periodic_disturbance"], None),  # nothing is left
+        (["free_play", "cogging"], None),  # it was not fitted alone
+        (["quadratic_damping", "cogging"], None),  # others weigh as much
+    ],
+)
+def test_what_may_be_named_of_the_best(
+    names: list[str], part: tuple[str, ...] | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stands_in = {"cogging": "the spring", "periodic_disturbance": "the spring"}
+    monkeypatch.setattr(
+        gather, "imitators", lambda *asked: {n: stands_in[n] for n in asked[-1].names if n in stands_in}
+    )
+    best = candidate(names)
+    alone = [candidate([name], times=3.0) for name in ("coulomb_friction", "quadratic_damping")]
+    e = evidence(best, losing(best, 1.0, ["coulomb_friction", "cogging"]), *alone)
+    found = e.sure_part
+    assert (found and found.names) == part
