@@ -71,7 +71,7 @@ def make_row(name: str) -> Row:
 def stepid_kernel(row: Row) -> tuple[Simulate, float]:
     """stepid's own kernel with the loosest tolerance that suffices, and that tolerance as a share of the travel."""
     effects = resolve(list(row.effects))
-    n_states = structure(effects).states
+    n_states = structure(effects)[0].states
     plant = [PLANT[n] for n in ("mass", "stiffness", "damping", "gain")]
     plant += [row.effects[e.name][q.name] for e in effects for q in e.parameters]
     time, volts, zero = PERIOD * np.arange(SAMPLES), row.inputs[:, None].copy(), np.zeros(1)

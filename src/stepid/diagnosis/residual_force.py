@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -93,6 +94,7 @@ def _averaged(values: Array, kernel: Array) -> Array:
     return out
 
 
+@lru_cache(maxsize=128)
 def bump(half: int, sample_time: float) -> tuple[Array, Array, Array]:
     """φ = (1 − s²)⁴ of area 1 and its first two derivatives by time, as kernels of a convolution.
 

@@ -180,25 +180,26 @@ class PreslidingHysteresis(Effect):
         return [(0.03 * scales.force, part * scales.displacement) for part in (0.003, 0.02, 0.1)]
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
-        def at(distance: float) -> Regressor:
-            built = self._along(distance, m)
+        def at(distance: float, built: Array) -> Regressor:
             return Regressor((-built / distance,), lambda a: (a[0], distance) if a[0] > 0 else None)
 
-        return [at(part * scales.displacement) for part in (0.005, 0.02, 0.08)]
+        distances = [part * scales.displacement for part in (0.005, 0.02, 0.08)]
+        return [at(*one) for one in zip(distances, self._along(distances, m), strict=True)]
 
-    def _along(self, distance: float, m: Motion) -> Array:
-        """Memory along a path of several runs, each from none, shape (S,)."""
-        built = np.zeros(m.x.size)
+    def _along(self, distances: Sequence[float], m: Motion) -> Array:
+        """Memories along a path of several runs, each from none, one a distance, shape (k, S)."""
+        distance = np.array(distances)[:, None]
+        built = np.zeros((distance.size, m.x.size))
         begins = np.flatnonzero(np.diff(m.time, prepend=np.inf) <= 0).tolist()
         for first, end in pairwise([*begins, m.x.size]):
-            x, z = m.x[first:end], built[first:end]
+            x, z = m.x[first:end], built[:, first:end]
             turns = np.flatnonzero(np.diff(np.sign(np.diff(x)))) + 1
             for turn, to in pairwise([0, *turns.tolist(), x.size - 1]):  # `remember`, of a stretch at once
                 sign = 1.0 if x[to] > x[turn] else -1.0
-                along, path = sign * z[turn], np.abs(x[turn : to + 1] - x[turn])
-                free = max(-along, 0.0)
-                loaded = distance - (distance - max(along, 0.0)) * np.exp((free - path) / distance)
-                z[turn : to + 1] = sign * np.where(path < free, along + path, loaded)
+                along, path = sign * z[:, turn : turn + 1], np.abs(x[turn : to + 1] - x[turn])
+                free = np.maximum(-along, 0.0)
+                loaded = distance - (distance - np.maximum(along, 0.0)) * np.exp((free - path) / distance)
+                z[:, turn : to + 1] = sign * np.where(path < free, along + path, loaded)
         return built
 
     @staticmethod

@@ -803,11 +803,11 @@ def _delay(w: Work) -> float:
 
 
 @compiled
-def _change_input(w: Work, t: float, since: float, polynomial: Array) -> None:
+def _change_input(w: Work, t: float, since: float, coefficients: Array, piece: int) -> None:
     """Let another piece of the input act from now on."""
     w.u[0] = since
-    for r in range(polynomial.size):
-        w.u[1 + r] = polynomial[r]
+    for r in range(coefficients.shape[1]):
+        w.u[1 + r] = coefficients[piece, r]
     w.stale = max(w.stale, 1)
     if w.m[HELD] > 0.0 or w.y[1] == 0.0:
         _choose_direction(w, t)
@@ -828,27 +828,21 @@ def _begins(time: Array, delay: float, piece: int) -> float:
 
 
 @compiled
-def _update_input(w: Work, t: float, time: Array, coefficients: Array, delay: float, coming: int) -> int:
-    """Let the pieces of the input act that have begun, `coming` being the next; return the next after them."""
-    latest = -1
-    while not _begins(time, delay, coming) > t:
-        latest = coming
-        coming = _next_change(coefficients, latest + 1, coefficients[latest, 0])
-    if latest >= 0:
-        _change_input(w, t, time[latest] + delay, coefficients[latest])
-    return coming
-
-
-@compiled
 def _follow_record(w: Work, time: Array, coefficients: Array, delay: float, reading: Array, states: Array) -> None:
     """Follow one record from where it begins, sample by sample; what comes after a runaway is not a number."""
     t, fresh, coming = time[0], False, _next_change(coefficients, 0, w.u[1])
+    begins = _begins(time, delay, coming)
     h = time[1] - t if time.size > 1 else 1.0
     for i in range(time.size):
         while t < time[i]:
-            previous, coming = coming, _update_input(w, t, time, coefficients, delay, coming)
-            fresh = fresh and coming == previous
-            until = min(time[i], _begins(time, delay, coming))
+            latest = -1
+            while not begins > t:
+                latest, coming = coming, _next_change(coefficients, coming + 1, coefficients[coming, 0])
+                begins = _begins(time, delay, coming)
+            if latest >= 0:
+                _change_input(w, t, time[latest] + delay, coefficients, latest)
+                fresh = False
+            until = min(time[i], begins)
             if w.leaps and w.m[HELD] == 0.0 and _leaps(w, t, until):
                 fresh = False
             else:
@@ -864,7 +858,7 @@ def _follow_record(w: Work, time: Array, coefficients: Array, delay: float, read
 
 @compiled
 def simulate(
-    w: Work,
+    work: Work,
     values: Array,
     start: Array,
     run: Array,
@@ -885,8 +879,9 @@ def simulate(
 
     Parameters
     ----------
-    w : record of `WORK`
-        The structure of the plant: its effects' laws and places, and what they do.
+    work : array of `WORK`, shape (1,)
+        The structure of the plant: its effects' laws and places, and what they do. An array: numba takes ten times as
+        long to see what a record is.
     values : array, shape (L, Q)
         Values of each replica's plant.
     start : array, shape (L, states)
@@ -920,6 +915,7 @@ def simulate(
     states : array, shape (d, N)
         The first d states, written.
     """
+    w = work[0]
     q, allowed = w.q, w.allowed
     for replica in range(values.shape[0]):
         _copy(values[replica], q, values.shape[1])

@@ -157,7 +157,7 @@ class Simulator:
                 r.bounds, r.time, r.coefficients, r.before, r.moving,
                 self.tolerance * scale, scale, leaps, self.patience, offset[replicas], reading, states,
             )  # fmt: skip
-            return int(work["taken"])
+            return int(work["taken"][0])
 
         if self.workers == 1 or len(run) <= 1:
             self.taken += some(slice(None))

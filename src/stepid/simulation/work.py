@@ -15,11 +15,11 @@ from stepid.simulation.laws import changes, law
 
 
 def structure(effects: tuple[Effect, ...]) -> Any:
-    """A new record of `kernel.WORK`: the effects in the order of the drive's chain, where values and states stand."""
+    """A new array of one `kernel.WORK`: effects in the order of the drive's chain, where values and states stand."""
     room = _structure(effects)
     if JIT:  # as bytes: numpy copies a record field by field
-        return np.frombuffer(bytearray(room.tobytes()), room.dtype)[0]
-    return room.copy()[0]  # with fields as attributes: plain Python reads them, too
+        return np.frombuffer(bytearray(room.tobytes()), room.dtype)
+    return room.copy()  # with fields as attributes: plain Python reads them, too
 
 
 @lru_cache(maxsize=1024)
