@@ -79,3 +79,15 @@ def test_noise_that_is_not_white_is_told_once() -> None:
         context = found
     again = refined(context, linear_candidate(context))
     assert again is None or again.colored is context.colored
+
+
+@pytest.mark.parametrize(("times", "taken"), [(1.0, True), (0.95, False)])
+def test_weights_stand_in_for_no_effect_that_is_likelier(
+    times: float, taken: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Within a floor that is known to some per cent only, weights would take what an effect explains."""
+    context = prepare(plain())
+    linear = linear_candidate(context)
+    monkeypatch.setattr("stepid.diagnosis.refine.by_weights", lambda optimum, floor: optimum)
+    likeliest = replace(linear, optimum=replace(linear.optimum, cost=times * linear.optimum.cost))
+    assert (refined(context, linear, likeliest, [linear]) is not None) is taken
