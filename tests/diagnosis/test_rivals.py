@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -187,3 +188,31 @@ def test_where_friction_may_stop_the_cart_elsewhere_a_set_is_fitted_anew(
     monkeypatch.setattr(Fits, "_polish", polish)
     found._polish_near(one)
     assert len(fits) == again
+
+
+@pytest.mark.parametrize("barred", [True, False])
+def test_rivals_are_held_against_what_may_be_named(barred: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pair that leaves far less, and cannot be named, is no measure of them."""
+    found: Any = a_search(lead=9.0)
+    other = node("periodic_disturbance", "cubic_stiffness", cost=2.0)
+    found.nodes[other.key] = other
+    monkeypatch.setattr(found, "_named", lambda nodes: (n for n in nodes if not (barred and n is other)))
+    like = next(p for p in found.proposals if p.move == "resemble")  # leaves as much as the pair that it rivals
+    assert (like in found._gaining([like])) is barred
+
+
+@pytest.mark.parametrize(("left", "further"), [(2.0, True), (8.5, False)])
+def test_a_set_whose_rival_leaves_far_less_is_run_on_from_where_it_stood(
+    left: float, further: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found: Any = a_search(lead=9.0)
+    ran: list[int] = []
+    known = node("sine_stiffness", cost=8.0)
+    known.fitted.run = lambda laps: ran.append(laps)
+    found.nodes[known.key] = known
+    proposal = proposed(found.root, "sine_stiffness", move="resemble", left=left)
+    stuck = SimpleNamespace(cost=50.0, best=object(), begin=lambda *_, **__: None, run=lambda **_: None)
+    monkeypatch.setattr(found, "_told", lambda _: stuck)
+    monkeypatch.setattr("stepid.diagnosis.selection.fits.by.starts_in_order", lambda *_: [])
+    found._fit(proposal)
+    assert ran == [found.effort.polishing] * further
