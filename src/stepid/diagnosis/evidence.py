@@ -63,22 +63,25 @@ def price(optimum: Optimum, counts: Array, variance: float) -> float:
     return shared + float(np.sum(own)) + price_of_scatter(optimum, counts, variance)
 
 
-def less_likely_by(other: Optimum, best: Optimum, *, cost: float | None = None, more: int = 0) -> float:
+def less_likely_by(
+    context: FitContext, other: Optimum, best: Optimum, *, cost: float | None = None, more: int = 0
+) -> float:
     """QBIC by which a fit is less likely than the best, by the samples that are effective in what this one leaves.
 
     Parameters
     ----------
+    context : FitContext
     other, best : Optimum
     cost : float, optional
-        m², what the other leaves; with it a parameter of another kind may be free.
+        m², what the other leaves with parameters of another kind free; its own cost where it is not given.
     more : int
         Such parameters.
     """
-    records = best.problem.records
+    records, least = context.records, max(best.cost, context.rounding_cost)
     counts = effective_samples(records, best.problem.residual(best.solved))
-    samples, variance = float(counts.sum()), best.cost / float((records.weight**2).sum())
+    samples, variance = float(counts.sum()), least / float((records.weight**2).sum())
     dearer = price(other, counts, variance) - price(best, counts, variance) + more * math.log(samples)
-    return samples * math.log((other.cost if cost is None else cost) / best.cost) + dearer
+    return samples * math.log(max(other.cost if cost is None else cost, least) / least) + dearer
 
 
 class Weighed(NamedTuple):

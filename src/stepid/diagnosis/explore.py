@@ -68,7 +68,7 @@ def outweighs(cost: float, plain: Optimum, found: Found, criteria: Criteria) -> 
     """
     best = found.likeliest
     one = len(best.effects) == 1 and not best.deviations
-    return less_likely_by(plain, best.optimum, cost=cost, more=1) < -(criteria.tie if one else 0.0)
+    return less_likely_by(found.context, plain, best.optimum, cost=cost, more=1) < -(criteria.tie if one else 0.0)
 
 
 def fault_beside(found: Found, criteria: Criteria) -> RecordFault | None:

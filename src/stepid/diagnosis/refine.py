@@ -56,7 +56,7 @@ def _with_weights(context: FitContext, likeliest: Candidate, simpler: Iterable[C
     what an effect takes of that would be put into the weights.
     """
     able = filter(None, (by_weights(c.optimum, context.floor) for c in simpler))
-    likely = next((o for o in able if less_likely_by(o, likeliest.optimum) <= 0), None)
+    likely = next((o for o in able if less_likely_by(context, o, likeliest.optimum) <= 0), None)
     if likely is None:
         return None
     return _again(context, context.floor, replace(context.records, added_mass=likely.problem.records.added_mass))
