@@ -246,3 +246,21 @@ def test_a_slow_clock_in_a_unit_that_is_told_is_not_doubted(tmp_path: Path) -> N
     for ms in (20 * time, np.arange(3000.0)):
         file = write(tmp_path / "run.csv", ms, np.cos(0.02 * ms), head="t (s),x (rad)\n")
         assert draft_runs([file])[0].doubts == ("the time is in s by its name, by its size in ms; check it",)
+
+
+def test_of_several_sensors_in_every_run_one_is_asked_for(tmp_path: Path) -> None:
+    """As Pasco's programs write them: a run's time and sensors side by side, then the next run's."""
+    names = ("Time (s)", "Angle, Ch 1+2 (rad)", "Angle, Ch 3+4 (rad)")
+    head = ";".join(f'"{name} Run #{run}"' for run in (1, 2, 3) for name in names)
+    rows = np.column_stack([column for run in (1, 2, 3) for column in (T, run * X, 0.1 * run * np.sin(T))])
+    file = tmp_path / "runs.csv"
+    file.write_text(head + "\n" + "\n".join(";".join(f"{x:.9f}" for x in row) for row in rows) + "\n", encoding="utf-8")
+    (asked,) = draft_runs([file])
+    assert asked.choices == names[1:]
+    assert "position" not in asked.columns
+    found = draft_runs([file], {"position": "Angle, Ch 1+2 (rad)"})
+    assert [draft.name for draft in found] == ["Run 1", "Run 2", "Run 3"]
+    for run, draft in enumerate(found, 1):
+        assert dict(draft.columns) == {"time": f"Time (s) Run #{run}", "position": f"Angle, Ch 1+2 (rad) Run #{run}"}
+        np.testing.assert_allclose(draft.readings["position"], run * X, atol=1e-8)
+    assert len(draft_runs([file], {"position": "all"})) == 6

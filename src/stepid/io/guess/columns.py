@@ -20,6 +20,7 @@ _MOST = 0.9  # of them: beside dropped samples
 _ZERO = 0.02  # of its span, from which an uneven clock starts
 _HALVES = 0.1  # of its span, by which its middle row is off the middle at most: a cart that comes to rest slows down
 UNKNOWN = "a unit that stepid does not know"
+_RUN = re.compile(rf"[\s,;:_#-]*\b(?:{'|'.join(sorted(RUN_WORDS))})[\W_]*\d+", re.IGNORECASE)  # "… Run #1"
 _SENSORS = {"enc", "encoder", "sensor", "cart", "mass", "wagen", "masse", "laser"}
 
 
@@ -99,7 +100,7 @@ def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = F
         return (Group(_best_time(times), position, _one(inputs), label, read_name(label), doubt, choices),)
     labels = _labels(positions, block)
     if not all_runs and not _several_runs(positions, times, inputs, labels, block):
-        choices = _names(positions, columns)
+        choices = _sensors(positions) or _names(positions, columns)
         doubt = f"several columns may be the position: {', '.join(choices)}" + _said_of_copies(positions, columns)
         return (Group(_best_time(times), None, _one(inputs), "", read_name(""), doubt, choices),)
     time_labels, input_labels = _labels(times, block), _labels(inputs, block)
@@ -115,6 +116,22 @@ def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = F
     )
 
 
+def _sensors(positions: Sequence[Column]) -> tuple[str, ...]:
+    """Names of columns without their run, where each run has several: they are sensors of it; else none."""
+    runs = _runs(positions)
+    return tuple(dict.fromkeys(map(_without_run, positions))) if len(set(runs)) < len(runs) else ()
+
+
+def _runs(columns: Sequence[Column]) -> list[str]:
+    """The run that each name tells, "Run 1"; none where one does not."""
+    found = [match for match in (_RUN.search(c.name) for c in columns) if match]
+    return [" ".join(re.findall(r"[^\W_]+", match[0])) for match in found] if len(found) == len(columns) else []
+
+
+def _without_run(column: Column) -> str:
+    return _RUN.sub("", column.name).strip()
+
+
 def _names(columns: Sequence[Column], every: Sequence[Column]) -> tuple[str, ...]:
     """What columns can be called by: their names, or their numbers from 0 where they have none, or others the same."""
     names = [c.name for c in every]
@@ -122,8 +139,8 @@ def _names(columns: Sequence[Column], every: Sequence[Column]) -> tuple[str, ...
 
 
 def called(columns: Sequence[Column], name: str) -> list[int]:
-    """Indices of the columns of a name, of those with numbers if any has, else of the column of this number from 0."""
-    named = [c for c in columns if name in (c.name, c.rest)]
+    """Indices of the columns of a name, in whichever run; of those with numbers if any has; else the number from 0."""
+    named = [c for c in columns if name in (c.name, c.rest)] or [c for c in columns if name and name == _without_run(c)]
     filled = [c.index for c in named if np.isfinite(c.values).any()]
     return filled or [c.index for c in named] or [c.index for c in columns if name == str(c.index)]
 
@@ -227,7 +244,8 @@ def _labels(columns: Sequence[Column], block: Block) -> list[str]:
         return ["" for _ in split]
     common = set.intersection(*(({word.lower() for word in words}) for words in split))
     kept = [[w for w in words if w.lower() not in common or w.lower() in RUN_WORDS] for words in split]
-    return [" ".join(words) for words in kept]
+    labels, runs = [" ".join(words) for words in kept], _runs(columns)
+    return runs if len(set(runs)) == len(columns) > len(set(labels)) else labels  # "Ch 1+2 Run #1"
 
 
 def _several_runs(
@@ -238,7 +256,7 @@ def _several_runs(
     block: Block,
 ) -> bool:
     """Say whether columns of positions are runs, and not sensors of one run."""
-    if len(set(labels)) < len(labels):
+    if len(set(labels)) < len(labels) or _sensors(positions):
         return False
     ends = {int(np.flatnonzero(np.isfinite(c.values))[-1]) for c in positions}
     if len(ends) > 1 or any(block.groups) or any(read_name(f"{c.rest}").mass is not None for c in positions):
