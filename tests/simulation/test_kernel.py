@@ -17,7 +17,7 @@ from stepid.effects import CATALOGUE, Effect, Moment, Parameter, resolve
 from stepid.effects.base import Values
 from stepid.errors import InputError
 from stepid.simulation import kernel
-from stepid.simulation.simulator import PATIENT, Simulator
+from stepid.simulation.simulator import COARSE, PATIENT, Simulator
 
 PERIOD = 0.0088542
 LINEAR = [e.name for e in CATALOGUE if e.linear]
@@ -196,6 +196,24 @@ def test_as_much_as_there_is_room_for_is_simulated() -> None:
     assert len(names) == kernel.MOST_EFFECTS
     told = replace(run("linear step"), effects={n: ALONE[n] for n in names})
     assert np.ptp(simulated(told, patience=PATIENT)) > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "damping", "followed"),
+    [
+        (1600.0, 1.0, True),  # 40 radians a sample, each worth steps
+        (1600.0, 2000.0, False),  # nothing swings, and what is over in a two thousandth of a sample does not show
+        (10.0, 20.0, True),  # that takes a few steps
+    ],
+)
+def test_only_what_swings_is_followed_for_long(stiffness: float, damping: float, followed: bool) -> None:
+    """Stiffness and damping by the sample's time."""
+    k, c = stiffness / PERIOD**2, damping / PERIOD
+    told = Run(1.0, k, c, 0.01 * k, PERIOD, np.ones(40), {"cubic_stiffness": {"coefficient": k}}, input_before=0.0)
+    shared, local = plant_of(told, ["cubic_stiffness"])
+    reading = simulator_of(told, tolerance=COARSE).readings(shared[None], local[None])[0]
+    assert np.isfinite(reading).all() == followed
+    assert np.isfinite(simulator_of(told, patience=PATIENT).readings(shared[None], local[None])).all()
 
 
 def test_a_lone_sample_is_where_the_plant_starts() -> None:

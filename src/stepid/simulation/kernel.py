@@ -689,7 +689,8 @@ def _advance(w: Work, t: float, until: float, h: float, fresh: bool) -> tuple[fl
     """Follow the plant to `until`, its input one polynomial; return the next step's length, if `w.k[0]` is known."""
     shortest, longest = _SHORTEST * (until - t), (until - t) / _LOOKS
     events = 0
-    swing = (until - t) * np.sqrt(abs(w.q[Q_STIFFNESS]) / w.q[Q_MASS])
+    decay = 0.5 * w.q[Q_DAMPING] / w.q[Q_MASS]
+    swing = (until - t) * np.sqrt(max(abs(w.q[Q_STIFFNESS]) / w.q[Q_MASS] - decay * decay, 0.0))
     w.credit += w.patience * (1.0 + min(swing, _UNSEEN))
     while t < until:
         w.credit -= 1.0
