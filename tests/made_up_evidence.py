@@ -164,6 +164,9 @@ class Told:
     def outdone(self, lead: Candidate) -> bool:
         return self.outdone_by
 
+    def beside(self, lead: Candidate) -> tuple[Candidate, ...]:
+        return self.beside_lead
+
     def refuted(self, lead: Candidate) -> str:
         return self.other_shape
 

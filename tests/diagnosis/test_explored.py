@@ -97,3 +97,22 @@ def test_another_look_at_the_readings_that_leaves_the_effects_is_the_last() -> N
     assert stands(rest, noise)
     assert stands(rest, rest)
     assert not stands(noise, rest)  # a rest has come to light
+
+
+@pytest.mark.parametrize(
+    ("names", "plain", "left", "outweighed"),
+    [
+        ([], 9.0, 1.0, True),  # the likeliest is the linear plant, and the fault explains what it leaves
+        ([], 9.0, 9.0, False),
+        (["quadratic_damping"], 9.0, 0.9, True),  # better than one effect by more than a tie
+        (["quadratic_damping"], 9.0, 1.0, False),  # as good: one effect in the whole plant is the likelier
+        (["cogging", "end_stop"], 9.0, 1.0, True),  # two are needed for one fault
+    ],
+)
+def test_a_fault_outweighs_by_what_it_leaves(names: list[str], plain: float, left: float, outweighed: bool) -> None:
+    """Times the floor that the linear plant leaves, and one fault beside it."""
+    linear = candidate(times=plain)
+    best = candidate(names) if names else linear
+    found = explore.Found(context(), (linear, best) if names else (linear,))
+    cost = linear.optimum.cost * (left / plain) ** 2
+    assert explore.outweighs(cost, linear.optimum, found, Criteria()) is outweighed

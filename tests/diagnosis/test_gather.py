@@ -78,8 +78,8 @@ def test_of_laws_as_good_the_simplest_leads_and_its_twins_stand_beside_it(monkey
     )
     e = evidence(general, simple, twin, candidate(["cogging"], times=4.0))
     assert e.lead is simple
-    assert e.beside_lead == (twin,)
-    assert e.weight(e.lead, *e.beside_lead) > 0.99
+    assert e.beside(e.lead) == (twin,)
+    assert e.weight(e.lead, *e.beside(e.lead)) > 0.99
 
 
 def test_the_weight_of_a_law_holds_that_of_the_laws_that_contain_it(monkeypatch: pytest.MonkeyPatch) -> None:

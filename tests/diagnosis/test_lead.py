@@ -66,3 +66,26 @@ def test_what_may_be_named_of_the_best(
     e = evidence(best, losing(best, 1.0, ["coulomb_friction", "cogging"]), *alone)
     found = e.sure_part
     assert (found and found.names) == part
+
+
+def test_a_trifle_is_no_sure_part_of_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        gather, "imitators", lambda *asked: {n: "the spring" for n in asked[-1].names if n == "cogging"}
+    )
+    monkeypatch.setattr(gather.EvidenceRecord, "share", lambda *_: (0.99, 0.99))
+    best = candidate(["coulomb_friction", "cubic_stiffness", "cogging"])
+    for alone, kept in ((2.05, ("cubic_stiffness",)), (5.0, ("coulomb_friction", "cubic_stiffness"))):
+        pair = candidate(["coulomb_friction", "cubic_stiffness"], times=2.0)
+        part = evidence(best, pair, candidate(["cubic_stiffness"], times=alone)).sure_part
+        assert part is not None
+        assert part.names == kept
+
+
+def test_beside_a_part_of_the_best_stand_the_laws_that_are_as_good(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        gather, "imitators", lambda *asked: {n: "the spring" for n in asked[-1].names if n == "cogging"}
+    )
+    sine, cubic = (candidate([name], times=3.0) for name in ("sine_stiffness", "cubic_stiffness"))
+    e = evidence(candidate(["sine_stiffness", "cogging"]), sine, cubic)
+    assert e.sure_part is sine
+    assert e.beside(sine) == (cubic,)

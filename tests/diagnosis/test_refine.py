@@ -81,7 +81,7 @@ def test_noise_that_is_not_white_is_told_once() -> None:
     assert again is None or again.colored is context.colored
 
 
-@pytest.mark.parametrize(("times", "taken"), [(1.0, True), (0.95, False)])
+@pytest.mark.parametrize(("times", "taken"), [(1.05, True), (1.0, True), (0.95, False)])
 def test_weights_stand_in_for_no_effect_that_is_likelier(
     times: float, taken: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:

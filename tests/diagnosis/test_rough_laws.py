@@ -30,9 +30,9 @@ def test_where_a_rest_remains_a_law_of_the_same_state_as_rough_as_real_ones_stan
     e = evidence(lead, alike, rougher, damping)
     assert e.lead is lead
     assert min(w.loss for w in e.weighed if w.candidate is alike) > e.criteria.tie
-    assert e.beside_lead == (alike,)
+    assert e.beside(e.lead) == (alike,)
     strict = evidence(lead, alike, criteria=Criteria(rough=0.004))
-    assert strict.beside_lead == ()
+    assert strict.beside(strict.lead) == ()
     near = evidence(law("cubic_stiffness", 1.1), law("sine_stiffness", 1.18))  # no rest remains
     assert near.lead.names == ("cubic_stiffness",)
-    assert near.beside_lead == ()
+    assert near.beside(near.lead) == ()

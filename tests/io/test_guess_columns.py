@@ -264,3 +264,35 @@ def test_of_several_sensors_in_every_run_one_is_asked_for(tmp_path: Path) -> Non
         assert dict(draft.columns) == {"time": f"Time (s) Run #{run}", "position": f"Angle, Ch 1+2 (rad) Run #{run}"}
         np.testing.assert_allclose(draft.readings["position"], run * X, atol=1e-8)
     assert len(draft_runs([file], {"position": "all"})) == 6
+
+
+@pytest.mark.parametrize(
+    "titles",
+    [
+        ["x 0.5kg run 1", "x 0.5kg run 2", "x 1kg run 1", "x 1kg run 2"],
+        ["x 0.5 kg Run #1", "x 1 kg Run #1"],  # masses are no sensors
+        ["x (m) Run #1", "x (m) Run #2", "x (m) Run #10"],
+        ["Position, Ch 1 (m) Run #1", "Position, Ch 1 (m) Run #2"],
+        ["exp 1 rep 1 x (m)", "exp 1 rep 2 x (m)", "exp 2 rep 1 x (m)"],
+    ],
+)
+def test_columns_of_runs_are_no_sensors(titles: list[str], tmp_path: Path) -> None:
+    head = ",".join(f'"{title}"' for title in ("t (s)", *(t if "(m)" in t else f"{t} (m)" for t in titles))) + "\n"
+    file = write(tmp_path / "runs.csv", T, *((1.0 + 0.1 * i) * X for i in range(len(titles))), head=head)
+    found = draft_runs([file])
+    assert len({draft.name for draft in found}) == len(found) == len(titles)
+
+
+def test_a_sensor_that_one_run_has_goes_with_its_time(tmp_path: Path) -> None:
+    head = "t (s) Run #1,A (m) Run #1,t (s) Run #2,A (m) Run #2,B (m) Run #2\n"
+    file = write(tmp_path / "runs.csv", T, X, 2 * T, 0.5 * X, 0.2 * X, head=head)
+    (draft,) = draft_runs([file], {"position": "B (m)"})
+    assert dict(draft.columns) == {"time": "t (s) Run #2", "position": "B (m) Run #2"}
+
+
+def test_each_column_of_many_runs_has_the_time_of_its_run(tmp_path: Path) -> None:
+    runs = range(1, 13)
+    head = ",".join(f"{name} Run #{run}" for run in runs for name in ("t (s)", "left x (m)", "right x (m)")) + "\n"
+    file = write(tmp_path / "runs.csv", *(c for run in runs for c in (run * T, X, 0.5 * X)), head=head)
+    found = draft_runs([file], {"position": "all"})
+    assert [draft.columns["time"] for draft in found] == [f"t (s) Run #{run}" for run in runs for _ in range(2)]

@@ -66,7 +66,7 @@ def price(optimum: Optimum, counts: Array, variance: float) -> float:
 def less_likely_by(
     context: FitContext, other: Optimum, best: Optimum, *, cost: float | None = None, more: int = 0
 ) -> float:
-    """QBIC by which a fit is less likely than the best, by the samples that are effective in what this one leaves.
+    """QBIC by which a fit is less likely than the best, by the samples that are effective in what the best leaves.
 
     Parameters
     ----------
@@ -77,11 +77,12 @@ def less_likely_by(
     more : int
         Such parameters.
     """
-    records, least = context.records, max(best.cost, context.rounding_cost)
+    records, least = context.records, max(context.rounding_cost, np.finfo(float).tiny)
     counts = effective_samples(records, best.problem.residual(best.solved))
-    samples, variance = float(counts.sum()), least / float((records.weight**2).sum())
+    left, left_best = max(other.cost if cost is None else cost, least), max(best.cost, least)
+    samples, variance = float(counts.sum()), left_best / float((records.weight**2).sum())
     dearer = price(other, counts, variance) - price(best, counts, variance) + more * math.log(samples)
-    return samples * math.log(max(other.cost if cost is None else cost, least) / least) + dearer
+    return samples * math.log(left / left_best) + dearer
 
 
 class Weighed(NamedTuple):

@@ -208,10 +208,9 @@ class EvidenceRecord:
         """The best of them, with no more in it than takes a notable part."""
         return self.leads.best
 
-    @property
-    def beside_lead(self) -> tuple[Candidate, ...]:
-        """Candidates that the data do not tell from the lead."""
-        return self.leads.beside
+    def beside(self, lead: Candidate) -> tuple[Candidate, ...]:
+        """Candidates that the data do not tell from a lead."""
+        return self.leads.beside(lead)
 
     @property
     def sure_part(self) -> Candidate | None:

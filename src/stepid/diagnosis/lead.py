@@ -125,8 +125,11 @@ class Leads:
         names = frozenset(best.names) - effects_of(told.open(best)) - told.imitators(best).keys()
         alone = (w.candidate for w in self.able if w.candidate.key[0] == names and len(names) < len(best.names))
         part = next((c for c in alone if c.effects and c.deviations <= best.deviations), None)
-        held = part and math.fsum(w.weight for w in told.weighed if includes(w.candidate.effects, part.effects))
-        return part if held and held >= told.criteria.sure else None
+        if part is None:
+            return None
+        part = self._predicting(self._without_trifle(part))
+        held = (w.weight for w in told.weighed if includes(w.candidate.effects, part.effects))  # nameable or not
+        return part if math.fsum(held) >= told.criteria.sure else None
 
     def outdone(self, lead: Candidate) -> bool:
         """Tell whether as few effects halve what a lead leaves, of which one stands in for the plant's own oscillation.
@@ -143,10 +146,9 @@ class Leads:
         halving = (c for c in few if self.taken(lead, c) > 0.5 and c.optimum.rms**2 < most)
         return any(OWN in self._told.imitators(c).values() for c in halving)
 
-    @cached_property
-    def beside(self) -> tuple[Candidate, ...]:
-        """Candidates that the data do not tell from the lead: its twins, and more general laws with more evidence."""
-        lead, own = self.best, self._loss(self.best)
+    def beside(self, lead: Candidate) -> tuple[Candidate, ...]:
+        """Candidates that the data do not tell from a lead: its twins, and more general laws with more evidence."""
+        own = self._loss(lead)
         out: dict[frozenset[str], Candidate] = {}
         for w in self.able:
             other, names = w.candidate, frozenset(w.candidate.names)
@@ -154,17 +156,17 @@ class Leads:
                 continue
             near = abs(w.loss - own) < self._told.criteria.tie
             if (near and w.loss < own) or (
-                (near or self._as_rough(other)) and not includes(other.effects, lead.effects)
+                (near or self._as_rough(lead, other)) and not includes(other.effects, lead.effects)
             ):
                 out.setdefault(names, other)
         return tuple(out.values())
 
-    def _as_rough(self, other: Candidate) -> bool:
+    def _as_rough(self, lead: Candidate, other: Candidate) -> bool:
         """Tell whether another law of one state in the lead's place leaves no more beyond it than real laws are rough.
 
         Where a rest remains it holds both, and what is missing decides between them.
         """
-        told, lead = self._told, self.best
+        told = self._told
         more = other.optimum.rms**2 - lead.optimum.rms**2
         misfit = told.linear.optimum.rms**2 - told.context.floor**2
         if told.at_floor(lead) or other.deviations != lead.deviations or more > told.criteria.rough * misfit:

@@ -106,7 +106,10 @@ def bump(half: int, sample_time: float) -> tuple[Array, Array, Array]:
     first = -s * q**3
     second = 6 * s**2 * q**2 - q**3
     second = second - kernel * second.sum()
-    return kernel, first / -(first @ time), 2 * second / (second @ time**2)
+    out = kernel, first / -(first @ time), 2 * second / (second @ time**2)
+    for values in out:  # they are kept
+        values.setflags(write=False)
+    return out
 
 
 class Shape(NamedTuple):

@@ -188,10 +188,9 @@ def _only_a_lead(e: EvidenceRecord, said: str) -> Answer:
 
 def leads(e: EvidenceRecord, part: Candidate | None = None) -> Answer | None:
     """One effect or two, or a part of the best, predict most of the misfit on runs left out; a rest remains."""
-    lead, beside = (part, ()) if part else (e.lead, e.beside_lead)
-    if not part and (not lead.effects or e.weight(lead, *beside) < e.criteria.sure):
-        return None
-    if e.open(lead):
+    lead = part or e.lead
+    beside = e.beside(lead) if lead.effects else ()
+    if not lead.effects or (not part and e.weight(lead, *beside) < e.criteria.sure) or e.open(lead):
         return None
     taken = e.share(lead)
     if not predicts(e.criteria, len(lead.effects), taken):

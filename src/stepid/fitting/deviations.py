@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array
-from stepid.core.once import once
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.problem import free_starts
@@ -249,7 +248,6 @@ def promised_by(optimum: Optimum, columns: Array) -> tuple[Array, Array, Array]:
     return pull**2 / power, pull / power, np.where(np.isfinite(power), 1 / np.sqrt(power), np.inf)
 
 
-@once  # a fit is asked for all runs alike, for each run, and for drifts
 class _Basis:
     """What the free parameters of a fit can do to the reading: orthonormal, those that depend on others left out."""
 

@@ -14,7 +14,7 @@ from stepid.core.words import length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.noise_floor import repeats
 from stepid.fitting.record_fault import ALL_RUNS, RecordFault
-from stepid.simulation.records import Records, mass_span
+from stepid.simulation.records import Records
 
 _TURNS = (1.0, 100.0)  # of the encoder within the travel, that can be told
 _AGAIN = 2.0  # turns, below which runs have to move differently: in one motion any law of position looks so
@@ -94,9 +94,10 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
 
 
 def _move_alike(records: Records) -> bool:
-    """Tell whether all runs repeat one motion, or are parts of one: a plant left alone has only one, of one mass."""
+    """Tell whether all runs repeat one motion, or are parts of one: a plant that is left alone has only one."""
     repeated = any(len(group) == len(records.runs) for group in repeats(records))
-    return repeated or not (records.driven.any() or mass_span(records) > 0)
+    plants = {*zip(records.base, records.added_mass, records.spring, records.damper, strict=True)}
+    return repeated or not (records.driven.any() or len(plants) > 1)
 
 
 def _cause(pitch: float, records: Records) -> str:

@@ -122,8 +122,9 @@ class Fits(Standings):
         order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
         able = [n for n in self._nameable(order) if len(n.effects) <= LEADING]
         leads = [node for alike in by.of_each_size(able) for node in alike[: self.effort.polish]]
-        inside = by.inside(order, [*[n for n in able if len(n.effects) == LEADING][:1], self.nodes[self.best.key]])
-        for node in (*leads, *inside[: self.effort.polish]):
+        pairs = [*[n for n in able if len(n.effects) == LEADING][:1], self.nodes[self.best.key]]
+        inside = [node for pair in pairs for node in by.inside(order, [pair])[: self.effort.polish]]
+        for node in (*leads, *inside):
             for one in (node, self.nodes.get((node.key[0], frozenset()), node)):
                 if one.fitted.polished is None:
                     self._polish(one)

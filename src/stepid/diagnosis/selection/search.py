@@ -197,7 +197,7 @@ class Search(Attempts):
     def _gaining(self, proposals: Sequence[Proposal]) -> list[Proposal]:
         """Those that may better the best so far."""
         nodes = sorted(self.nodes.values(), key=lambda n: n.cost)
-        named = next(self._nameable(nodes), nodes[0]).cost
+        named = next(self._nameable(nodes), nodes[0])
         return [p for p in proposals if self._gains(named, p)]
 
     def _idle(self, proposal: Proposal) -> bool:
@@ -217,19 +217,20 @@ class Search(Attempts):
         least = min(node.cost for node in self.nodes.values())
         return by.promises_more(proposal, self.nodes[proposal.key].cost, least, self.effort, self.fit, self.criteria)
 
-    def _gains(self, named: float, proposal: Proposal) -> bool:
-        """Tell whether a proposal may better the best that may be named [m²], or rival the best of its size."""
+    def _gains(self, named: Node, proposal: Proposal) -> bool:
+        """Tell whether a proposal may better the best that may be named, or rival it or the best of its size."""
         slack = self.criteria.tie * self.fit.unit
         if proposal.move == Drop.name:
             return True  # it may have been stuck, or never tried
         hoped = by.hoped(proposal, self.effort)
         if proposal.move in RIVALS:
             no_answer = by.no_answer(self.fit.noise_limit, proposal.effects, hoped / 2)  # the best may lie above it
-            alike = max(named, min(node.cost for node in self.nodes.values() if node.size <= proposal.size))
+            alike = min(node.cost for node in self.nodes.values() if node.size <= proposal.size)
+            alike = max(alike, named.cost) if named.effects else alike  # sets that may not be named are no measure
             return not no_answer and proposal.left < alike + self.effort.stuck * slack + self.effort.worth * alike
         if by.no_answer(self.noise_limit, proposal.effects, hoped):
             return False
-        return (proposal.base == self.root.key or hoped <= named) and proposal.left < proposal.like.cost - slack
+        return (proposal.base == self.root.key or hoped <= named.cost) and proposal.left < proposal.like.cost - slack
 
     def _may_answer(self, proposal: Proposal) -> bool:
         """Tell whether a set may leave so little that it is an answer, by what a step promises of it, or a new mode."""

@@ -11,6 +11,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.io.guess.file_names import FileName, read_name
 from stepid.io.guess.motion import alike, copies, moves
+from stepid.io.guess.run_names import is_within, runs_of, sensors_of, without_run
 from stepid.io.guess.text import Block
 from stepid.io.guess.words import RUN_WORDS, Role, read_title, role_of, tokens, unit_for
 
@@ -20,7 +21,6 @@ _MOST = 0.9  # of them: beside dropped samples
 _ZERO = 0.02  # of its span, from which an uneven clock starts
 _HALVES = 0.1  # of its span, by which its middle row is off the middle at most: a cart that comes to rest slows down
 UNKNOWN = "a unit that stepid does not know"
-_RUN = re.compile(rf"[\s,;:_#-]*\b(?:{'|'.join(sorted(RUN_WORDS))})[\W_]*\d+", re.IGNORECASE)  # "… Run #1"
 _SENSORS = {"enc", "encoder", "sensor", "cart", "mass", "wagen", "masse", "laser"}
 
 
@@ -97,10 +97,14 @@ def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = F
         label = block.groups[position.index] if position else ""
         doubt = "" if position else "no column is the position by its name, unit or content"
         choices = () if position else _names([c for c in columns if c.role != "time"], columns)
+        if position and (
+            run := runs_of([position.name])
+        ):  # the only one, of a run that has a time and an input of its own
+            times, inputs = ([c for c in others if runs_of([c.name]) == run] or others for others in (times, inputs))
         return (Group(_best_time(times), position, _one(inputs), label, read_name(label), doubt, choices),)
     labels = _labels(positions, block)
     if not all_runs and not _several_runs(positions, times, inputs, labels, block):
-        choices = _sensors(positions) or _names(positions, columns)
+        choices = sensors_of(_called(positions)) or _names(positions, columns)
         doubt = f"several columns may be the position: {', '.join(choices)}" + _said_of_copies(positions, columns)
         return (Group(_best_time(times), None, _one(inputs), "", read_name(""), doubt, choices),)
     time_labels, input_labels = _labels(times, block), _labels(inputs, block)
@@ -116,33 +120,27 @@ def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = F
     )
 
 
-def _sensors(positions: Sequence[Column]) -> tuple[str, ...]:
-    """Names of columns without their run, where each run has several: they are sensors of it; else none."""
-    runs = _runs(positions)
-    return tuple(dict.fromkeys(map(_without_run, positions))) if len(set(runs)) < len(runs) else ()
-
-
-def _runs(columns: Sequence[Column]) -> list[str]:
-    """The run that each name tells, "Run 1"; none where one does not."""
-    found = [match for match in (_RUN.search(c.name) for c in columns) if match]
-    return [" ".join(re.findall(r"[^\W_]+", match[0])) for match in found] if len(found) == len(columns) else []
-
-
-def _without_run(column: Column) -> str:
-    return _RUN.sub("", column.name).strip()
+def _called(columns: Sequence[Column]) -> list[str]:
+    return [c.name for c in columns]
 
 
 def _names(columns: Sequence[Column], every: Sequence[Column]) -> tuple[str, ...]:
     """What columns can be called by: their names, or their numbers from 0 where they have none, or others the same."""
-    names = [c.name for c in every]
+    names = _called(every)
     return tuple(c.name if c.name and names.count(c.name) == 1 else str(c.index) for c in columns)
 
 
 def called(columns: Sequence[Column], name: str) -> list[int]:
     """Indices of the columns of a name, in whichever run; of those with numbers if any has; else the number from 0."""
-    named = [c for c in columns if name in (c.name, c.rest)] or [c for c in columns if name and name == _without_run(c)]
-    filled = [c.index for c in named if np.isfinite(c.values).any()]
-    return filled or [c.index for c in named] or [c.index for c in columns if name == str(c.index)]
+    for called_so in (
+        [c for c in columns if name in (c.name, c.rest)],
+        [c for c in columns if name == str(c.index)],
+        [c for c in columns if name and name == without_run(c.name)],
+    ):
+        filled = [c.index for c in called_so if np.isfinite(c.values).any()]
+        if called_so:
+            return filled or [c.index for c in called_so]
+    return []
 
 
 def _as_chosen(columns: Sequence[Column], chosen: Mapping[str, str]) -> list[Column]:
@@ -244,8 +242,9 @@ def _labels(columns: Sequence[Column], block: Block) -> list[str]:
         return ["" for _ in split]
     common = set.intersection(*(({word.lower() for word in words}) for words in split))
     kept = [[w for w in words if w.lower() not in common or w.lower() in RUN_WORDS] for words in split]
-    labels, runs = [" ".join(words) for words in kept], _runs(columns)
-    return runs if len(set(runs)) == len(columns) > len(set(labels)) else labels  # "Ch 1+2 Run #1"
+    runs = runs_of(_called(columns))
+    one = len({without_run(c.name) for c in columns}) == 1 and len(set(runs)) == len(columns)  # "Ch 1+2 Run #1", "… #2"
+    return runs if one else [" ".join(words) for words in kept]
 
 
 def _several_runs(
@@ -256,7 +255,7 @@ def _several_runs(
     block: Block,
 ) -> bool:
     """Say whether columns of positions are runs, and not sensors of one run."""
-    if len(set(labels)) < len(labels) or _sensors(positions):
+    if len(set(labels)) < len(labels) or sensors_of(_called(positions)):
         return False
     ends = {int(np.flatnonzero(np.isfinite(c.values))[-1]) for c in positions}
     if len(ends) > 1 or any(block.groups) or any(read_name(f"{c.rest}").mass is not None for c in positions):
@@ -285,5 +284,5 @@ def _own(
     if len(others) == len(positions):
         same = [c for c, label in zip(others, other_labels, strict=True) if label.lower() == labels[i].lower()]
         return same[0] if len(same) == 1 else others[i]
-    same = [c for c, label in zip(others, other_labels, strict=True) if label and label.lower() in labels[i].lower()]
+    same = [c for c, label in zip(others, other_labels, strict=True) if label and is_within(label, labels[i])]
     return same[0] if len(same) == 1 else None
