@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -9,6 +12,7 @@ from scipy.signal import lfilter
 import stepid
 from made_up_readings import campaign, force, runs
 from stepid.core.base import Array
+from stepid.fitting import eccentricity
 from stepid.fitting.eccentricity import Eccentricity, find_eccentricity, without_eccentricity
 from stepid.fitting.fit import prepare
 from stepid.fitting.hum import find_hum
@@ -226,6 +230,20 @@ def test_in_one_motion_a_line_that_does_not_come_again_may_be_a_bent_sensor(
         read = read.model_copy(update={"experiments": tuple(r.model_copy(update=same) for r in read.experiments)})
     context = prepare(read)
     assert (find_eccentricity(context.linear, context.floor) is not None) is told
+
+
+@pytest.mark.parametrize(
+    ("differ", "driven", "alike"),
+    [("", False, True), ("", True, False), ("base", False, False), ("added_mass", False, False)]
+    + [("spring", False, False), ("damper", False, False)],
+)
+def test_parts_of_one_release_are_one_motion(
+    differ: str, driven: bool, alike: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(eccentricity, "repeats", lambda _: [])
+    own = {name: np.array([0, int(name == differ)]) for name in ("base", "added_mass", "spring", "damper")}
+    records: Any = SimpleNamespace(runs=[None, None], driven=np.array([driven, False]), **own)
+    assert eccentricity._move_alike(records) is alike
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.01, 0.05])
