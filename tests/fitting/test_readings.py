@@ -234,8 +234,11 @@ def test_in_one_motion_a_line_that_does_not_come_again_may_be_a_bent_sensor(
 
 @pytest.mark.parametrize(
     ("differ", "driven", "alike"),
-    [("", False, True), ("", True, False), ("base", False, False), ("added_mass", False, False)]
-    + [("spring", False, False), ("damper", False, False)],
+    [
+        ("", False, True),
+        ("", True, False),
+        *((name, False, False) for name in ("base", "added_mass", "spring", "damper")),
+    ],
 )
 def test_parts_of_one_release_are_one_motion(
     differ: str, driven: bool, alike: bool, monkeypatch: pytest.MonkeyPatch
