@@ -93,15 +93,7 @@ def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = F
     """Put the columns of a table together to runs; with `all_runs` each column of a position is one."""
     times, positions, inputs = ([c for c in columns if c.role == role] for role in ("time", "position", "input"))
     if len(positions) < 2:
-        position = positions[0] if positions else None
-        label = block.groups[position.index] if position else ""
-        doubt = "" if position else "no column is the position by its name, unit or content"
-        choices = () if position else _names([c for c in columns if c.role != "time"], columns)
-        if position and (
-            run := runs_of([position.name])
-        ):  # the only one, of a run that has a time and an input of its own
-            times, inputs = ([c for c in others if runs_of([c.name]) == run] or others for others in (times, inputs))
-        return (Group(_best_time(times), position, _one(inputs), label, read_name(label), doubt, choices),)
+        return (_lone(positions, times, inputs, columns, block),)
     labels = _labels(positions, block)
     if not all_runs and not _several_runs(positions, times, inputs, labels, block):
         choices = sensors_of(_called(positions)) or _names(positions, columns)
@@ -118,6 +110,24 @@ def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = F
         )
         for i, position in enumerate(positions)
     )
+
+
+def _lone(
+    positions: Sequence[Column],
+    times: Sequence[Column],
+    inputs: Sequence[Column],
+    columns: Sequence[Column],
+    block: Block,
+) -> Group:
+    """The only run of a table: of one position, with a time and an input that name its run, or of none."""
+    if not positions:
+        doubt = "no column is the position by its name, unit or content"
+        choices = _names([c for c in columns if c.role != "time"], columns)
+        return Group(_best_time(times), None, _one(inputs), "", read_name(""), doubt, choices)
+    (position,) = positions
+    label, run = block.groups[position.index], runs_of([position.name])
+    times, inputs = ([c for c in others if run and runs_of([c.name]) == run] or others for others in (times, inputs))
+    return Group(_best_time(times), position, _one(inputs), label, read_name(label))
 
 
 def _called(columns: Sequence[Column]) -> list[str]:
