@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -77,12 +77,26 @@ def less_likely_by(
     more : int
         Such parameters.
     """
+    qbic = _qbic_by(context, best)
+    return qbic(other, cost, more) - qbic(best)
+
+
+def _qbic_by(context: FitContext, best: Optimum) -> Callable[..., float]:
+    """QBIC of a fit above the best's cost, of what it leaves [m²] and with more parameters where these are given.
+
+    N ln cost + price, N the effective samples of the best's residual. What is less than the sensor's rounding leaves is
+    no evidence.
+    """
     records, least = context.records, max(context.rounding_cost, np.finfo(float).tiny)
     counts = effective_samples(records, best.problem.residual(best.solved))
-    left, left_best = max(other.cost if cost is None else cost, least), max(best.cost, least)
-    samples, variance = float(counts.sum()), left_best / float((records.weight**2).sum())
-    dearer = price(other, counts, variance) - price(best, counts, variance) + more * math.log(samples)
-    return samples * math.log(left / left_best) + dearer
+    samples, lowest = float(counts.sum()), max(best.cost, least)
+    variance = lowest / float((records.weight**2).sum())
+
+    def qbic(fit: Optimum, cost: float | None = None, more: int = 0) -> float:
+        left = max(fit.cost if cost is None else cost, least)
+        return samples * math.log(left / lowest) + price(fit, counts, variance) + more * math.log(samples)
+
+    return qbic
 
 
 class Weighed(NamedTuple):
@@ -101,14 +115,7 @@ def weigh(context: FitContext, candidates: Sequence[Candidate]) -> list[Weighed]
     than the sensor's rounding leaves is no evidence.
     """
     best = min(candidates, key=lambda c: c.optimum.cost)
-    counts = effective_samples(context.records, best.optimum.problem.residual(best.optimum.solved))
-    samples = float(counts.sum())
-    least = max(best.optimum.cost, context.rounding_cost)
-    variance = least / float((context.records.weight**2).sum())
-    prices = [price(c.optimum, counts, variance) for c in candidates]
-    scores = [
-        samples * math.log(max(c.optimum.cost, least) / least) + p for c, p in zip(candidates, prices, strict=True)
-    ]
+    scores = list(map(_qbic_by(context, best.optimum), (c.optimum for c in candidates)))
     lowest = min(scores)
     raw = [math.exp(-0.5 * min(s - lowest, 1400.0)) for s in scores]
     found = [Weighed(c, s - lowest, w / math.fsum(raw)) for c, s, w in zip(candidates, scores, raw, strict=True)]

@@ -119,6 +119,11 @@ class Leads:
         return 1.0 - max(after.optimum.rms**2 - noise, 0.0) / left if left > 0 else 0.0
 
     @cached_property
+    def _rough(self) -> float:
+        """Power by which real laws are rough, m²."""
+        return self._told.criteria.rough * (self._told.linear.optimum.rms**2 - self._told.context.floor**2)
+
+    @cached_property
     def sure_part(self) -> Candidate | None:
         """What may be named of the best without its other effects, where the candidates that hold it weigh enough."""
         told, best = self._told, self._told.best
@@ -139,8 +144,7 @@ class Leads:
         """
         if self._told.at_floor(lead):
             return False
-        misfit = self._told.linear.optimum.rms**2 - self._told.context.floor**2
-        most = lead.optimum.rms**2 - self._told.criteria.rough * misfit
+        most = lead.optimum.rms**2 - self._rough
         every = (w.candidate for w in self._told.weighed)
         few = (c for c in every if len(c.effects) <= len(lead.effects) and c.deviations <= lead.deviations)
         halving = (c for c in few if self.taken(lead, c) > 0.5 and c.optimum.rms**2 < most)
@@ -168,8 +172,7 @@ class Leads:
         """
         told = self._told
         more = other.optimum.rms**2 - lead.optimum.rms**2
-        misfit = told.linear.optimum.rms**2 - told.context.floor**2
-        if told.at_floor(lead) or other.deviations != lead.deviations or more > told.criteria.rough * misfit:
+        if told.at_floor(lead) or other.deviations != lead.deviations or more > self._rough:
             return False
         own, others = (set(zip(c.names, told.states(c), strict=True)) for c in (lead, other))
         states = [[state for _, state in few] for few in (own - others, others - own)]
