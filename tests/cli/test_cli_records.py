@@ -52,6 +52,20 @@ def test_a_manifest_of_any_name_stays_one(
     assert told in " ".join(capsys.readouterr().err.split())
 
 
+def test_one_recording_alone_is_cut_into_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = TABLE + "".join(f"{2 + t:.3f}\t{8:.4f}\t0.5\n" for t in T)
+    (tmp_path / "run").write_text(table, encoding="utf-8")
+    asked = ["diagnose", str(tmp_path / "run"), "--position-unit", "mm", "--added-mass", "0"]
+    assert run(asked) == 2
+    assert "can be cut: campaign.in_parts(3), or --parts 3" in " ".join(capsys.readouterr().err.split())
+    assert run([*asked, "--parts", "1"]) == 2
+    assert "the number of parts is 1" in " ".join(capsys.readouterr().err.split())
+    assert run([*asked, "--parts", "4", "--effort", "quick"]) == 0
+    out, err = capsys.readouterr()
+    assert ": 4 runs" in err
+    assert "run, part 1" in out
+
+
 def test_pictures_and_missing_files_are_no_recordings(tmp_path: Path) -> None:
     (tmp_path / "photo.png").write_bytes(bytes(range(256)) * 20)
     assert not holds_records(tmp_path / "photo.png")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stepid import Experiment
+from stepid import Campaign, Experiment
 from stepid.core.slices import of_one_recording
 from stepid.errors import InputError
 
@@ -55,6 +55,25 @@ def test_a_stretch_of_a_release_is_a_release() -> None:
 def test_stretches_that_cannot_be(bounds: dict[str, float], message: str) -> None:
     with pytest.raises(InputError, match=message):
         DRIVEN.slice(**bounds)
+
+
+def test_a_campaign_in_parts_holds_every_sample_once() -> None:
+    short = DRIVEN.slice(0, 25, name="short")
+    parts = Campaign(name="rig", experiments=(DRIVEN, short), weight_uncertainty=0.01).in_parts(3)
+    assert [run.name for run in parts] == [f"{name}, part {k}" for name in ("long", "short") for k in (1, 2, 3)]
+    np.testing.assert_array_equal(np.concatenate([run.time for run in parts]), [*TIME, *TIME[:25]])
+    assert [run.time.size for run in parts] == [33, 33, 34, 8, 8, 9]
+    assert [run.starts for run in parts[:3]] == ["auto", "motion", "motion"]
+    assert (parts.name, parts.weight_uncertainty) == ("rig", 0.01)
+    assert of_one_recording(parts.experiments[:3])
+
+
+@pytest.mark.parametrize(
+    ("number", "message"), [(1, "is 1"), (2.0, "is 2.0"), (True, "is True"), (13, "a record needs at least 8")]
+)
+def test_parts_that_cannot_be(number: int, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Campaign(name="rig", experiments=(DRIVEN,)).in_parts(number)
 
 
 def test_parts_that_go_on_where_others_end_are_of_one_recording() -> None:

@@ -65,6 +65,12 @@ class EffortName(StrEnum):
 Hard = Annotated[
     EffortName, typer.Option("--effort", help="How hard to search: quick, default or thorough.", show_choices=False)
 ]
+Parts = Annotated[
+    int | None,
+    typer.Option(
+        "--parts", metavar="N", help="Cut each recording into so many runs: a long one, alone.", show_default=False
+    ),
+]
 
 
 def _version(wanted: bool) -> None:
@@ -150,6 +156,7 @@ def identify(campaign: CampaignFile, out: Out = None, allow_outside: Outside = F
         "stepid diagnose lab/campaign.toml --out results",
         "stepid diagnose lab/campaign.toml --effort quick --json",
         "stepid diagnose run*.csv --added-mass 0,0.5,1.5",
+        "stepid diagnose decay.csv --step 0 --added-mass 0 --parts 3",
     )
 )
 @taking_answers
@@ -159,6 +166,7 @@ def diagnose(
     campaign: Records,
     out: Out = None,
     effort: Hard = EffortName.default,
+    parts: Parts = None,
     allow_outside: Outside = False,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -173,6 +181,8 @@ def diagnose(
 
     check_out(out, "matplotlib", "jinja2", "plotly")
     read = read_records(campaign, said, allow_outside=allow_outside)
+    if parts is not None:
+        read = read.in_parts(parts)
     if not (quiet or as_json):
         console(stderr=True).print(_runs(read), markup=False)
     with showing(lines=not (quiet or as_json), bar=not quiet) as tell:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Self, cast, overload
 
 import numpy as np
@@ -79,6 +80,35 @@ class Runs(Model):
                         "If what belongs to the first holds for all, add the runs alone: campaign + list(other).",
                     )
         return self._of((*self.experiments, *added), more)
+
+    def in_parts(self, number: int) -> Self:
+        """Cut each run into equal parts, which are runs of their own: a model of one is then checked on another.
+
+        Parameters
+        ----------
+        number : int
+            Parts of each run, 2 or more; each needs 8 samples.
+
+        Returns
+        -------
+        Campaign
+            Its runs are called ``"case 4, part 1"`` and so on; see `stepid.Experiment.slice`.
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If the number is none, or a record is too short for so many.
+        """
+        if isinstance(number, bool) or not isinstance(number, int | np.integer) or number < 2:
+            raise InputError(
+                f"campaign {self.name!r}: the number of parts is {described(number)}", "Give a whole number from 2 on."
+            )
+        runs: list[Experiment] = []
+        for run in self.experiments:
+            ends = [run.time.size * k // number for k in range(number + 1)]
+            parts = enumerate(pairwise(ends), 1)
+            runs += [run.slice(begin, end, name=f"{run.name}, part {k}") for k, (begin, end) in parts]
+        return self._of(tuple(runs))
 
     def summary(self) -> str:
         """Return a table of the runs."""
