@@ -95,7 +95,8 @@ def diagnose(
     if len(campaign.experiments) < 2:
         raise UndeterminedError(
             f"campaign {campaign.name!r} has one run: a model that fits it cannot be checked on another",
-            "Add a run with another added mass, or repeat this one. A long record can be cut: campaign.in_parts(3), or --parts 3.",
+            "Add a run with another added mass, or repeat this one. A long record can be cut: campaign.in_parts(3), "
+            "or --parts 3.",
         )
     with telling(progress) as tell:
         how = _How(among_themselves(catalogue), criteria or Criteria(), effort or Effort(), tell, as_workers(workers))
