@@ -56,6 +56,20 @@ def test_wrong_readings_that_only_the_best_answer_shows_are_left_out(at: tuple[i
     assert (found.records.weight < 0.5).sum() == len(at)
 
 
+@pytest.mark.parametrize(("times", "taken"), [(300.0, True), (20.0, False)])
+def test_readings_that_bend_the_fit_are_left_out_where_they_are_most_of_the_misfit(times: float, taken: bool) -> None:
+    """A misfit is smooth from sample to sample: most of its power is never in isolated readings."""
+    clean = prepare(plain())
+    y, first = clean.records.position.copy(), int(clean.records.first[1])
+    y[[first + 140, first + 143]] += times * NOISE
+    records = replace(clean.records, position=y)
+    linear = minimize(build(records, ()), clean.linear.shared, clean.linear.local)
+    assert linear is not None
+    context = FitContext(records, linear, clean.floor / 4)  # the rest of the residual is more than noise
+    found = refined(context, linear_candidate(context))
+    assert (found is not None and [fault.kind for fault in found.faults] == ["outliers"]) == taken
+
+
 def test_a_floor_that_was_read_too_high_is_lowered() -> None:
     context = prepare(plain())
     high = with_floor(context, 3 * context.floor)

@@ -85,8 +85,6 @@ def _again(
 
 def _without_outliers(context: FitContext, best: Candidate) -> FitContext | None:
     records, residual = context.records, best.optimum.residual
-    if 1.4826 * float(np.median(np.abs(residual))) > _NOISE * context.floor:
-        return None  # what stands out of a misfit is a part of it
     weight, faults = records.weight.copy(), []
     for run, piece in zip(records.runs, records.pieces(), strict=True):
         mask = outliers_of(residual[piece], context.floor) & (weight[piece] > _UNTRUSTED)
@@ -98,7 +96,11 @@ def _without_outliers(context: FitContext, best: Candidate) -> FitContext | None
         said = "1 reading stands out by" if one else f"{int(mask.sum())} readings stand out by up to"
         words = f"Run {run.name!r}: {said} {length(size)}. {'It is' if one else 'They are'} left out."
         faults.append(RecordFault(run=run.name, kind="outliers", size=size, unit="m", words=words))
-    return _again(context, context.floor, context.records.reweighted(weight), tuple(faults)) if faults else None
+    noise = 1.4826 * float(np.median(np.abs(residual))) <= _NOISE * context.floor
+    standing = float(np.sum(residual[weight < records.weight] ** 2))
+    if not faults or not (noise or standing > 0.5 * best.optimum.cost):
+        return None  # what stands out of a misfit, and is not most of it, is a part of it
+    return _again(context, context.floor, context.records.reweighted(weight), tuple(faults))
 
 
 def _with_color(context: FitContext, best: Candidate) -> FitContext | None:
