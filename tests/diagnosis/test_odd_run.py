@@ -52,6 +52,15 @@ def test_a_wrong_mass_is_told_beside_a_bent_spring() -> None:
     assert "kg added instead of 0.5 kg it agrees: a wrong added mass" in found.words
 
 
+@pytest.mark.parametrize("share", [0.0, 0.03, 0.3, 1.0])
+def test_only_what_another_label_says_is_a_mistake_in_a_label(share: float) -> None:
+    """What no label says is none; the run's own label is no other one."""
+    linear = prepare(campaign(1, masses=MASSES[:4], springs=["medium", "medium", "stiff", "stiff"])).linear
+    shared = linear.shared.copy()
+    shared[linear.problem.layout.stiffness] = [400.0, 800.0]
+    assert odd_run._is_label(("stiffness", share, 0.0, linear), shared) == (share == 1.0)
+
+
 @pytest.mark.parametrize("factor", [-1.0, 0.5, 10.0])
 def test_a_wrong_scale_is_told_beside_friction(factor: float) -> None:
     found = fault(scaled(carts(4, FRICTION), 3, factor), 3, "coulomb_friction")

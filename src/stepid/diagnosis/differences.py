@@ -117,6 +117,6 @@ def scatter_words(scatter: dict[str, Scatter], *, rest: bool = False) -> tuple[s
             continue
         said = _WORDS[kind].format(1e3 * s.deviation, 1e2 * s.deviation, length(s.deviation))
         out.append(f"{said}: {whole_percent(s.explained)} of the misfit's power.")
-    if rest and scatter.keys() - {"rest"}:
+    if rest and scatter:
         out.append("What seems to differ between the runs may be part of what is missing.")
     return tuple(out)

@@ -126,7 +126,8 @@ def _is_label(found: _Mistake, shared: Array) -> bool:
     own, values = (
         (records.spring[0], shared[of.stiffness]) if kind == "stiffness" else (records.damper[0], shared[of.damping])
     )
-    return bool(np.any(np.abs(values / values[own] - 1.0 - size) < _ALIKE * (1.0 + size)))
+    others = np.delete(values, own) / values[own] - 1.0
+    return bool(np.any(np.abs(others - size) < _ALIKE * (1.0 + size)))
 
 
 def _fitted(problem: Problem, shared: Array, row: int | None = None, size: float = 0.0) -> Optimum | None:
