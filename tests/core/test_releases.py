@@ -49,6 +49,16 @@ def test_a_long_hold_is_cut_whether_the_hand_is_still_or_creeps(samples: int, ra
         assert hold <= first <= hold + max(samples / 7, 3)
 
 
+@pytest.mark.parametrize("periods", np.arange(4.0, 9.0, 0.25))
+def test_a_free_swing_of_any_length_shows_no_hand(periods: float) -> None:
+    """More samples lie on one side of rest where the record ends within a period."""
+    y = swing(0.02, samples=80, ratio=0.003, periods=periods)
+    ringing = 8e-5 * (np.cos(18 * np.pi * np.arange(y.size) / 80) - 1)
+    first, seen = hand(record(y + ringing, noise=2e-5))
+    assert not seen
+    assert first <= 2
+
+
 @pytest.mark.parametrize("hold", [3, 4, 5, 6, 7, 8])
 @pytest.mark.parametrize("samples", [10, 20, 40])
 def test_a_short_hold_is_cut(hold: int, samples: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -21,6 +22,8 @@ _DAMPED = 0.3  # of the farthest point, what at least is taken for the swing tha
 _WIDTH = 0.4  # of the time from there to rest, a tenth of a period, over which speed is measured
 _SURE = 0.25  # of the fastest fall: a free cart is as fast once it has left its farthest point by 3 % of the swing
 _TERMS = 5  # of a damped swing over a part of its period
+_SWING = 1.1  # periods, that hold both turns of a swing
+_FINE = 8  # parts of a line, in which its place is told
 _HALF = 0.42  # of a period, before the cart turns again
 _CHANCE = 4.0  # standard deviations of χ²
 _NEAR = 3e-3  # of the travel, that the terms of a swing are off by themselves
@@ -147,7 +150,7 @@ def _carried_back(experiment: Experiment, first: int) -> tuple[Array, Array] | N
     A damped swing of about the record's period is 1, cos, sin, t·cos and t·sin over so short a time.
     """
     y = without_outliers(experiment)
-    period = period_of(y[first:])
+    period = period_of(y[first:], _FINE)
     last = first + round(_HALF * period)
     if not _TERMS < last - first <= y.size - first:
         return None
@@ -184,15 +187,23 @@ def _rests(experiment: Experiment, first: int) -> bool:
 
 
 def _rest(y: Array) -> float:
-    """Where the cart rests: the middle of what comes after it has left its farthest point, m."""
+    """Where the cart rests: the middle of what comes after it has left its farthest point, m.
+
+    Of a swing that goes on it is the middle of its turns: more samples lie on one side in what is no whole period.
+    """
     away = np.abs(y - np.median(y[-_FEW:]))
     top = int(np.argmax(away))
     left = top + int(np.argmax(away[top:] < 0.5 * away[top]))
-    return float(np.median(y[left + (y.size - left) // 2 :]))
+    after = y[left + (y.size - left) // 2 :]
+    swings = after.size // math.ceil(_SWING * period_of(y[left:])) if y.size - left > _FEW else 0
+    if not swings:
+        return float(np.median(after))
+    parts = np.array_split(after, swings)
+    return float(np.median([0.5 * (part.max() + part.min()) for part in parts]))
 
 
-def period_of(y: Array) -> float:
-    """Samples of a period of the strongest oscillation."""
-    power = np.abs(np.fft.rfft((y - y.mean()) * np.hanning(y.size)))[1:] ** 2
-    order = np.arange(1, power.size + 1)
+def period_of(y: Array, parts: int = 1) -> float:
+    """Samples of a period of the strongest oscillation, to so many `parts` of a line of its spectrum."""
+    power = np.abs(np.fft.rfft((y - y.mean()) * np.hanning(y.size), parts * y.size))[parts:] ** 2
+    order = 1.0 + np.arange(power.size) / parts
     return float(y.size / order[np.argmax(power * order)])
