@@ -45,6 +45,23 @@ def test_another_oscillation_outdoes_a_lead(
 
 
 @pytest.mark.parametrize(
+    ("beside", "times", "outdone"),
+    [
+        (["coulomb_friction", "quadratic_damping"], 2.5, False),
+        (["coulomb_friction", "quadratic_damping"], 4.9, True),  # it leaves hardly less than the lead
+        (["cubic_stiffness", "quadratic_damping"], 2.5, True),  # another law
+    ],
+)
+def test_a_law_beside_a_lead_stands_up_to_another_oscillation(
+    beside: list[str], times: float, outdone: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = candidate(["flexible_coupling"], times=2.0)
+    monkeypatch.setattr(gather, "imitators", lambda *asked: {"flexible_coupling": OWN} if asked[-1] is other else {})
+    lead = candidate(["coulomb_friction"], times=5.0)
+    assert evidence(LINEAR, lead, other, candidate(beside, times=times)).outdone(lead) is outdone
+
+
+@pytest.mark.parametrize(
     ("names", "part"),
     [
         (["coulomb_friction", "cogging"], ("coulomb_friction",)),

@@ -52,6 +52,16 @@ def test_outliers_are_found_told_and_left_out(length: int) -> None:
     assert "1.20 mm" in fault.words
 
 
+def test_a_reading_between_two_wrong_ones_goes_with_them() -> None:
+    """Each of the two is a neighbor by which the other does not stand out."""
+    clean = white(1, runs(friction=0.02), 5e-6)
+    dirty = [x.copy() for x in clean]
+    dirty[2][[90, 92]] += [10e-3, -8e-3]
+    found = mend(campaign(dirty, counts=FINE).experiments[2])
+    assert np.flatnonzero(found.wrong).tolist() == [90, 91, 92]
+    assert np.abs(found.run.position - clean[2]).max() < 40e-6
+
+
 @pytest.mark.parametrize("at", [-4, -3, -2, -1])
 def test_a_wrong_reading_among_the_last_is_found(at: int) -> None:
     clean = white(7, runs(friction=0.02), 5e-6)

@@ -86,13 +86,14 @@ def _take(y: Array, found: list[Block], wrong: Mask) -> bool:
 
 
 def outliers(y: Array, noise: float, least: float) -> list[Block]:
-    """Blocks of up to three samples, all of which stand out from their neighbors."""
+    """Blocks of up to three samples whose ends stand out from their neighbors: one between two wrong ones is lost."""
     found = []
     for count in range(1, LONGEST + 1):
         begin = np.arange(SIDE, y.size - SIDE - count + 1)
         score, off = stand_out(y, count, begin, noise)
-        out = (score.min(axis=1) > _OUTLIER) & (np.abs(off).min(axis=1) > least)
-        found += [(float(score[i].min()), int(begin[i]), count) for i in np.flatnonzero(out)]
+        ends, far = score[:, [0, -1]].min(axis=1), np.abs(off[:, [0, -1]]).min(axis=1)
+        out = (ends > _OUTLIER) & (far > least)
+        found += [(float(ends[i]), int(begin[i]), count) for i in np.flatnonzero(out)]
     return found + _last(y, noise, least)
 
 
@@ -174,7 +175,7 @@ def without_outliers(experiment: Experiment) -> Array:
     Notes
     -----
     A block of one to three samples is predicted by a cubic through four neighbors on each side. It is an outlier where
-    all of it is off by many times the spread of these neighbors about their cubic, and of the record's noise: a kink, a
+    its ends are off by many times the spread of these neighbors about their cubic, and of the record's noise: a kink, a
     jump or a bounce of the motion disturbs the neighbors as well, an outlier does not. One of the last four samples is
     predicted by more of them before it.
     """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -140,15 +141,23 @@ class Leads:
         """Tell whether as few effects halve what a lead leaves, of which one stands in for the plant's own oscillation.
 
         That oscillation then changes as no law of the catalogue lets it, which the lead only comes near to: by more
-        than real laws are rough.
+        than real laws are rough, and though another law may stand beside it.
         """
         if self._told.at_floor(lead):
             return False
-        most = lead.optimum.rms**2 - self._rough
-        every = (w.candidate for w in self._told.weighed)
-        few = (c for c in every if len(c.effects) <= len(lead.effects) and c.deviations <= lead.deviations)
-        halving = (c for c in few if self.taken(lead, c) > 0.5 and c.optimum.rms**2 < most)
+        every = [w.candidate for w in self._told.weighed if w.candidate.deviations <= lead.deviations]
+        nearest = min(self._holding(lead), key=lambda c: c.optimum.rms, default=lead)
+        most = nearest.optimum.rms**2 - self._rough
+        few = (c for c in every if len(c.effects) <= len(lead.effects))
+        halving = (c for c in few if self.taken(nearest, c) > 0.5 and c.optimum.rms**2 < most)
         return any(OWN in self._told.imitators(c).values() for c in halving)
+
+    def _holding(self, lead: Candidate) -> Iterator[Candidate]:
+        """Candidates that may lead and hold a lead, alone or beside a law that the data determine."""
+        for found in (w.candidate for w in self.able):
+            holds = includes(found.effects, lead.effects) and found.deviations <= lead.deviations
+            if holds and (found is lead or not self._told.open(found)):
+                yield found
 
     def beside(self, lead: Candidate) -> tuple[Candidate, ...]:
         """Candidates that the data do not tell from a lead: its twins, and more general laws with more evidence."""
