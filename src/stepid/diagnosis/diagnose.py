@@ -33,6 +33,7 @@ from stepid.fitting.multistart import FitContext
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.run_fault import accuse, find_fault
 from stepid.fitting.screening import split_campaign
+from stepid.fitting.swapped_weights import Swap, find_swap, swap_faults, without_swap
 from stepid.simulation.threads import single_threaded
 from stepid.simulation.warm_up import warm_up
 
@@ -134,6 +135,10 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
         found = Found(context, (linear_candidate(context),))
     else:
         found = explored(context, how.catalogue, how.criteria, how.effort, how.tell)
+        swap = _swap(found, how.criteria)
+        if swap is not None:
+            runs = without_swap(campaign.experiments, swap)
+            return _anew(campaign, runs, how, (*accused, *swap_faults(swap)))
         alone = _fault_beside_the_plant(context, found, how.criteria)
         fault = alone or _fault_beside_effects(context, found, how.criteria)
         if fault is not None:
@@ -192,6 +197,16 @@ def _left_out(fault: RecordFault) -> RecordFault:
 
 def _and(fault: RecordFault, words: str) -> RecordFault:
     return fault.model_copy(update={"words": f"{fault.words} {words}"})
+
+
+def _swap(found: Found, criteria: Criteria) -> Swap | None:
+    """Two runs whose masses are noted for each other, where that is likelier than what the search found."""
+    context, best = found.context, found.likeliest
+    if context.by_weights is not None or (at_floor(context, criteria, best) and best.complexity <= 1):
+        return None
+    swap = find_swap(context.linear, next((c.optimum for c in found.single), None), context.floor)
+    likelier = swap is not None and outweighs(swap.optimum.cost, swap.optimum, found, criteria)
+    return swap if likelier else None
 
 
 def _fault_beside_the_plant(context: FitContext, found: Found, criteria: Criteria) -> RecordFault | None:

@@ -1,0 +1,61 @@
+"""Added masses that are noted for each other: found by what all runs agree on with these exchanged."""
+
+from __future__ import annotations
+
+import pytest
+
+import stepid
+from broken_campaigns import FRICTION, campaign
+from stepid.effects import resolve
+from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.swapped_weights import Swap, find_swap
+
+NOTED = (0.0, 0.5, 1.5, 0.0, 1.0)
+TRUE = (0.0, 1.5, 0.5, 0.0, 1.0)
+
+
+def found(whole: stepid.Campaign, *names: str) -> Swap | None:
+    context = prepare(whole)
+    beside = fit_effects(context, resolve(names)) if names else None
+    return find_swap(context.linear, beside, context.floor)
+
+
+@pytest.mark.parametrize(("effects", "names"), [({}, ()), (FRICTION, ("coulomb_friction",))], ids=["plain", "friction"])
+def test_masses_that_are_noted_for_each_other_are_found(
+    effects: dict[str, dict[str, float]], names: tuple[str, ...]
+) -> None:
+    swap = found(campaign(3, effects, masses=NOTED, true_masses=TRUE), *names)
+    assert swap is not None
+    assert swap.runs == (1, 2)
+    assert swap.optimum.problem.layout.mass(swap.optimum.shared)[0] == pytest.approx(0.95, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "true",
+    [
+        NOTED,
+        (0.0, 1.2, 1.5, 0.0, 1.0),  # one is wrong, and no other's
+        (0.5, 1.5, 0.0, 0.0, 1.0),  # three are mixed up
+    ],
+)
+def test_masses_that_no_exchange_mends_are_left(true: tuple[float, ...]) -> None:
+    assert found(campaign(4, masses=NOTED, true_masses=true)) is None
+
+
+def test_two_of_three_runs_agree_with_any_plant() -> None:
+    assert found(campaign(5, masses=NOTED[:3], true_masses=TRUE[:3])) is None
+
+
+def test_runs_of_one_mass_have_none_to_exchange() -> None:
+    assert found(campaign(6, FRICTION, masses=(0.5,) * 4)) is None
+
+
+def test_the_diagnosis_exchanges_them_and_says_so() -> None:
+    told = stepid.diagnose(campaign(7, masses=NOTED, true_masses=TRUE), effort=stepid.Effort.quick())
+    assert told.verdict == "adequate"
+    assert told.parameters["base_mass"].value == pytest.approx(0.95, rel=0.01)
+    sizes = {fault.run: (fault.kind, fault.size, fault.unit) for fault in told.faults}
+    assert sizes == {"case 2": ("added_mass", 1.0, "kg"), "case 3": ("added_mass", -1.0, "kg")}
+    said = [note for note in told.notes if "noted for each other" in note]
+    assert len(said) == 1
+    assert "runs 'case 2' and 'case 3'" in said[0]
