@@ -162,6 +162,13 @@ def test_what_is_no_rate_keeps_its_role(title: str, role: str) -> None:
     assert read_title(title).role == role
 
 
+@pytest.mark.parametrize(
+    "title", ["uncertainty A", "x uncertainty (m)", "sigma_x", "Unsicherheit Winkel", "std x [mm]"]
+)
+def test_how_sure_a_reading_is_is_no_reading(title: str) -> None:
+    assert read_title(title).role == "other"
+
+
 @pytest.mark.parametrize("names", ["t y dy", "time y dy", "t  y   dy", "Zeit y1 y2", "t position dx"])
 def test_names_with_blanks_above_rows_with_tabs(names: str, tmp_path: Path) -> None:
     file = tmp_path / "run.txt"

@@ -36,6 +36,13 @@ def table(folder: Path, header: str, *, lengths: tuple[int, ...] = (), separator
         ("t,case 4 position [mm],case 5 position [mm],case 4 input [V],case 5 input [V]", "position", "input", None),
         ("t,Position.left,Position.right,Effort.left,Effort.right", "position", "effort", ["left", "right"]),
         ("t,run1_x_mm,run2_x_mm,run1_u_V,run2_u_V", "x", "u", ["run1", "run2"]),
+        (
+            "t,Position (m) Run 1,Position (m) Run 2,Drive (V) Run 1,Drive (V) Run 2",
+            "position",
+            "drive",
+            ["Run 1", "Run 2"],
+        ),
+        ("t,x [mm] 1,x [mm] 2,u [V] 1,u [V] 2", "x [mm]", "u", ["run 1", "run 2"]),
     ],
 )
 def test_names_tell_the_runs_apart(

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 from stepid.errors import InputError
 
-_UNIT = re.compile(r"\s*[\[(][^\])]*[\])]\s*$|[_ ](?:mm|cm|m|um|µm|s|ms|us|µs|V|mV|counts)$")
+_UNITS = "mm|cm|m|um|µm|deg|°|mrad|rad|s|ms|us|µs|V|mV|N|A|counts"
+_UNIT = re.compile(rf"\s*[\[(](?:{_UNITS})[\])]|\s*[\[(][^\])]*[\])]\s*$|[_ ](?:mm|cm|m|um|µm|s|ms|us|µs|V|mV|counts)$")
 _BETWEEN = " _.:-"  # what may stand between a run and the name of a column
 _SHOWN = 12  # columns that a message lists
 
