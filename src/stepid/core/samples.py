@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
@@ -121,3 +122,11 @@ def lagged_products(values: Array, most: int) -> Array:
     spectrum = np.fft.rfft(values, 2 * values.size)
     out: Array = np.fft.irfft(np.abs(spectrum) ** 2)[1:most]
     return out
+
+
+def multiples(angle: Array, first: int, stop: int) -> Iterator[Array]:
+    """Cosine + i sine of successive multiples of an angle [rad], each turned on from the last: that is fast."""
+    turn, wave = np.exp(1j * angle), np.exp(1j * first * angle)
+    for _ in range(first, stop):
+        yield wave
+        wave = wave * turn

@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.samples import multiples
 from stepid.effects.base import Effect, Moment, Motion, Parameter, Regressor, Scales, Values
 from stepid.effects.swing import OWN, Swing
 
@@ -238,15 +239,16 @@ class Cogging(Effect):
         return [(0.02 * scales.force, float(pitch), phase) for pitch in pitches for phase in (0.0, 2.1, 4.2)]
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
-        def at(pitch: float) -> Regressor:
-            angle = 2 * np.pi * m.x / pitch
+        def at(pitch: float, wave: Array) -> Regressor:
             return Regressor(
-                (np.sin(angle), np.cos(angle)),
+                (wave.imag.copy(), wave.real.copy()),
                 lambda a: (float(np.hypot(a[0], a[1])), pitch, float(np.arctan2(a[1], a[0]))),
             )
 
         # over a travel of twice the displacement, waves that are half a turn apart at its ends
-        return [at(scales.displacement / float(waves)) for waves in np.arange(1.25, 20.1, 0.25)]
+        longest, quarters = 4.0 * scales.displacement, range(5, 81)
+        waves = multiples(2 * np.pi * m.x / longest, quarters.start, quarters.stop)
+        return [at(longest / quarter, wave) for quarter, wave in zip(quarters, waves, strict=True)]
 
     def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
         return "the spring" if values[1] > swing.pitch * swing.displacement else ""

@@ -10,6 +10,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
 from stepid.core.noise import reading_step
+from stepid.core.samples import multiples
 from stepid.core.words import length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.noise_floor import repeats
@@ -25,7 +26,6 @@ _PASSES = 2  # from where the readings are to where the cart is
 _EVIDENCE = 50.0  # n ln(RSS / RSS) of the line
 _MOST = 0.7  # share of what is left above the noise that the line must take
 _TRACKS, _A_STEP = (2, 4), 0.05  # steps after which one track of a counter, or two, come again; how near to whole ones
-_AT_ONCE = 16  # pitches, that are tried together
 _SAME = 1e-12  # of the product of two squares, by which sine and cosine differ at least
 _ALIKE = 0.3  # of the amplitude, by which runs may differ
 _SCATTER = 4.0  # standard deviations, the same
@@ -152,38 +152,45 @@ class _Line:
 
     def waves(self, turns: float) -> Array:
         """Sine and cosine of so many turns within the travel, shape (2, S)."""
-        (both,) = self._whole(np.array([turns]))
+        both = self._whole(np.exp(1j * turns * self._angle))
         out: Array = both - (both @ self._own) @ self._own.T
         return out
 
-    def _whole(self, turns: Array) -> Array:
-        """Weighted sine and cosine with all that the fit's own parameters can take of them, shape (n, 2, S)."""
-        angle = 2 * np.pi * turns[:, None] * self.position / self.travel
-        return self._records.weighted(np.stack([np.sin(angle), np.cos(angle)], axis=1))
+    @property
+    def _angle(self) -> Array:
+        """Of one turn within the travel, rad."""
+        return 2 * np.pi * self.position / self.travel
+
+    def _whole(self, wave: Array) -> Array:
+        """Weighted sine and cosine with all that the fit's own parameters can take of them, shape (2, S)."""
+        return self._records.weighted(np.array([wave.imag, wave.real]))
 
     def strongest(self, near: float | None = None) -> float:
         """Turns of the line that takes most of the residual, of all or of those near some."""
-        every = np.arange(_TURNS[0], _TURNS[1], _FINE)
-        first = near or float(every[np.argmax(self._gains(every))])
+        first = near or self._strongest_of_all()
         from scipy.optimize import minimize_scalar  # slow to import, seldom needed
 
+        angle = self._angle
         ends = (max(first - _FINE, _TURNS[0]), min(first + _FINE, _TURNS[1]))
-        found = minimize_scalar(lambda turns: -self._gains(np.array([turns]))[0], bounds=ends, options={"xatol": 1e-4})
+        found = minimize_scalar(
+            lambda turns: -self._gain(np.exp(1j * turns * angle)), bounds=ends, options={"xatol": 1e-4}
+        )
         return float(found.x)
 
-    def _gains(self, turns: Array) -> Array:
-        """What sine and cosine of so many turns take of the residual, by their normal equations, m²; shape (n,)."""
-        out = []
-        for some in np.split(turns, range(_AT_ONCE, turns.size, _AT_ONCE)):
-            waves = self._whole(some)
-            along, taken = waves @ self._rest, waves @ self._own
-            square = waves @ waves.swapaxes(1, 2) - taken @ taken.swapaxes(1, 2)
-            (a, b), (_, d) = square[:, 0].T, square[:, 1].T
-            product, determinant = np.maximum(a * d, 1e-300), a * d - b * b
-            y, z = along.T
-            both = (d * y * y - 2 * b * y * z + a * z * z) / np.maximum(determinant, _SAME * product)
-            out.append(np.where(determinant > _SAME * product, both, 0.0))  # one wave is no line
-        return np.concatenate(out)
+    def _strongest_of_all(self) -> float:
+        least, most = (round(turns / _FINE) for turns in _TURNS)
+        gains = [self._gain(wave) for wave in multiples(_FINE * self._angle, least, most)]
+        return _FINE * (least + int(np.argmax(gains)))
+
+    def _gain(self, wave: Array) -> float:
+        """What sine and cosine take of the residual, by their normal equations, m²."""
+        waves = self._whole(wave)
+        (y, z), taken = waves @ self._rest, waves @ self._own
+        (a, b), (_, d) = waves @ waves.T - taken @ taken.T
+        product, determinant = max(a * d, 1e-300), a * d - b * b
+        if determinant <= _SAME * product:  # one wave is no line
+            return 0.0
+        return float((d * y * y - 2 * b * y * z + a * z * z) / determinant)
 
 
 def _fitted(waves: Array, residual: Array) -> tuple[Array, float]:
