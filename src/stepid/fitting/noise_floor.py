@@ -11,10 +11,11 @@ from stepid.core.base import Array
 from stepid.core.copies import grouped
 from stepid.core.experiment import Experiment
 from stepid.core.noise import STILL, clipped_spread, predicted_noise
+from stepid.core.once import once
 from stepid.core.samples import divided_differences, is_even, means_of_blocks
 from stepid.core.words import length
 from stepid.simulation.clock import clock
-from stepid.simulation.records import Records
+from stepid.simulation.records import Index, Records
 from stepid.simulation.simulator import FINE
 
 _ORDER = 8  # of the differences: a swing sampled 12 times a period leaves 1e-5 of itself
@@ -61,16 +62,23 @@ def succession(records: Records, residual: Array) -> tuple[float, int]:
         Unweighted, m.
     """
     squares, steps, count = 0.0, 0.0, 0
-    for run, piece in zip(records.runs, records.pieces(), strict=True):
-        y, r, use = records.position[piece], residual[piece], records.trusted[piece]
-        if y.size <= _ORDER:
-            continue
-        at = np.flatnonzero(_moves(run, y)) + _ORDER // 2
-        at = at[use[at] & use[at - 1]]
+    for piece, at in zip(records.pieces(), _moving(records), strict=True):
+        r = residual[piece]
         squares += float(np.sum(r[at] ** 2))
         steps += float(np.sum((r[at] - r[at - 1]) ** 2))
         count += at.size
     return (2 * squares / steps if steps > 0 else math.inf), count
+
+
+@once
+def _moving(records: Records) -> tuple[Index, ...]:
+    """Samples of each run at which the cart moves, and that are right like the ones before them."""
+    out = []
+    for run, piece in zip(records.runs, records.pieces(), strict=True):
+        y, use = records.position[piece], records.trusted[piece]
+        at = np.flatnonzero(_moves(run, y)) + _ORDER // 2 if y.size > _ORDER else np.zeros(0, dtype=np.intp)
+        out.append(at[use[at] & use[at - 1]])
+    return tuple(out)
 
 
 def enough(records: Records) -> bool:
