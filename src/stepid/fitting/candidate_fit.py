@@ -158,13 +158,7 @@ class CandidateFit:
         tolerance = max(self.context.tolerance, tolerance)
         if self.best is None or (self.best.converged and self._tolerance <= tolerance):
             return
-        found = minimize(
-            self.coarse,
-            self.best.shared,
-            self.best.local,
-            tolerance=tolerance,
-            iterations=laps,
-        )
+        found = _go_on(self.coarse, self.best, tolerance=tolerance, iterations=laps)
         if found is not None and found.cost <= self.best.cost:
             self.best, self.polished, self._tolerance = found, None, tolerance
 
@@ -184,12 +178,11 @@ class CandidateFit:
         last = self.polished
         if self.best is None or (last is not None and last.converged):
             return
-        begin = last or self.best
-        found = minimize(
-            self.fine,
-            begin.shared,
-            begin.local,
-            tolerance=max(self.context.tolerance, tolerance),
-            iterations=laps,
-        )
-        self.polished = found or self.polished
+        tolerance = max(self.context.tolerance, tolerance)
+        self.polished = _go_on(self.fine, last or self.best, tolerance=tolerance, iterations=laps) or last
+
+
+def _go_on(problem: Problem, begun: Optimum, *, tolerance: float, iterations: int) -> Optimum | None:
+    """Fit from where another fit ended; where that is of this problem, its simulation is at hand."""
+    known = begun.solved if begun.problem is problem else None
+    return minimize(problem, begun.shared, begun.local, tolerance=tolerance, iterations=iterations, solved=known)

@@ -185,6 +185,7 @@ def minimize(
     tolerance: float = 0.0,
     iterations: int = 40,
     aim: float = np.inf,
+    solved: Solved | None = None,
 ) -> Optimum | None:
     """Fit the free parameters by Levenberg–Marquardt on QR factorizations, run by run.
 
@@ -199,6 +200,8 @@ def minimize(
         At most so many accepted steps, and three times as many tries.
     aim : float
         m², cost that makes a difference: where the steps left do not promise it, the fit ends, not converged.
+    solved : Solved, optional
+        The start, simulated by this problem, where that is known.
 
     Returns
     -------
@@ -206,7 +209,7 @@ def minimize(
         None where the start itself cannot be simulated.
     """
     shared, local = np.clip(shared, problem.lower, problem.upper), _within(problem, local)
-    solved = problem.solve(shared, local)
+    solved = solved or problem.solve(shared, local)
     if solved is None:
         return None
     residual, cost = problem.weigh(solved)
