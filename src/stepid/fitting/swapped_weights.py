@@ -17,7 +17,7 @@ from stepid.simulation.records import Records
 _FEWEST = 4  # runs: any two of three agree with some plant
 _DECIDES = 10.0  # χ² by which one exchange must be the better one
 _TRIED = 2  # exchanges beside an effect, the best ones of the linear plant
-_LAPS = 20  # steps of a fit
+_LAPS = 8  # steps of a fit: a linear plant is there after five
 
 Pair = tuple[int, int]
 
@@ -62,10 +62,10 @@ def find_swap(linear: Optimum, beside: Optimum | None, floor: float) -> Swap | N
 
 def _exchanged(optimum: Optimum, pairs: Sequence[Pair], floor: float) -> list[Swap]:
     """Fits with each pair's masses exchanged, the best first."""
-    out, problem = [], optimum.problem
+    out, problem, aim = [], optimum.problem, noise_cost(optimum.problem.records, floor)
     for pair in pairs:
         other = build(_exchange(problem.records, pair), problem.simulator.effects, workers=problem.simulator.workers)
-        fitted = minimize(other, optimum.shared, optimum.local, tolerance=floor**2, iterations=_LAPS)
+        fitted = minimize(other, optimum.shared, optimum.local, tolerance=floor**2, iterations=_LAPS, aim=aim)
         if fitted is not None:
             out.append(Swap(pair, fitted))
     return sorted(out, key=lambda swap: swap.optimum.cost)
