@@ -172,6 +172,8 @@ def test_each_kind_of_fault_has_its_words() -> None:
     )
     assert "'a' or 'b'; without it the others agree" in fault_words(optimum, 0, "gain", 1.0, ("b",))
     assert fault_words(optimum, 0, "gain", 1.0, ()).startswith("Run 'a' disagrees with the others, which agree")
+    among = fault_words(optimum, 0, "gain", 1.0, (), agree=False)
+    assert among.startswith("Run 'a' disagrees with the others, and far more than these do among themselves. Its")
 
 
 def off_axis(sizes: tuple[float, ...], noise: float) -> Any:
@@ -235,7 +237,7 @@ def test_a_worse_explanation_of_a_misfit_is_none(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(run_fault, "_all_fitted", lambda *_: found)
     monkeypatch.setattr(run_fault, "_has_size", lambda one, _: one.size > 0.5)  # of the second alone
     monkeypatch.setattr(run_fault, "_explains", lambda *_: True)
-    monkeypatch.setattr(run_fault, "fault_words", lambda *_: "words")
+    monkeypatch.setattr(run_fault, "fault_words", lambda *_, **__: "words")
     ends: list[Any] = [None, SimpleNamespace(cost=0.5 * costs[1]), SimpleNamespace(cost=2.0)]
     for done, cost in zip(ends, (costs[1], 0.5 * costs[1], costs[1]), strict=True):
         monkeypatch.setattr(run_fault, "minimize", lambda *_, end=done, **__: end)

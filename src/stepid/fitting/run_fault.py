@@ -109,7 +109,14 @@ def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0, patterned: bool
             kind=best.kind,
             size=told(best.optimum, best.run, best.kind, best.size),
             unit=UNITS[best.kind],
-            words=fault_words(best.optimum, best.run, best.kind, best.size, tuple(rivals)),
+            words=fault_words(
+                best.optimum,
+                best.run,
+                best.kind,
+                best.size,
+                tuple(rivals),
+                agree=best.cost <= noise_cost(records, floor),
+            ),
         )
         last = best.optimum
         done = minimize(last.problem, last.shared, last.local, tolerance=_UNIT * floor**2)  # for a cost to compare

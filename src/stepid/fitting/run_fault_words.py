@@ -14,7 +14,9 @@ _TURNED = 0.15  # the same for a turned sign: by a plant that lacks a law it is 
 _SAME = 0.1  # relative, to another label's stiffness or damping
 
 
-def fault_words(optimum: Optimum, run: int, kind: str, size: float, rivals: tuple[str, ...]) -> str:
+def fault_words(
+    optimum: Optimum, run: int, kind: str, size: float, rivals: tuple[str, ...], *, agree: bool = True
+) -> str:
     """Say which run disagrees, and what would explain it; `size` as a deviation.
 
     Parameters
@@ -28,13 +30,15 @@ def fault_words(optimum: Optimum, run: int, kind: str, size: float, rivals: tupl
         The deviation, in its unit; m/s for a drift.
     rivals : tuple of str
         Runs that may as well be the wrong one.
+    agree : bool
+        Whether the fit leaves only noise in the others.
     """
     name = optimum.problem.records.runs[run].name
     if rivals:
         names = " or ".join(repr(n) for n in (name, *rivals))
         return f"One run disagrees with the others, {names}; without it the others agree. Record them again."
-    said = f"Run {name!r} disagrees with the others, which agree among themselves."
-    return f"{said} {_explanation(optimum, run, kind, size)}"
+    others = "which agree among themselves" if agree else "and far more than these do among themselves"
+    return f"Run {name!r} disagrees with the others, {others}. {_explanation(optimum, run, kind, size)}"
 
 
 def _explanation(optimum: Optimum, run: int, kind: str, size: float) -> str:
