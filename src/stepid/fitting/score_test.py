@@ -55,11 +55,12 @@ def force_responses(context: FitContext, forces: list[Array]) -> Array:
 
 def _means(forces: list[Array], records: Records) -> Array:
     """Means of forces, given at all samples, from each decimated sample to the next, shape (n, S)."""
-    force, at = np.array(forces), records.at
+    force, none = np.array(forces), np.zeros((len(forces), 1))
     between = 0.5 * (force[:, :-1] + force[:, 1:])
-    if at is not None:
-        between = np.add.reduceat(between[:, : at[-1]], at[:-1], axis=1) / np.diff(at)
-    return np.append(between, np.zeros((len(forces), 1)), axis=1)
+    if records.at is not None:
+        sums = np.concatenate([none, np.cumsum(between, axis=1)], axis=1)
+        between = np.diff(sums[:, records.at], axis=1) / np.diff(records.at)
+    return np.concatenate([between, none], axis=1)
 
 
 def responses_along(base: Optimum, records: Records, forces: list[Array]) -> Array:
