@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import pytest
 import stepid
 from broken_campaigns import FRICTION, SAMPLE_TIME, campaign
 from scattered_campaigns import scattered
+from stepid.diagnosis import answer
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.diagnose import diagnose
 from stepid.diagnosis.explore import linear_candidate
@@ -260,3 +262,14 @@ def test_what_was_left_out_of_a_record_is_told_once() -> None:
     notes = stepid.diagnose(spoiled).notes
     assert sum("stand out" in note for note in notes) == 1
     assert len(set(notes)) == len(notes)
+
+
+@pytest.mark.parametrize(("masses", "asked"), [((0.0, 0.0, 0.5), False), ((0.0, 0.5, 1.5), True)])
+def test_repeats_are_asked_for_where_there_are_none(masses: tuple[float, ...], asked: bool) -> None:
+    plain = prepare(campaign(1, masses=masses, volts=(0.5,) * 3))
+    evidence, unexplained = SimpleNamespace(context=plain, input_fault=None), SimpleNamespace(verdict="unexplained")
+    unexplained.alternatives = ()
+    told = answer._next(evidence, unexplained)  # type: ignore[arg-type]
+    assert told is not None
+    assert told.startswith("Repeat one run") is asked
+    assert told.endswith("Record a free release and a step the other way.")

@@ -80,6 +80,7 @@ def test_thirty_folders_are_understood(tmp_path: Path) -> None:
         ("Commanded Pos", "other", None),
         ("velocity (mm/s)", "other", None),
         ("angle_deg", "position", "deg"),
+        ("θ (rad)", "position", "rad"),
         ("Position in µm", "position", "um"),
         ("[mm]", "position", "mm"),
         ("y (run 1) [mm]", "position", "mm"),

@@ -21,10 +21,11 @@ from stepid.fitting.covariance import effect_parameters, estimates
 from stepid.fitting.fit import unpack
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
+from stepid.fitting.noise_floor import repeats
 
 _REPEAT = "Repeat one run without changing anything: what differs between the repeats is no property of the plant. "
-_BESIDE_STEPS = "Then record a free release and a step the other way."
-_BESIDE_RELEASES = "Then record a release from the other side, and one from half as far."
+_BESIDE_STEPS = "Record a free release and a step the other way."
+_BESIDE_RELEASES = "Record a release from the other side, and one from half as far."
 _WEIGH = "Weigh the added masses, and state their uncertainty (weight_uncertainty): their errors would explain it, too."
 
 
@@ -118,8 +119,9 @@ def _next(evidence: EvidenceRecord, answer: Answer) -> str | None:
     if evidence.input_fault is not None:
         return evidence.input_fault.remedy
     if answer.verdict == "unexplained":
-        driven = evidence.context.records.driven.any()
-        return _REPEAT + (_BESIDE_STEPS if driven else _BESIDE_RELEASES)
+        records = evidence.context.records
+        beside = _BESIDE_STEPS if records.driven.any() else _BESIDE_RELEASES
+        return beside if repeats(records) else _REPEAT + beside
     return _WEIGH if answer.verdict == "ambiguous" else None
 
 

@@ -88,7 +88,7 @@ _WORDS: dict[Role, tuple[str, str]] = {  # whole words, and how longer words beg
     ),
     "position": (
         "x y pos position weg auslenkung deflection enc encoder lage travel distance dist angle winkel theta phi "
-        "abstand strecke laser lvdt height cart elongation hub stroke extension ort displ disp spostamento "
+        "θ ϑ φ ϕ abstand strecke laser lvdt height cart elongation hub stroke extension ort displ disp spostamento "
         "posizione lvdt1 q z läge laege lege stand amplitude positie plaats pot sensor measured messwert mass1 "
         "alpha yaw pitch roll tilt",
         "pos displ depl dépl spost despl auslenk deflect encod versch weg elong allong winkel angul",
