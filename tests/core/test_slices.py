@@ -68,8 +68,19 @@ def test_a_campaign_in_parts_holds_every_sample_once() -> None:
     assert of_one_recording(parts.experiments[:3])
 
 
+def test_parts_of_a_free_swing_start_in_motion_and_those_of_a_hold_may_hold_a_hand() -> None:
+    swing = 0.02 * np.exp(-0.02 * np.arange(240)) * np.cos(0.27 * np.arange(240))
+    held = np.concatenate([np.full(160, 0.02), swing])
+    plain = {"input_before": 0.0, "name": "a", "added_mass": 0.0, "spring": "s", "damper": "d"}
+    for position, starts in ((swing, ["auto", "motion", "motion"]), (held, ["auto", "auto", "motion"])):
+        time = 0.01 * np.arange(position.size)
+        run = Experiment(time=time, position=position, input=np.zeros(time.size), **plain)  # type: ignore[arg-type]
+        assert [part.starts for part in Campaign(name="rig", experiments=(run,)).in_parts(3)] == starts
+
+
 @pytest.mark.parametrize(
-    ("number", "message"), [(1, "is 1"), (2.0, "is 2.0"), (True, "is True"), (13, "a record needs at least 8")]
+    ("number", "message"),
+    [(1, "is 1"), (2.0, "is 2.0"), (True, "is True"), (13, "13 parts have 7; a part.* 12 at most")],
 )
 def test_parts_that_cannot_be(number: int, message: str) -> None:
     with pytest.raises(InputError, match=message):

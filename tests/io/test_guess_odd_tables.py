@@ -163,7 +163,7 @@ def test_what_is_no_rate_keeps_its_role(title: str, role: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "title", ["uncertainty A", "x uncertainty (m)", "sigma_x", "Unsicherheit Winkel", "std x [mm]"]
+    "title", ["uncertainty A", "x uncertainty (m)", "sigma_x", "Unsicherheit Winkel", "stdev x [mm]"]
 )
 def test_how_sure_a_reading_is_is_no_reading(title: str) -> None:
     assert read_title(title).role == "other"

@@ -42,7 +42,9 @@ def table(folder: Path, header: str, *, lengths: tuple[int, ...] = (), separator
             "drive",
             ["Run 1", "Run 2"],
         ),
-        ("t,x [mm] 1,x [mm] 2,u [V] 1,u [V] 2", "x [mm]", "u", ["run 1", "run 2"]),
+        ("t,x [mm] 1,x [mm] 2,u [mA] 1,u [mA] 2", "x [mm]", "u", ["run 1", "run 2"]),
+        ("t,x (A) [mm],x (N) [mm],u (A) [V],u (N) [V]", "x", "u", ["(A)", "(N)"]),
+        ("t,x(A)_mm,x(V)_mm,u(A)_V,u(V)_V", "x", "u", ["(A)", "(V)"]),
     ],
 )
 def test_names_tell_the_runs_apart(

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Self, cast, overload
 
 import numpy as np
 
 from stepid.core.base import Model
+from stepid.core.slices import parts_of
 from stepid.core.tables import text_table
 from stepid.core.takes import described
 from stepid.core.words import counted
@@ -103,12 +103,7 @@ class Runs(Model):
             raise InputError(
                 f"campaign {self.name!r}: the number of parts is {described(number)}", "Give a whole number from 2 on."
             )
-        runs: list[Experiment] = []
-        for run in self.experiments:
-            ends = [run.time.size * k // number for k in range(number + 1)]
-            parts = enumerate(pairwise(ends), 1)
-            runs += [run.slice(begin, end, name=f"{run.name}, part {k}") for k, (begin, end) in parts]
-        return self._of(tuple(runs))
+        return self._of(tuple(part for run in self.experiments for part in parts_of(run, int(number))))
 
     def summary(self) -> str:
         """Return a table of the runs."""

@@ -62,6 +62,25 @@ def segment(
     return fields if name is None else fields | {"name": name}
 
 
+def parts_of(run: Experiment, number: int) -> list[Experiment]:
+    """Equal parts of a record; those that begin while it swings freely, with no hand on the cart, start in motion."""
+    from stepid.core.hand import hand
+    from stepid.core.releases import split_releases
+
+    size = run.time.size
+    if size // number < _FEWEST:
+        raise InputError(
+            f"run {run.name!r}: of its {size} samples {number} parts have {size // number}; a part needs {_FEWEST}",
+            f"Give a smaller number of parts, {size // _FEWEST} at most.",
+        )
+    ends = [size * k // number for k in range(number + 1)]
+    parts = [run.slice(a, b, name=f"{run.name}, part {k}") for k, (a, b) in enumerate(pairwise(ends), 1)]
+    if not run.is_release or len(split_releases(run)) > 1:
+        return parts
+    free = hand(run).first
+    return [p.model_copy(update={"starts": "motion"}) if a > free else p for a, p in zip(ends, parts, strict=False)]
+
+
 def of_one_recording(runs: Sequence[Experiment]) -> bool:
     """Tell whether runs are parts of one recording: by their clock each goes on where another ends."""
     parts = sorted(runs, key=lambda run: float(run.time[0]))

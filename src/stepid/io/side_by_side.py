@@ -8,8 +8,10 @@ from typing import NamedTuple
 
 from stepid.errors import InputError
 
-_UNITS = "mm|cm|m|um|µm|deg|°|mrad|rad|s|ms|us|µs|V|mV|N|A|counts"
-_UNIT = re.compile(rf"\s*[\[(](?:{_UNITS})[\])]|\s*[\[(][^\])]*[\])]\s*$|[_ ](?:mm|cm|m|um|µm|s|ms|us|µs|V|mV|counts)$")
+_UNIT = re.compile(r"\s*[\[(][^\])]*[\])]\s*$|[_ ](?:mm|cm|m|um|µm|s|ms|us|µs|V|mV|counts)$")
+_WITHIN = re.compile(
+    r"\s*[\[(](?:mm|cm|m|um|µm|in|deg|degrees|°|mrad|rad|s|ms|us|µs|min|V|mV|N|mN|A|mA|N·m|counts)[\])]"
+)
 _BETWEEN = " _.:-"  # what may stand between a run and the name of a column
 _SHOWN = 12  # columns that a message lists
 
@@ -97,7 +99,7 @@ def _labeled(names: Sequence[str], stem: str, role: str, where: str) -> dict[str
 
 def _run_of(name: str, stem: str) -> str | None:
     """Which run a column is of: its name without a unit and without `stem`, which stands at either end, or between."""
-    bare, part = _UNIT.sub("", name).strip(), _UNIT.sub("", stem).strip()
+    bare, part = _without_unit(name), _without_unit(stem)
     at = [m.start() for m in re.finditer(re.escape(part), bare, re.IGNORECASE)]
     for i in at:
         before, after = bare[:i], bare[i + len(part) :]
@@ -105,6 +107,12 @@ def _run_of(name: str, stem: str) -> str | None:
         if apart and not (before and after):
             return (before or after).strip(_BETWEEN)
     return None
+
+
+def _without_unit(name: str) -> str:
+    """A name without the unit at its end, or else one within it: beside "[mm]" an "(A)" is a run."""
+    bare, at_end = _UNIT.subn("", name)
+    return (bare if at_end else _WITHIN.sub("", name)).strip()
 
 
 def _known(run: str, positions: Mapping[str, str], where: str) -> str:

@@ -70,7 +70,7 @@ _WORDS: dict[Role, tuple[str, str]] = {  # whole words, and how longer words beg
         "v n i nr no idx index sample samples set sp soll sollwert ref reference desired target wanted error err "
         "status state flag comment comments remark remarks note notes kommentar date datum fecha velocity speed "
         "vel acc a ax temperature label commentaire event marker counter row line zeile xref rref r gyro gyr rate "
-        "rates omega ω rpm sigma std stdev unc",
+        "rates omega ω rpm sigma stdev unc",
         "veloc vitess geschw snelh accel beschl setp consig referen kommentar remark comment temperat veloci sollw "
         "gyro uncert unsich incert",
     ),
