@@ -27,6 +27,7 @@ def test_masses_that_are_noted_for_each_other_are_found(
     swap = found(campaign(3, effects, masses=NOTED, true_masses=TRUE), *names)
     assert swap is not None
     assert swap.runs == (1, 2)
+    assert not swap.doubtful
     assert swap.optimum.problem.layout.mass(swap.optimum.shared)[0] == pytest.approx(0.95, rel=0.01)
 
 
@@ -40,6 +41,34 @@ def test_masses_that_are_noted_for_each_other_are_found(
 )
 def test_masses_that_no_exchange_mends_are_left(true: tuple[float, ...]) -> None:
     assert found(campaign(4, masses=NOTED, true_masses=true)) is None
+
+
+def test_masses_that_differ_by_less_than_they_are_known_are_not_exchanged() -> None:
+    noted, true = (0.0, 0.5, 0.53, 0.0, 1.0), (0.0, 0.53, 0.5, 0.0, 1.0)
+    whole = campaign(3, masses=noted, true_masses=true)
+    assert found(whole.model_copy(update={"weight_uncertainty": 0.005})) is None
+    swap = found(whole.model_copy(update={"weight_uncertainty": 0.001}))
+    assert swap is not None
+    assert swap.runs == (1, 2)
+
+
+NO_TELLING = (0.0, 0.0, 1.0, 2.0), (0.0, 0.0, 1.0, 0.5)  # twice the plant, and 1 and 2 kg exchanged, is the same
+
+
+def test_one_wrong_mass_that_does_as_well_leaves_an_exchange_in_doubt() -> None:
+    noted, true = NO_TELLING
+    swap = found(campaign(1, masses=noted, true_masses=true))
+    assert swap is not None
+    assert swap.runs == (2, 3)
+    assert swap.doubtful
+
+
+def test_the_diagnosis_tells_of_an_exchange_in_doubt() -> None:
+    noted, true = NO_TELLING
+    told = stepid.diagnose(campaign(1, masses=noted, true_masses=true), effort=stepid.Effort.quick())
+    assert [fault.kind for fault in told.faults] == ["added_mass"]
+    assert "on another plant" in told.notes[-1]
+    assert "'case 3' and 'case 4'" in told.notes[-1]
 
 
 def test_two_of_three_runs_agree_with_any_plant() -> None:

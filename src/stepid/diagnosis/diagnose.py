@@ -33,7 +33,7 @@ from stepid.fitting.multistart import FitContext
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.run_fault import accuse, find_fault
 from stepid.fitting.screening import split_campaign
-from stepid.fitting.swapped_weights import Swap, find_swap, swap_faults, without_swap
+from stepid.fitting.swapped_weights import Swap, doubt, find_swap, swap_faults, without_swap
 from stepid.simulation.threads import single_threaded
 from stepid.simulation.warm_up import warm_up
 
@@ -136,7 +136,8 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
     else:
         found = explored(context, how.catalogue, how.criteria, how.effort, how.tell)
         swap = _swap(found, how.criteria)
-        if swap is not None:
+        doubts = (doubt(swap),) if swap is not None and swap.doubtful else ()
+        if swap is not None and not doubts:
             runs = without_swap(campaign.experiments, swap)
             return _anew(campaign, runs, how, (*accused, *swap_faults(swap)))
         alone = _fault_beside_the_plant(context, found, how.criteria)
@@ -145,10 +146,10 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
             others = [run for run in campaign.experiments if run.name != fault.run]
             done = _anew(campaign, others, how, (*accused, _left_out(fault)))
             if alone or done.verdict != "unexplained":  # else what it was accused beside explains nothing
-                return done
+                return done.model_copy(update={"notes": (*done.notes, *doubts)})
         without = _without_an_odd_run(campaign, found, how, accused)
         if without is not None:
-            return without
+            return without.model_copy(update={"notes": (*without.notes, *doubts)})
     how.tell(Progress("runs held out", best=found.best.names))
     faults = (*accused, *found.context.faults)
     eccentric = None if wrong_input is not None else _eccentricity(found, how.criteria, accused)

@@ -21,7 +21,7 @@ class RecordFault(Model):
     unit : str
         SI, ``"m"``; ``""`` for a pure number.
     words : str
-        One sentence for the user.
+        What the user is told.
     """
 
     run: Label

@@ -8,6 +8,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 from stepid.core.experiment import Experiment
+from stepid.fitting.deviations import with_fault
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import build, fixes_mass
 from stepid.fitting.record_fault import RecordFault
@@ -15,22 +16,25 @@ from stepid.fitting.run_fault_size import noise_cost
 from stepid.simulation.records import Records
 
 _FEWEST = 4  # runs: any two of three agree with some plant
-_DECIDES = 10.0  # χ² by which one exchange must be the better one
+_APART = 7.0  # times the uncertainty of one weight, by which two masses differ at least: five of their difference
+_DECIDES = 10.0  # χ² by which an exchange must be better than another one, or than one wrong mass
 _TRIED = 2  # exchanges beside an effect, the best ones of the linear plant
+_FROM = (0.0, 1.0, 3.0)  # times what an exchange changes, from where one wrong mass is looked for
 _LAPS = 8  # steps of a fit: a linear plant is there after five
 
 Pair = tuple[int, int]
 
 
 class Swap(NamedTuple):
-    """Two runs, by index, and the fit in which their added masses are exchanged."""
+    """Two runs, by index, and the fit with their masses exchanged; `doubtful` where one wrong mass does as well."""
 
     runs: Pair
     optimum: Optimum
+    doubtful: bool = False
 
 
 def find_swap(linear: Optimum, beside: Optimum | None, floor: float) -> Swap | None:
-    """Find two runs whose added masses, exchanged, leave nothing but noise.
+    """Find two runs whose added masses, exchanged, leave nothing but noise, where as they are noted they leave more.
 
     An exchange has no size that could be fitted: it explains the misfit as a whole or not.
 
@@ -39,7 +43,7 @@ def find_swap(linear: Optimum, beside: Optimum | None, floor: float) -> Swap | N
     linear : Optimum
         The linear plant, fitted to all runs.
     beside : Optimum or None
-        A fit with an effect, which is asked where the linear plant leaves more.
+        A fit with an effect, which is asked where no exchange is found beside the linear plant.
     floor : float
         m, noise floor.
 
@@ -49,15 +53,21 @@ def find_swap(linear: Optimum, beside: Optimum | None, floor: float) -> Swap | N
         None where no exchange, or more than one, does so.
     """
     records = linear.problem.records
-    if len(records.runs) < _FEWEST or fixes_mass(records) is not None:
+    noise = noise_cost(records, floor)
+    if len(records.runs) < _FEWEST or fixes_mass(records) is not None or linear.cost <= noise:
         return None
-    mass, base = records.added_mass, records.base
-    every = [(i, j) for i, j in combinations(range(len(mass)), 2) if mass[i] != mass[j] and base[i] == base[j]]
-    order = _exchanged(linear, every, floor)
-    found = _only(order, floor)
-    if found is None and beside is not None:
-        found = _only(_exchanged(beside, [swap.runs for swap in order[:_TRIED]], floor), floor)
-    return found
+    order = _exchanged(linear, _pairs(records), floor)
+    found, asked = _only(order, floor), linear
+    if found is None and beside is not None and beside.cost > noise:
+        found, asked = _only(_exchanged(beside, [swap.runs for swap in order[:_TRIED]], floor), floor), beside
+    return None if found is None else found._replace(doubtful=_one_wrong(asked, found, floor))
+
+
+def _pairs(records: Records) -> list[Pair]:
+    """Runs of one base whose masses differ by more than the weights are unsure."""
+    mass, base, least = records.added_mass, records.base, _APART * records.weight_uncertainty
+    every = combinations(range(len(mass)), 2)
+    return [(i, j) for i, j in every if base[i] == base[j] and abs(mass[i] - mass[j]) > least]
 
 
 def _exchanged(optimum: Optimum, pairs: Sequence[Pair], floor: float) -> list[Swap]:
@@ -85,17 +95,43 @@ def _only(order: Sequence[Swap], floor: float) -> Swap | None:
     return None if near else order[0]
 
 
+def _one_wrong(optimum: Optimum, swap: Swap, floor: float) -> bool:
+    """Tell whether one wrong mass explains as much: too few others are left then that would tell which it is."""
+    records, most = optimum.problem.records, swap.optimum.cost + _DECIDES * floor**2
+    off = swap.optimum.problem.records.added_mass - records.added_mass  # of the two, kg
+    for run in range(len(records.runs)):
+        problem = with_fault(optimum.problem, run, "added_mass")
+        row = problem.layout.deviation("added_mass")
+        for size in dict.fromkeys(share * float(off[run]) for share in _FROM):
+            local = optimum.local.copy()
+            local[row, run] = size
+            fitted = minimize(problem, optimum.shared, local, tolerance=floor**2, iterations=4 * _LAPS, aim=most)
+            if fitted is not None and fitted.cost < most:
+                return True
+    return False
+
+
 def swap_faults(swap: Swap) -> tuple[RecordFault, ...]:
     """What is wrong with either run: the mass that it has beyond the one noted."""
     records = swap.optimum.problem.records
     runs, has = [records.runs[i] for i in swap.runs], [float(records.added_mass[i]) for i in swap.runs]
     words = (
         f"The added masses of runs {runs[0].name!r} and {runs[1].name!r} are noted for each other: with {has[0]:g} kg "
-        f"and {has[1]:g} kg all runs agree. Weigh them again. They are exchanged in this diagnosis."
+        f"and {has[1]:g} kg all runs agree. Weigh them again. They are exchanged in this diagnosis, not in the records."
     )
     return tuple(
         RecordFault(run=run.name, kind="added_mass", size=mass - run.added_mass, unit="kg", words=words)
         for run, mass in zip(runs, has, strict=True)
+    )
+
+
+def doubt(swap: Swap) -> str:
+    """What is said beside an accused run where an exchange does as well."""
+    records = swap.optimum.problem.records
+    names, has = [records.runs[i].name for i in swap.runs], [float(records.added_mass[i]) for i in swap.runs]
+    return (
+        f"All runs agree as well, on another plant, if the added masses of {names[0]!r} and {names[1]!r} are noted for "
+        f"each other: {has[0]:g} kg and {has[1]:g} kg. Weigh them again: all parameters depend on it."
     )
 
 
