@@ -131,6 +131,7 @@ def _prepared(campaign: Campaign, how: _How) -> Diagnosis:
 def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tuple[RecordFault, ...] = ()) -> Diagnosis:
     """Diagnose what was laid out; a run that is plainly at fault is left out, and the rest diagnosed anew."""
     wrong_input = find_input_fault(context)
+    doubts: tuple[str, ...] = ()
     if wrong_input is not None:
         found = Found(context, (linear_candidate(context),))
     else:
@@ -146,10 +147,10 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
             others = [run for run in campaign.experiments if run.name != fault.run]
             done = _anew(campaign, others, how, (*accused, _left_out(fault)))
             if alone or done.verdict != "unexplained":  # else what it was accused beside explains nothing
-                return done.model_copy(update={"notes": (*done.notes, *doubts)})
+                return _noting(done, doubts)
         without = _without_an_odd_run(campaign, found, how, accused)
         if without is not None:
-            return without.model_copy(update={"notes": (*without.notes, *doubts)})
+            return _noting(without, doubts)
     how.tell(Progress("runs held out", best=found.best.names))
     faults = (*accused, *found.context.faults)
     eccentric = None if wrong_input is not None else _eccentricity(found, how.criteria, accused)
@@ -160,7 +161,11 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
             return done
         faults += (eccentric.fault,)
     evidence = EvidenceRecord(found.context, how.criteria, found.candidates, wrong_input, faults)
-    return report(campaign, evidence, judge(evidence))
+    return _noting(report(campaign, evidence, judge(evidence)), doubts)
+
+
+def _noting(done: Diagnosis, more: tuple[str, ...]) -> Diagnosis:
+    return done.model_copy(update={"notes": (*done.notes, *more)}) if more else done
 
 
 def _anew(campaign: Campaign, runs: Sequence[Experiment], how: _How, accused: tuple[RecordFault, ...]) -> Diagnosis:
