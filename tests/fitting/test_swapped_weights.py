@@ -85,6 +85,8 @@ def test_the_diagnosis_exchanges_them_and_says_so() -> None:
     assert told.parameters["base_mass"].value == pytest.approx(0.95, rel=0.01)
     sizes = {fault.run: (fault.kind, fault.size, fault.unit) for fault in told.faults}
     assert sizes == {"case 2": ("added_mass", 1.0, "kg"), "case 3": ("added_mass", -1.0, "kg")}
+    assert told.data is not None
+    assert [run.added_mass for run in told.data] == list(TRUE)  # the tables and the peak method take these
     said = [note for note in told.notes if "noted for each other" in note]
     assert len(said) == 1
     assert "runs 'case 2' and 'case 3'" in said[0]

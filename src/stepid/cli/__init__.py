@@ -193,7 +193,7 @@ def diagnose(
         )
         by_hand: IdentifiedParameters | StepidError
         try:
-            by_hand = stepid.identify(read)
+            by_hand = stepid.identify(found.data or read)  # with what was noted wrongly put right
         except IdentificationError as error:
             by_hand = error
         sections = diagnosis_report(found, by_hand)

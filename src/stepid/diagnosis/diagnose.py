@@ -139,8 +139,8 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
         swap = _swap(found, how.criteria)
         doubts = (doubt(swap),) if swap is not None and swap.doubtful else ()
         if swap is not None and not doubts:
-            runs = without_swap(campaign.experiments, swap)
-            return _anew(campaign, runs, how, (*accused, *swap_faults(swap)))
+            exchanged = campaign.model_copy(update={"experiments": without_swap(campaign.experiments, swap)})
+            return _diagnosed(exchanged, prepare(exchanged, workers=how.workers), how, (*accused, *swap_faults(swap)))
         alone = _fault_beside_the_plant(context, found, how.criteria)
         fault = alone or _fault_beside_effects(context, found, how.criteria)
         if fault is not None:

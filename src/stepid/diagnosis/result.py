@@ -203,7 +203,8 @@ class Diagnosis(Written):
     wrong_inputs : tuple of str
         Runs whose input is plainly not what their record says between the samples: then no model can be judged.
     data : Campaign or None
-        What was diagnosed, kept so that a report can show the peak method beside it.
+        What was diagnosed, kept so that a report can show the peak method beside it; added masses that were noted for
+        each other are exchanged in it.
     motion, input_unit : str
         Of the campaign, see `stepid.Campaign`.
     """

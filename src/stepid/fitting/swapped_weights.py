@@ -117,7 +117,7 @@ def swap_faults(swap: Swap) -> tuple[RecordFault, ...]:
     runs, has = [records.runs[i] for i in swap.runs], [float(records.added_mass[i]) for i in swap.runs]
     words = (
         f"The added masses of runs {runs[0].name!r} and {runs[1].name!r} are noted for each other: with {has[0]:g} kg "
-        f"and {has[1]:g} kg all runs agree. Weigh them again. They are exchanged in this diagnosis, not in the records."
+        f"and {has[1]:g} kg all runs agree. Weigh them again. They are exchanged in this diagnosis."
     )
     return tuple(
         RecordFault(run=run.name, kind="added_mass", size=mass - run.added_mass, unit="kg", words=words)
@@ -135,8 +135,8 @@ def doubt(swap: Swap) -> str:
     )
 
 
-def without_swap(runs: Sequence[Experiment], swap: Swap) -> list[Experiment]:
+def without_swap(runs: Sequence[Experiment], swap: Swap) -> tuple[Experiment, ...]:
     """The runs of a campaign with the two masses exchanged."""
     records = swap.optimum.problem.records
     has = {records.runs[i].name: float(records.added_mass[i]) for i in swap.runs}
-    return [run.model_copy(update={"added_mass": has.get(run.name, run.added_mass)}) for run in runs]
+    return tuple(run.model_copy(update={"added_mass": has.get(run.name, run.added_mass)}) for run in runs)
