@@ -17,7 +17,7 @@ from stepid.fitting.coordinates import Coordinates
 from stepid.fitting.input_fault import InputFault, changes_throughout
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.screening import _why_still
-from stepid.fitting.tangent import scaled_parts
+from stepid.fitting.tangent import scaled_to_one
 
 
 def run(volts: Array, **more: Any) -> stepid.Experiment:
@@ -42,10 +42,10 @@ def test_a_run_in_which_nothing_moves_is_told_with_its_command() -> None:
 
 
 def test_nothing_is_scaled_to_nothing() -> None:
-    blocks = [np.zeros((2, 2)), np.full((2, 1), np.inf), np.array([[3.0, 0.0, 1e-14], [4.0, 0.0, 0.0]])]
-    kept = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1e-13])  # of the last column rounding alone is left
-    none, endless, found = scaled_parts(lambda seen: seen * kept, blocks)
-    assert (none, endless) == (None, None)
+    least = np.array([1e-12, 0.0, 1e-13])
+    assert scaled_to_one(np.zeros((5, 2)), least[:2]) is None
+    assert scaled_to_one(np.full((5, 1), np.inf), least[:1]) is None
+    found = scaled_to_one(np.array([[3.0, 0.0, 1e-14], [4.0, 0.0, 0.0]]), least)
     assert found is not None
     assert found[0].tolist() == [[0.6, 0.0, 0.0], [0.8, 0.0, 0.0]]
     assert found[1].tolist() == [5.0, math.inf, math.inf]

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
@@ -37,12 +35,6 @@ class Tangent:
         self.left = self.beyond(self._residual) if instead is not None else self._residual
         self.samples = float(self.left.size - self._basis.shape[1])
 
-    @cached_property
-    def _inverse(self) -> Array:
-        """From what the parameters can do about a residual to their step, in units of the columns' sizes."""
-        out: Array = np.linalg.pinv(self._upper, rcond=OPEN)
-        return out
-
     def beyond(self, seen: Array) -> Array:
         """The part of some responses, shape (S,) or (S, k), that the fit's own parameters cannot follow."""
         out: Array = seen - self._basis @ (self._basis.T @ seen)
@@ -52,7 +44,7 @@ class Tangent:
         """Parameters of the fit beside a response of shape (S,), within their bounds."""
         base, instead, kept = self._base, self._instead, self._kept
         rest = (self.left if instead is not None else self._residual) - seen
-        change = self._inverse @ (self._basis.T @ rest) / self._size
+        change = np.linalg.lstsq(self._upper, self._basis.T @ rest, rcond=OPEN)[0] / self._size
         shared = base.shared.copy()
         if instead is not None and instead.row is None:
             shared[instead.own] = instead.values
@@ -62,22 +54,22 @@ class Tangent:
 
 
 def scaled_parts(beyond: Callable[[Array], Array], blocks: Sequence[Array]) -> list[tuple[Array, Array] | None]:
-    """What `beyond` leaves of blocks of responses, shape (S, k) each, all at once: scaled to one, and their norms.
-
-    Columns of one start differ in unit: no norm says what another is worth. It is infinite where rounding alone is
-    left; None stands for a block of which nothing is.
-    """
+    """What `beyond` leaves of blocks of responses, shape (S, k) each, all at once; each as `scaled_to_one` does."""
     if not blocks:
         return []
-    whole = np.concatenate(blocks, axis=1)
+    ends, whole = np.cumsum([block.shape[1] for block in blocks])[:-1], np.concatenate(blocks, axis=1)
     rounding = _ROUNDING * np.linalg.norm(whole, axis=0)
-    whole = beyond(whole)
-    scale = np.linalg.norm(whole, axis=0)
-    told = np.where(scale <= rounding, np.inf, scale)
-    with np.errstate(invalid="ignore"):  # of a runaway's response nothing is asked for
-        whole /= told
-    ends = np.cumsum([0, *(block.shape[1] for block in blocks)])
-    return [
-        (whole[:, a:b], told[a:b]) if np.isfinite(scale[a:b]).all() and scale[a:b].any() else None
-        for a, b in pairwise(ends)
-    ]
+    parts = np.split(beyond(whole), ends, axis=1), np.split(rounding, ends)
+    return [scaled_to_one(part, least) for part, least in zip(*parts, strict=True)]
+
+
+def scaled_to_one(columns: Array, least: Array) -> tuple[Array, Array] | None:
+    """Columns scaled to a norm of one, and their norms, infinite below the `least`; None where nothing is left.
+
+    Columns of one start differ in unit: no norm says what another is worth.
+    """
+    scale = np.linalg.norm(columns, axis=0)
+    if not np.isfinite(scale).all() or scale.max(initial=0.0) <= 0:
+        return None
+    scale[scale <= least] = np.inf
+    return columns / scale, scale
