@@ -13,6 +13,7 @@ from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import fixes_mass
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.run_fault_size import (
+    DECIDES,
     REACHED,
     count_samples,
     noise_cost,
@@ -30,7 +31,6 @@ _WORTH = {"added_mass": 0.02, "stiffness": 0.05, "damping": 0.05, "gain": 0.03, 
 _HINT = 0.15  # share of the misfit that a linearized step must promise: a fault takes 0.7, a step tells a quarter of it
 _TRIED = 6  # fits
 _STANDS_OUT = 0.3  # share of the cost left, by far less than by any other run's fault, where more is missing
-_DECIDES = 10.0  # χ² by which one explanation must be the better one
 _NEAR, _ROUGH = 0.03, 0.15  # relative, of a factor to a round one: linear plants, plants with effects
 _SHARED = 0.5  # share of a run's gain by a drift that a drift in all runs may have
 _GROSS = 5.0  # times the floor, misfit that no curve of the drive turns into noise by one mass or stiffness
@@ -97,12 +97,12 @@ def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0, patterned: bool
         return None
     found = _all_fitted(optimum, _candidates(optimum, excess), floor)
     level = max(floor, np.sqrt(found[0].cost / count_samples(records))) if found else floor
-    close = [f for f in found if f.cost < found[0].cost + _DECIDES * level**2]  # a worse explanation is none
+    close = [f for f in found if f.cost < found[0].cost + DECIDES * level**2]  # a worse explanation is none
     for best in close:
         others = [f for f in found if f.run != best.run]
         if not (_has_size(best, sure) and _explains(best, optimum, others, floor)):
             continue
-        near = best.cost + _DECIDES * level**2
+        near = best.cost + DECIDES * level**2
         rivals = dict.fromkeys(records.runs[f.run].name for f in others if f.cost < near and _has_size(f, sure))
         fault = RecordFault(
             run=records.runs[best.run].name,

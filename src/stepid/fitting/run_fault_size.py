@@ -13,6 +13,7 @@ from stepid.fitting.levenberg_marquardt import Optimum, Problem
 from stepid.simulation.records import Records
 
 REACHED = 1.08  # times the floor, to have explained all
+DECIDES = 10.0  # χ² by which one explanation must be the better one
 
 
 def count_samples(records: Records) -> float:

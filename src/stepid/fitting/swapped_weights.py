@@ -12,12 +12,11 @@ from stepid.fitting.deviations import with_fault
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import build, fixes_mass
 from stepid.fitting.record_fault import RecordFault
-from stepid.fitting.run_fault_size import noise_cost
+from stepid.fitting.run_fault_size import DECIDES, noise_cost
 from stepid.simulation.records import Records
 
 _FEWEST = 4  # runs: any two of three agree with some plant
 _APART = 7.0  # times the uncertainty of one weight, by which two masses differ at least: five of their difference
-_DECIDES = 10.0  # χ² by which an exchange must be better than another one, or than one wrong mass
 _TRIED = 2  # exchanges beside an effect, the best ones of the linear plant
 _FROM = (0.0, 1.0, 3.0)  # times what an exchange changes, from where one wrong mass is looked for
 _LAPS = 8  # steps of a fit: a linear plant is there after five
@@ -31,6 +30,12 @@ class Swap(NamedTuple):
     runs: Pair
     optimum: Optimum
     doubtful: bool = False
+
+    @property
+    def masses(self) -> dict[str, float]:
+        """Of the two runs, by name, as exchanged, kg."""
+        records = self.optimum.problem.records
+        return {records.runs[i].name: float(records.added_mass[i]) for i in self.runs}
 
 
 def find_swap(linear: Optimum, beside: Optimum | None, floor: float) -> Swap | None:
@@ -91,13 +96,13 @@ def _only(order: Sequence[Swap], floor: float) -> Swap | None:
     """The first, where it leaves only noise and no other comes near."""
     if not order or order[0].optimum.cost > noise_cost(order[0].optimum.problem.records, floor):
         return None
-    near = [swap for swap in order[1:] if swap.optimum.cost < order[0].optimum.cost + _DECIDES * floor**2]
+    near = [swap for swap in order[1:] if swap.optimum.cost < order[0].optimum.cost + DECIDES * floor**2]
     return None if near else order[0]
 
 
 def _one_wrong(optimum: Optimum, swap: Swap, floor: float) -> bool:
     """Tell whether one wrong mass explains as much: too few others are left then that would tell which it is."""
-    records, most = optimum.problem.records, swap.optimum.cost + _DECIDES * floor**2
+    records, most = optimum.problem.records, swap.optimum.cost + DECIDES * floor**2
     off = swap.optimum.problem.records.added_mass - records.added_mass  # of the two, kg
     for run in range(len(records.runs)):
         problem = with_fault(optimum.problem, run, "added_mass")
@@ -113,30 +118,28 @@ def _one_wrong(optimum: Optimum, swap: Swap, floor: float) -> bool:
 
 def swap_faults(swap: Swap) -> tuple[RecordFault, ...]:
     """What is wrong with either run: the mass that it has beyond the one noted."""
-    records = swap.optimum.problem.records
-    runs, has = [records.runs[i] for i in swap.runs], [float(records.added_mass[i]) for i in swap.runs]
+    noted = {run.name: run.added_mass for run in swap.optimum.problem.records.runs}
+    (one, its), (other, that) = swap.masses.items()
     words = (
-        f"The added masses of runs {runs[0].name!r} and {runs[1].name!r} are noted for each other: with {has[0]:g} kg "
-        f"and {has[1]:g} kg all runs agree. Weigh them again. They are exchanged in this diagnosis."
+        f"The added masses of runs {one!r} and {other!r} are noted for each other: with {its:g} kg and {that:g} kg all "
+        "runs agree. Weigh them again. They are exchanged in this diagnosis."
     )
     return tuple(
-        RecordFault(run=run.name, kind="added_mass", size=mass - run.added_mass, unit="kg", words=words)
-        for run, mass in zip(runs, has, strict=True)
+        RecordFault(run=name, kind="added_mass", size=mass - noted[name], unit="kg", words=words)
+        for name, mass in swap.masses.items()
     )
 
 
 def doubt(swap: Swap) -> str:
     """What is said beside an accused run where an exchange does as well."""
-    records = swap.optimum.problem.records
-    names, has = [records.runs[i].name for i in swap.runs], [float(records.added_mass[i]) for i in swap.runs]
+    (one, its), (other, that) = swap.masses.items()
     return (
-        f"All runs agree as well, on another plant, if the added masses of {names[0]!r} and {names[1]!r} are noted for "
-        f"each other: {has[0]:g} kg and {has[1]:g} kg. Weigh them again: all parameters depend on it."
+        f"All runs agree as well, on another plant, if the added masses of {one!r} and {other!r} are noted for each "
+        f"other: {its:g} kg and {that:g} kg. Weigh them again: all parameters depend on it."
     )
 
 
 def without_swap(runs: Sequence[Experiment], swap: Swap) -> tuple[Experiment, ...]:
     """The runs of a campaign with the two masses exchanged."""
-    records = swap.optimum.problem.records
-    has = {records.runs[i].name: float(records.added_mass[i]) for i in swap.runs}
+    has = swap.masses
     return tuple(run.model_copy(update={"added_mass": has.get(run.name, run.added_mass)}) for run in runs)
