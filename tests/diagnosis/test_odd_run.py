@@ -39,6 +39,14 @@ def test_the_run_that_takes_the_misfit_with_it_is_outlying() -> None:
     assert outlying_runs(prepare(scaled(carts(2, FRICTION), 3, -1.0)))[0] == 3
 
 
+def test_beside_a_strong_law_a_run_is_outlying_that_the_linear_plant_hides() -> None:
+    context = prepare(carts(3, BENT, true_masses=(0, 0, 0.5, 1.0, 1.5, 1.5)))
+    law = fit_effects(context, resolve(("cubic_stiffness",)))
+    assert law is not None
+    assert outlying_runs(context) == []
+    assert outlying_runs(context, [law]) == [3]
+
+
 def test_a_run_whose_label_no_other_has_is_not_outlying() -> None:
     wrong = scaled(carts(2, FRICTION), 3, -1.0)
     assert outlying_runs(prepare(changed(wrong, 3, damper="another"))) == []
@@ -68,13 +76,13 @@ def test_a_wrong_scale_is_told_beside_friction(factor: float) -> None:
     assert (found.kind, found.size) == ("gain", factor)
 
 
-def touched(seed: int, volts: tuple[float, ...]) -> stepid.Campaign:
+def touched(seed: int, volts: tuple[float, ...], effects: dict[str, dict[str, float]] = FRICTION) -> stepid.Campaign:
     """A push in the third run that its input does not tell."""
     pushed = inputs(volts[2])
     pushed[120:128] -= 0.8
     drives = [inputs(v) for v in volts]
     hand = campaign(
-        seed, FRICTION, masses=MASSES, springs=["medium"] * 6, drives=[*drives[:2], pushed, *drives[3:]], volts=volts
+        seed, effects, masses=MASSES, springs=["medium"] * 6, drives=[*drives[:2], pushed, *drives[3:]], volts=volts
     )
     return changed(hand, 2, input=drives[2])
 
@@ -84,6 +92,25 @@ def test_a_run_that_was_touched_disagrees() -> None:
     assert found is not None
     assert (found.run, found.kind, found.unit) == ("case 3", "disagreement", "m")
     assert "Was the cart touched" in found.words
+
+
+DRAGGED = {**BENT, "quadratic_damping": {"coefficient": 20.0}}  # the fitted model has no drag
+
+
+def test_a_mistake_is_told_where_more_than_noise_is_left_in_all_runs() -> None:
+    found = fault(carts(3, DRAGGED, true_masses=(0, 0, 0.5, 1.0, 1.5, 1.5)), 3, "cubic_stiffness")
+    assert found is not None
+    assert (found.kind, found.size) == ("added_mass", pytest.approx(0.5, abs=0.03))
+
+
+def test_a_run_does_not_disagree_with_a_model_that_leaves_more_than_noise() -> None:
+    assert fault(touched(5, VOLTS, DRAGGED), 2, "cubic_stiffness") is None
+    assert fault(touched(5, VOLTS, DRAGGED), 2, "cubic_stiffness", "quadratic_damping") is not None
+
+
+def test_a_run_that_others_are_nearly_as_far_from_the_model_as_is_not_odd() -> None:
+    assert fault(carts(3, BENT, true_masses=(0, 0, 0.5, 0.6, 1.5, 1.5)), 3) is None
+    assert fault(carts(3, BENT, true_masses=(0, 0, 0.5, 0.6, 1.5, 1.5)), 3, "cubic_stiffness") is not None
 
 
 @pytest.mark.parametrize("volts", [(0.5, 0.5, -0.5, 0.5, 0.5, 0.5), (0.5, -0.5, 0.9, -0.5, 0.5, -0.5)])

@@ -178,16 +178,14 @@ def _anew(campaign: Campaign, runs: Sequence[Experiment], how: _How, accused: tu
 def _without_an_odd_run(
     campaign: Campaign, found: Found, how: _How, accused: tuple[RecordFault, ...]
 ) -> Diagnosis | None:
-    """Diagnose without one run that takes most of the misfit, where that leaves only noise in all others."""
+    """Diagnose without one run that takes most of the misfit, where that explains all others."""
     context = found.context
     if at_floor(context, how.criteria, found.best) or context.by_weights is not None:
         return None
-    for run in outlying_runs(context)[:_OUTLYING]:
+    for run in outlying_runs(context, [c.optimum for c in found.single])[:_OUTLYING]:
         name = context.records.runs[run].name
         rest = campaign.model_copy(update={"experiments": tuple(e for e in campaign.experiments if e.name != name)})
         fewer = explored(prepare(rest, workers=how.workers), how.catalogue, how.criteria, how.effort, how.tell)
-        if not at_floor(fewer.context, how.criteria, fewer.best):
-            continue
         evidence = EvidenceRecord(fewer.context, how.criteria, fewer.candidates)
         answer = judge(evidence)
         fault = fault_of(context, run, answer.shown) if answer.verdict != "unexplained" else None

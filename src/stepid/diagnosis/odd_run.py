@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +18,7 @@ from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build, start_local
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.run_fault import is_extreme, told
+from stepid.fitting.run_fault_size import count_samples, noise_cost
 from stepid.fitting.run_fault_words import ROUND, UNITS, fault_words
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import Simulator
@@ -34,34 +35,38 @@ _LABELS, _ALIKE = ("stiffness", "damping"), 0.1  # relative, as far as a run's o
 _Mistake = tuple[str, float, float, Optimum]
 
 
-def outlying_runs(context: FitContext) -> list[int]:
-    """Runs without which a linear plant leaves far less, worst first, by index.
+def outlying_runs(context: FitContext, laws: Sequence[Optimum] = ()) -> list[int]:
+    """Runs without which the linear plant, or one of some laws, leaves far less, worst first, by index.
 
-    A law that all runs follow is left by any of them; a run that is wrong takes most of the misfit with it. Only runs
-    whose labels occur in others come into question.
+    What all runs follow is left by any of them; a run that is wrong takes most of the misfit with it. Only runs whose
+    labels occur in others come into question.
 
     Parameters
     ----------
     context : FitContext
+    laws : sequence of Optimum
+        Fits to all runs, alike in all: beside a strong law no run stands out of what the linear plant leaves.
     """
-    records, linear = context.records, context.linear
-    count = float((records.weight**2).sum())
-    every, found = range(len(records.runs)), {}
+    records = context.records
+    every, found = range(len(records.runs)), dict[int, float]()
     for run in qualifying(records) if len(every) >= _FEWEST else ():
         kept = [i for i in every if i != run]
         rest = records.subset(kept)
-        problem = build(rest, ())
-        without = minimize(problem, linear.shared, linear.local[:, kept], tolerance=context.tolerance, iterations=_LAPS)
-        if without is not None:
-            found[run] = without.cost / float((rest.weight**2).sum()) / (linear.cost / count)
+        for whole in (context.linear, *laws):
+            problem, local = build(rest, whole.problem.simulator.effects), whole.local[:, kept]
+            without = minimize(problem, whole.shared, local, tolerance=context.tolerance, iterations=_LAPS)
+            if without is not None:
+                left = _mean_square(without) / _mean_square(whole)
+                found[run] = min(left, found.get(run, left))
     return sorted((run for run, left in found.items() if left <= _STANDS_OUT), key=lambda run: found[run])
 
 
 def fault_of(context: FitContext, run: int, shown: Candidate) -> RecordFault | None:
-    """What is wrong with a run, by the model that leaves only noise in all others; None where that may be a law.
+    """What is wrong with a run, by the model of all others; None where that may be a law.
 
     The plant is that of the others. One label, scale or start of the run is changed, from wherever such mistakes lead:
-    what takes most of its misfit then is told. Else the run disagrees, if others like it do not.
+    what takes most of its misfit then is told. Else the run disagrees, if others like it do not, where these are left
+    with noise only. Where they are left with more, it is odd if it is by far worse than the worst of them.
 
     Parameters
     ----------
@@ -77,6 +82,8 @@ def fault_of(context: FitContext, run: int, shown: Candidate) -> RecordFault | N
     plain = _fitted(alone, shared)
     if plain is None or (before := plain.cost) <= 0:
         return None
+    if _worst(shown.optimum) > _STANDS_OUT * _mean_square(plain):
+        return None
     unsure = _stands_alone(records, run) or len(records.runs) < _SOME
     every = [one for one in _mistakes(alone, shared, context, run) if one[0] not in _LABELS or _is_label(one, shared)]
     found = min(every, key=lambda one: one[2], default=None)
@@ -85,13 +92,25 @@ def fault_of(context: FitContext, run: int, shown: Candidate) -> RecordFault | N
         kind, size, _, optimum = found
         words = fault_words(optimum, 0, kind, size, ())
         return RecordFault(run=name, kind=kind, size=told(optimum, 0, kind, size), unit=UNITS[kind], words=words)
-    if unsure:
+    if unsure or shown.optimum.cost > noise_cost(shown.optimum.problem.records, context.floor):
         return None
     words = (
         f"Run {name!r} disagrees by {length(plain.rms)} RMS with a model that leaves only noise in all others. "
         "Was the cart touched, or is a label or the input wrong? Record it again."
     )
     return RecordFault(run=name, kind="disagreement", size=plain.rms, unit="m", words=words)
+
+
+def _mean_square(fitted: Optimum) -> float:
+    """Mean square misfit [m²]."""
+    return fitted.cost / count_samples(fitted.problem.records)
+
+
+def _worst(fitted: Optimum) -> float:
+    """The same of the run that a fit describes worst."""
+    records = fitted.problem.records
+    squares, weights = (records.weight * fitted.residual) ** 2, records.weight**2
+    return max(float(squares[own].sum() / weights[own].sum()) for own in records.pieces())
 
 
 def _mistakes(alone: Problem, shared: Array, context: FitContext, run: int) -> Iterator[_Mistake]:
@@ -109,8 +128,9 @@ def _mistakes(alone: Problem, shared: Array, context: FitContext, run: int) -> I
         problem, row = with_fault(alone, 0, kind), of.deviation(kind)
         for size in sizes:
             fitted = _fitted(problem, shared, row, float(size))
-            if fitted is not None:
-                yield kind, float(fitted.local[row, 0]), fitted.cost, fitted
+            own = float(fitted.local[row, 0]) if fitted is not None else 0.0
+            if fitted is not None and not (kind == "added_mass" and records.added_mass[run] + own < 0):
+                yield kind, own, fitted.cost, fitted
     for factor in ROUND:
         scaled = replace(alone.records, position=alone.records.position / factor)
         sim = alone.simulator
