@@ -14,7 +14,7 @@ import pytest
 from broken_campaigns import campaign
 from made_up_evidence import FLOOR, RUNS, SAMPLES, Told, candidate, context, evidence, losing, white
 from stepid.core.estimate import Estimate
-from stepid.diagnosis import gather, vetoes
+from stepid.diagnosis import gather, refutation, vetoes
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.explore import linear_candidate
@@ -86,7 +86,7 @@ def rough(criteria: Criteria) -> str:
     told.coarse_linear, told.noise_cost = SimpleNamespace(cost=101.0), 1.0
     law = FreeLaw("velocity", share=0.8, power=2.0)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(gather, "free_laws", lambda *_: (law,))
+        patch.setattr(refutation, "free_laws", lambda *_: (law,))
         patch.setattr(gather, "states_of_all", lambda *_: (frozenset({"velocity"}),))
         return EvidenceRecord(told, criteria, (candidate(),)).refuted(candidate(["quadratic_damping"], times=3.0))
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from made_up_evidence import FLOOR, candidate, context, evidence, losing
-from stepid.diagnosis import free_law, gather, verdict, vetoes
+from stepid.diagnosis import free_law, gather, refutation, verdict, vetoes
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, is_white
 from stepid.diagnosis.free_law import FreeLaw
@@ -30,7 +30,7 @@ def told(monkeypatch: pytest.MonkeyPatch, *laws: FreeLaw, states: tuple[str, ...
     """Evidence whose lead, of laws of these states, leaves what these laws of any shape take."""
     e = evidence(candidate(["cubic_stiffness"], times=3.0))
     e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, noise
-    monkeypatch.setattr(gather, "free_laws", lambda *_: laws)
+    monkeypatch.setattr(refutation, "free_laws", lambda *_: laws)
     monkeypatch.setattr(gather, "states_of_all", lambda *_: tuple(frozenset({s}) for s in states))
     return e
 
@@ -128,6 +128,7 @@ def test_a_lead_as_small_as_the_noise_has_no_room_for_roughness(
 
 
 def test_two_effects_or_two_states_are_no_patchwork(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(gather, "cancelling", lambda *_: "")
     three = candidate(["cogging", "end_stop", "cubic_stiffness"])
     e = evidence(three)
     for states, found in (
@@ -139,6 +140,9 @@ def test_two_effects_or_two_states_are_no_patchwork(monkeypatch: pytest.MonkeyPa
         assert e.patchwork(three) == found
     monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),) * 2)
     assert e.patchwork(candidate(["cogging", "end_stop"])) == ""
+    monkeypatch.setattr(gather, "cancelling", lambda *_: "position")
+    assert e.patchwork(candidate(["cogging", "end_stop"])) == "position"
+    assert e.patchwork(candidate(["cogging"])) == ""
 
 
 @pytest.mark.parametrize("qbic", [0.5, 3.0, 7.0])

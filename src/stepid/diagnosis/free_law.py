@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -81,34 +82,76 @@ def free_laws(context: FitContext, optimum: Optimum, records: Records | None = N
 
 
 def _free_laws(context: FitContext, optimum: Optimum, records: Records) -> tuple[FreeLaw, ...]:
-    problem = optimum.problem
-    solved: Solved | None = optimum.solved
-    if records is not problem.records:  # all of them show the error of a coarse simulation
-        problem = replace(problem, simulator=Simulator(records, problem.simulator.effects, COARSE))
-        solved = problem.solve(optimum.shared, optimum.local)
-    if solved is None or not np.isfinite(jacobian := problem.jacobian(solved)).all():
+    asked = _Asked.of(context, optimum, records)
+    if asked is None:
         return (FreeLaw("position", 0.0, 0.0),)
-    residual = problem.residual(solved)
-    free = ~at_bound(optimum)
-    jacobian, place = jacobian[:, free], np.flatnonzero(problem.free)
-    place = place[free[: place.size]]
-    noise = context.noise_cost if records is context.decimated else float((records.weight**2).sum()) * context.floor**2
-    samples = float(effective_samples(records, residual).sum())
-    left = _Left(residual, jacobian, samples, noise, context.floor)
-    laws, found = free_forces(context, optimum), []
-    forces = [force for _, some, _ in laws for force in some]
-    responses = responses_along(replace(optimum, problem=problem), records, forces)
-    ends = np.cumsum([len(some) for _, some, _ in laws])
-    parts = np.split(records.weighted(responses.T).T, ends[:-1], axis=1)
-    for (state, _, own), part in zip(laws, parts, strict=True):
-        pushed = part[:, np.isfinite(part).all(axis=0)]
-        changes = _changes(optimum, place, np.hstack([jacobian, pushed]), residual)
+    left, found = asked.left(asked.known), []
+    laws = free_forces(context, optimum)
+    for (state, _, own), pushed in zip(laws, asked.pushed([some for _, some, _ in laws]), strict=True):
+        changes = _changes(optimum, asked.place, np.hstack([asked.known, pushed]), asked.residual)
         found.append(left.taken_by(pushed, state, own, changes))
-    varied = by_condition(optimum, place, jacobian, records)
+    varied = by_condition(optimum, asked.place, asked.known, records)
     if varied.size:
-        beside = np.hstack([jacobian, scatter_columns(replace(optimum, problem=problem, solved=solved))])
-        found.append(_Left(residual, beside, samples, noise, context.floor).taken_by(varied, CONDITIONS, True))
+        scattered = np.hstack([asked.known, scatter_columns(asked.fit)])
+        found.append(asked.left(scattered).taken_by(varied, CONDITIONS, True))
     return tuple(found)
+
+
+def beside(context: FitContext, optimum: Optimum, law: FreeLaw, other: FreeLaw) -> FreeLaw:
+    """What one of `free_laws` takes of what another leaves.
+
+    A force that is missing changes the whole motion: laws of every state follow some of it.
+    """
+    asked = _Asked.of(context, optimum, context.decimated)
+    forces = {(state, own): some for state, some, own in free_forces(context, optimum)}
+    both = [forces[one.state, one.own] for one in (law, other) if (one.state, one.own) in forces]
+    if asked is None or len(both) < 2:
+        return law
+    pushed, pushed_by_other = asked.pushed(both)
+    return asked.left(np.hstack([asked.known, pushed_by_other])).taken_by(pushed, law.state, law.own, law.changes)
+
+
+class _Asked(NamedTuple):
+    """A fit's rest on some samples, and what changes it."""
+
+    context: FitContext
+    fit: Optimum  # solved on these samples
+    along: Optimum  # the same, as it went along all of them
+    residual: Array
+    known: Array  # the Jacobian, but for what is at a bound
+    place: Index  # global parameters that its first columns belong to
+
+    @classmethod
+    def of(cls, context: FitContext, optimum: Optimum, records: Records) -> _Asked | None:
+        """None where the plant runs away."""
+        problem = optimum.problem
+        solved: Solved | None = optimum.solved
+        if records is not problem.records:  # all of them show the error of a coarse simulation
+            problem = replace(problem, simulator=Simulator(records, problem.simulator.effects, COARSE))
+            solved = problem.solve(optimum.shared, optimum.local)
+        if solved is None or not np.isfinite(jacobian := problem.jacobian(solved)).all():
+            return None
+        free = ~at_bound(optimum)
+        place = np.flatnonzero(problem.free)
+        along = replace(optimum, problem=problem)
+        here = replace(along, solved=solved)
+        return cls(context, here, along, problem.residual(solved), jacobian[:, free], place[free[: place.size]])
+
+    def pushed(self, laws: Sequence[Sequence[Array]]) -> list[Array]:
+        """Changes of the reading by the forces of some laws, shape (S, n) each."""
+        records, forces = self.fit.problem.records, [force for some in laws for force in some]
+        responses = responses_along(self.along, records, forces)
+        ends = np.cumsum([len(some) for some in laws])
+        parts = np.split(records.weighted(responses.T).T, ends[:-1], axis=1)
+        return [part[:, np.isfinite(part).all(axis=0)] for part in parts]
+
+    def left(self, known: Array) -> _Left:
+        """What the fit leaves beyond what is known to change it."""
+        context, records = self.context, self.fit.problem.records
+        noise = float((records.weight**2).sum()) * context.floor**2
+        noise = context.noise_cost if records is context.decimated else noise
+        samples = float(effective_samples(records, self.residual).sum())
+        return _Left(self.residual, known, samples, noise, context.floor)
 
 
 class _Left:

@@ -10,18 +10,21 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from stepid.core.estimate import Estimate
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, chosen_at, is_white, weigh
 from stepid.diagnosis.exchangeable import Condition, followed_condition
-from stepid.diagnosis.free_law import FreeLaw, allowed, followed, free_laws
+from stepid.diagnosis.free_law import followed
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.left_out import LeftOut
+from stepid.diagnosis.refutation import refuted
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
-from stepid.diagnosis.states import states_of_all
+from stepid.diagnosis.states import cancelling, states_of_all
 from stepid.diagnosis.vetoes import effects_of, imitators, undetermined, unseen
-from stepid.fitting.deviations import without_deviations
+from stepid.fitting.deviations import scatter_values
 from stepid.fitting.input_fault import InputFault
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.profile import limited, present
@@ -118,15 +121,26 @@ class EvidenceRecord:
         for w in self.weighed:
             other = w.candidate
             names = frozenset(other.names)
-            if names == frozenset(best.names) or names in out or not names or len(other.effects) > len(best.effects):
+            larger = len(other.effects) > len(best.effects) and not self._takes_scatter(other)
+            if names == frozenset(best.names) or names in out or not names or larger:
                 continue
             if self._rivals(other, w.loss - own) and not self.unseen(other):
                 out[names] = other
         return tuple(out.values())
 
+    def _takes_scatter(self, other: Candidate) -> bool:
+        """Tell whether one effect more takes most of what runs differ by under the best: it is a law, or they do."""
+        best = self.best
+        if not (includes(other.effects, best.effects) and len(other.effects) == len(best.effects) + 1):
+            return False
+        if not best.deviations >= other.deviations:
+            return False
+        spreads = [{k: float(np.nanstd(v)) for k, v in scatter_values(c.optimum).items()} for c in (best, other)]
+        return any(spreads[1].get(kind, 0.0) < spreads[0][kind] / 2 for kind in best.deviations & spreads[0].keys())
+
     def _rivals(self, other: Candidate, loss: float) -> bool:
         best, criteria = self.best, self.criteria
-        if includes(other.effects, best.effects):
+        if len(other.effects) <= len(best.effects) and includes(other.effects, best.effects):
             # more general: a rival only where its freedom buys some fit, or where nothing fixes it
             bought = (best.optimum.cost - other.optimum.cost) / self.context.floor**2
             near = loss < 2 * criteria.tie
@@ -222,36 +236,12 @@ class EvidenceRecord:
         return self.leads.outdone(lead)
 
     def refuted(self, lead: Candidate) -> str:
-        """The state of which a law of another shape refutes a lead, '' where none does.
-
-        It takes most of the rest, or more than chance does, and more than real laws are rough. Of the lead's own state
-        it shows another shape; two effects of one state follow one that neither has. Beside a law of another state an
-        effect must keep its size, or stands in for that law. Its parameters must be the same in all conditions.
-        """
-        states = self.states(lead)
-        chance, rough = allowed(self.context, self.criteria, lead, noise=self.at_floor(lead))
-        for law in sorted(self._laws_left(lead), key=lambda one: -one.power):
-            if not ((rough and law.share > 0.5) or law.beyond > chance):
-                continue
-            own = law.own or any(law.states <= state for state in states)
-            patched = own and len(states) > 1 and set(states) == {law.states}
-            if patched or (law.power > rough and (own or self._replaces(law, states))):
-                return law.state
-        return ""
+        """The state of which a law of another shape refutes a lead, '' where none does."""
+        return refuted(self, lead)
 
     def states(self, found: Candidate) -> tuple[frozenset[str], ...]:
         """States that each effect of a candidate is a law of."""
         return states_of_all(self.context, found.optimum)
-
-    def _replaces(self, law: FreeLaw, states: tuple[frozenset[str], ...]) -> bool:
-        """Tell whether a law of any shape leaves an effect of another state not what it is."""
-        changes = zip(states, law.changes, strict=True)
-        return any(state != law.states and abs(change) > self.criteria.open for state, change in changes)
-
-    def _laws_left(self, lead: Candidate) -> tuple[FreeLaw, ...]:
-        """Laws of any shape in what a lead leaves with conditions alike in all runs: scatter hides a shape."""
-        same = without_deviations(lead.optimum, self.context.tolerance) if lead.deviations else lead.optimum
-        return free_laws(self.context, same)
 
     def followed(self, found: Candidate) -> str:
         """The state that what is as small as the noise follows by more than chance, '' where there is none."""
@@ -263,10 +253,15 @@ class EvidenceRecord:
         return one if one is not None and one.beyond > self.criteria.shape else None
 
     def patchwork(self, found: Candidate) -> str:
-        """The state of which all effects of a candidate of more than two are laws, '' where there is none."""
+        """The state of which effects of a candidate together follow a law of any shape, '' where there is none.
+
+        All of more than two are laws of it, or two cancel more than half of each other.
+        """
+        if len(found.effects) < 2:
+            return ""
         own = set(self.states(found)) if len(found.effects) > 2 else set()
         states = own.pop() if len(own) == 1 else frozenset()
-        return next(iter(states)) if len(states) == 1 else ""
+        return next(iter(states)) if len(states) == 1 else cancelling(self.context, found.optimum)
 
     def weight(self, *found: Candidate) -> float:
         """Weight of all candidates that hold the effects of one of some, or effects that contain them."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 
 from stepid.core.base import Array
@@ -27,8 +29,7 @@ def states_of(context: FitContext, effect: Effect, values: tuple[float, ...]) ->
     """
     if effect.n_extra or effect.n_memory or effect.run_parameters:
         return frozenset()
-    some = np.linspace(0, context.motion.x.size - 1, _SEEN).astype(np.intp)
-    motion = Motion(*(field[some] for field in context.motion))
+    motion = _some(context.motion)
     zero, one = np.zeros(_SEEN), np.ones(_SEEN)
 
     def alike(**changed: Array) -> bool:
@@ -39,6 +40,32 @@ def states_of(context: FitContext, effect: Effect, values: tuple[float, ...]) ->
         return frozenset()
     free = {"position": alike(x=zero), "velocity": alike(v=zero, sign=one)}
     return frozenset(state for state, without in free.items() if not without)
+
+
+def cancelling(context: FitContext, optimum: Optimum) -> str:
+    """The state of two effects of a fit that cancel more than half of each other, '' where there are none.
+
+    What a linear plant follows is no part of either.
+    """
+    layout, motion = optimum.problem.layout, _some(context.motion)
+    plain = np.linalg.qr(np.column_stack([np.ones_like(motion.x), motion.x, motion.v]))[0]
+    forces = []
+    for effect, place in zip(layout.effects, layout.values, strict=True):
+        values = tuple(map(float, optimum.shared[place]))
+        states = states_of(context, effect, values)
+        if len(states) == 1:
+            force = force_along(effect, values, motion)
+            forces.append((*states, force - plain @ (plain.T @ force)))
+    for (state, one), (other_state, other) in combinations(forces, 2):
+        smaller = min(np.linalg.norm(one), np.linalg.norm(other))
+        if state == other_state and np.linalg.norm(one + other) < smaller / 2:
+            return state
+    return ""
+
+
+def _some(motion: Motion) -> Motion:
+    some = np.linspace(0, motion.x.size - 1, _SEEN).astype(np.intp)
+    return Motion(*(field[some] for field in motion))
 
 
 def states_of_all(context: FitContext, optimum: Optimum) -> tuple[frozenset[str], ...]:

@@ -49,7 +49,9 @@ def runs_differ(e: EvidenceRecord) -> Answer | None:
     if not e.best.deviations:
         return Answer("adequate", e.linear, (), ("No effect earns what its parameters cost.",))
     what = effect_names(sorted(e.best.deviations))
-    return Answer("adequate", e.best, (), (f"The runs differ in {what}. With that, a linear model leaves only noise.",))
+    said: tuple[str, ...] = (f"The runs differ in {what}. With that, a linear model leaves only noise.",)
+    said += tuple(f"With {_title(c)} beside it they would differ by less than half of that." for c in e.rivals)
+    return Answer("adequate", e.best, (), said)
 
 
 def weights_are_enough(e: EvidenceRecord) -> Answer | None:
@@ -92,12 +94,12 @@ def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
 
 
 def shape_is_patched(e: EvidenceRecord) -> Answer | None:
-    """The best is a sum of three laws or more of one state: that describes a law of another shape, and names none."""
+    """The best is a sum of laws of one state, three or two that cancel: that describes another law, and names none."""
     state = e.patchwork(e.best) if e.at_floor(e.best) else ""
     if not state:
         return None
     said = (
-        f"{_leaves(e.best)} only noise, but a sum of so many forces of {state} can follow a law of any shape.",
+        f"{_leaves(e.best)} only noise, but together such forces of {state} can follow a law of any shape.",
         f"A force of {state} is missing, whose law is none of the catalogue's.",
     )
     return Answer("unexplained", e.best, (), said)

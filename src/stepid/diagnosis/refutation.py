@@ -1,0 +1,49 @@
+"""Whether a law of any shape refutes a lead: what a lead leaves has another shape, or makes of the lead another law."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.free_law import FreeLaw, allowed, beside, free_laws
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.fitting.deviations import without_deviations
+
+if TYPE_CHECKING:
+    from stepid.diagnosis.gather import EvidenceRecord
+
+_States = tuple[frozenset[str], ...]
+
+
+def refuted(told: EvidenceRecord, lead: Candidate) -> str:
+    """The state of which a law of another shape refutes a lead, '' where none does.
+
+    It takes most of the rest, or more than chance does, and more than real laws are rough. Of the lead's own state
+    it shows another shape; two effects of one state follow one that neither has. Beside a law of another state an
+    effect must keep its size, or stands in for that law. Its parameters must be the same in all conditions.
+
+    The law that takes most is asked as it is, all others for what they take beside it: what is missing changes the
+    whole motion, so that each state shows some of it.
+    """
+    states = told.states(lead)
+    chance, rough = allowed(told.context, told.criteria, lead, noise=told.at_floor(lead))
+    # with conditions alike in all runs: scatter hides a shape
+    alike = without_deviations(lead.optimum, told.context.tolerance) if lead.deviations else lead.optimum
+    laws = sorted(free_laws(told.context, alike), key=lambda one: -one.power)
+    for law in laws:
+        if not ((rough and law.share > 0.5) or law.beyond > chance):
+            continue
+        own = law.own or any(law.states <= state for state in states)
+        if own and len(states) > 1 and set(states) == {law.states}:
+            return law.state
+        if law.power <= rough or not (own or _replaces(law, states, told.criteria)):
+            continue
+        if law is laws[0] or law.own or beside(told.context, alike, law, laws[0]).power > rough:
+            return law.state
+    return ""
+
+
+def _replaces(law: FreeLaw, states: _States, criteria: Criteria) -> bool:
+    """Tell whether a law of any shape leaves an effect of another state not what it is."""
+    changes = zip(states, law.changes, strict=True)
+    return any(state != law.states and abs(change) > criteria.open for state, change in changes)

@@ -1,0 +1,46 @@
+"""Effects of one state whose forces cancel: the law is neither of theirs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from hidden.campaigns import Request, make_campaigns
+from stepid.diagnosis.states import cancelling
+from stepid.effects import resolve
+from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.multistart import FitContext
+
+
+@pytest.fixture(scope="module")
+def bent() -> FitContext:
+    return prepare(make_campaigns([Request(3, ("cubic_stiffness",), None, 8.0, "four")])[0][0])
+
+
+def having(context: FitContext, *names: str, values: tuple[float, ...]) -> Optimum:
+    """A fit with the effects' parameters set by hand."""
+    fitted = fit_effects(context, resolve(names))
+    assert fitted is not None
+    shared = fitted.shared.copy()
+    shared[fitted.problem.layout.values[0].start :] = values
+    return replace(fitted, shared=shared)
+
+
+@pytest.mark.parametrize(
+    ("part", "found"), [(1.0, "position"), (0.8, "position"), (0.4, ""), (3.0, ""), (0.0, ""), (-1.0, "")]
+)
+def test_a_spring_that_hardens_cancels_one_that_softens(bent: FitContext, part: float, found: str) -> None:
+    """k (sin(a x)/a - x) is -k a² x³/6 and less: a cubic of as much leaves little of either."""
+    curvature = 0.5 / bent.scales.displacement
+    cubic = part * float(bent.motion.stiffness.mean()) * curvature**2 / 6
+    fitted = having(bent, "cubic_stiffness", "sine_stiffness", values=(cubic, curvature))
+    assert cancelling(bent, fitted) == found
+
+
+def test_effects_of_other_states_cancel_nothing(bent: FitContext) -> None:
+    curvature = 0.5 / bent.scales.displacement
+    assert cancelling(bent, having(bent, "quadratic_damping", "sine_stiffness", values=(-9.0, curvature))) == ""
+    assert cancelling(bent, having(bent, "sine_stiffness", values=(curvature,))) == ""
+    assert cancelling(bent, bent.linear) == ""
