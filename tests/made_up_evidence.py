@@ -84,10 +84,16 @@ def candidate(
     free = np.ones(4 + sum(len(e.parameters) for e in effects), dtype=bool)
     active = np.zeros((6, RUNS), dtype=bool)
     active[: len(deviations), 1:] = True
-    layout = SimpleNamespace(deviations=slice(0, 0))  # each condition costs as a parameter does
+    # each condition costs as a parameter does; no run starts late
+    layout = SimpleNamespace(deviations=slice(0, 0), deviation=lambda _: 0, effects=(), values=())
     problem = SimpleNamespace(free=free, active=active, layout=layout, residual=lambda _: residual)
     optimum: Any = Kept(
-        problem=problem, solved=None, residual=residual, cost=float(residual @ residual), rms=times * FLOOR
+        problem=problem,
+        local=np.zeros_like(active, dtype=float),
+        solved=None,
+        residual=residual,
+        cost=float(residual @ residual),
+        rms=times * FLOOR,
     )
     return Candidate(effects, frozenset(deviations), optimum, structure)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 import stepid
@@ -13,7 +14,7 @@ from made_up_evidence import candidate, evidence, losing
 from stepid.diagnosis import gather, vetoes
 from stepid.diagnosis.exchangeable import Condition
 from stepid.diagnosis.gather import EvidenceRecord
-from stepid.diagnosis.selection.order import first_of
+from stepid.diagnosis.selection.conditions import first_of
 
 
 def proposed(base: str, left: float, *conditions: str, move: str = "deviate") -> Any:
@@ -70,3 +71,38 @@ def test_a_scatter_that_is_drawn_does_not(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(gather, "imitators", lambda *_: {})
     monkeypatch.setattr(EvidenceRecord, "systematic", lambda *_: None)
     assert evidence(SCATTERED, STILL).best is SCATTERED
+
+
+LATE = candidate(["coulomb_friction"], deviations=["start_time"])
+DELAYED = losing(LATE, -13.0, ["coulomb_friction", "input_delay"], deviations=["start_time"])
+
+
+@pytest.mark.parametrize("late", [True, False])
+def test_start_times_that_are_all_as_late_are_a_delay_that_has_its_price(
+    late: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Less than a further effect must earn decides then: what the start times share is one already."""
+    monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
+    monkeypatch.setattr(gather, "imitators", lambda *_: {})
+    monkeypatch.setattr(EvidenceRecord, "systematic", lambda *_: None)
+    monkeypatch.setattr("stepid.diagnosis.evidence.starts_late", lambda optimum: late and optimum is LATE.optimum)
+    assert evidence(LATE, DELAYED).best is (DELAYED if late else LATE)
+
+
+@pytest.mark.parametrize(("spread", "told"), [(0.02, True), (0.06, False)])
+def test_an_effect_that_takes_most_of_the_scatter_is_as_good_an_answer(
+    spread: float, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The runs differ, or it is a law: the larger set is no worse, and costs less than chance would have it earn."""
+    best = candidate(["quadratic_damping"], deviations=["gain"])
+    larger = losing(best, 3.0, ["quadratic_damping", "actuator_dead_zone"], deviations=["gain"])
+    other = losing(best, 3.0, ["coulomb_friction", "actuator_dead_zone"], deviations=["gain"])
+    monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
+    monkeypatch.setattr(gather, "imitators", lambda *_: {})
+    monkeypatch.setattr(EvidenceRecord, "systematic", lambda *_: None)
+    sizes = {id(best.optimum): 0.1}
+    values = lambda optimum: {"gain": sizes.get(id(optimum), spread) * np.array([1.0, -1.0, np.nan])}  # noqa: E731
+    monkeypatch.setattr(gather, "scatter_values", values)
+    e = evidence(best, larger, other)
+    assert e.best is best
+    assert [c.names for c in e.rivals] == ([larger.names] if told else [])

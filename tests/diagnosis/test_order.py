@@ -13,10 +13,8 @@ from stepid.diagnosis.selection.candidate import LINEAR
 from stepid.diagnosis.selection.order import (
     apart,
     beside,
-    calmer,
     exchanges,
     inside,
-    instead,
     larger,
     largest_beyond,
     largest_lead,
@@ -24,7 +22,6 @@ from stepid.diagnosis.selection.order import (
     no_answer,
     of_each_size,
     resting,
-    singles,
     starts_in_order,
 )
 from stepid.diagnosis.selection.proposal import overshadowed
@@ -38,24 +35,6 @@ def made_up(*names: str, deviations: tuple[str, ...] = (), cost: float = 1.0) ->
 
 
 FRICTION, PLAY, COGGING = made_up("coulomb_friction", cost=3.0), made_up("free_play", cost=2.0), made_up("cogging")
-NODES = [made_up(), FRICTION, PLAY, COGGING, made_up("cogging", deviations=("gain",)), made_up("cogging", "free_play")]
-
-
-@pytest.mark.parametrize(
-    ("names", "deviations", "asked"),
-    [
-        ((), ("gain",), [COGGING, PLAY, FRICTION]),  # each takes much of what such conditions do
-        (("coulomb_friction", "free_play"), (), [PLAY, FRICTION]),  # one of them may be such a condition
-        (("stribeck_friction", "free_play"), (), [PLAY, FRICTION]),  # a simpler law is inside
-        (("coulomb_friction",), (), []),
-        (("coulomb_friction", "free_play"), ("gain",), []),
-        ((), (), []),
-    ],
-)
-def test_single_effects_that_conditions_may_complete(
-    names: tuple[str, ...], deviations: tuple[str, ...], asked: list[Any]
-) -> None:
-    assert singles(NODES, candidate(names, deviations=deviations)) == asked
 
 
 @pytest.mark.parametrize(
@@ -132,40 +111,6 @@ def test_larger_sets_are_the_first_few_on_the_best_pair_and_of_those_scored_toge
     assert larger([*own, *together, *others], known | {own[1].key: None}, pair, 1, moves) == [together[0], own[2]]
     assert larger([*own, *together], {}, None, 1, moves) == [together[0]]  # the moves in turn
     assert larger([*own, *together], {together[0].key: None}, None, 1, moves) == [together[1]]
-
-
-def test_calmer_nodes_are_those_of_the_best_in_which_one_condition_less_differs() -> None:
-    def keyed(*names: str, deviations: tuple[str, ...] = (), cost: float = 1.0) -> Any:
-        found = made_up(*names, deviations=deviations, cost=cost)
-        found.key = frozenset(names), frozenset(deviations)
-        return found
-
-    one = keyed("free_play", deviations=("gain",), cost=2.0)
-    other = keyed("free_play", deviations=("damping",))
-    nodes = [
-        *(one, other, keyed("free_play"), keyed("cogging", deviations=("gain",))),
-        *(keyed("free_play", deviations=("start_time",)), keyed("free_play", deviations=("gain", "damping"))),
-    ]
-    assert calmer(nodes, candidate(("free_play",), deviations=("gain", "damping"))) == [other, one]
-    assert calmer(nodes, candidate(("free_play",), deviations=("gain",))) == [nodes[2]]
-    assert calmer(nodes, candidate(("free_play",))) == []
-
-
-def test_effects_in_the_place_of_a_condition_are_the_first_few_on_each_base_not_tried() -> None:
-    on_play = [
-        proposed(f"free_play {name}", "free_play", left, move="instead")
-        for name, left in (("sensor_drift", 3.0), ("coulomb_friction", 1.0), ("cubic_stiffness", 2.0))
-    ]
-    on_cogging = [proposed("cogging sensor_drift", "cogging", 9.0, move="instead")]
-    others = [
-        proposed("free_play end_stop", "free_play", 0.1),
-        proposed("end_stop cogging", "end_stop", 0.1, (), "instead"),
-    ]
-    every = [*on_play, *on_cogging, *others]
-    bases = {on_play[0].base, on_cogging[0].base}
-    assert instead(every, set(), bases, 2) == [on_play[1], on_play[2], on_cogging[0]]
-    tried = {(on_play[1].base, on_play[1].key)}
-    assert instead(every, tried, bases, 2) == [on_play[2], on_cogging[0]]  # it was of the first
 
 
 def test_single_effects_inside_a_pair() -> None:

@@ -13,6 +13,7 @@ from stepid.core.samples import lagged_products
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.mean_of_runs import starts_late
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import structure, succession
 from stepid.fitting.random_effects import price_of_scatter
@@ -123,8 +124,12 @@ def weigh(context: FitContext, candidates: Sequence[Candidate]) -> list[Weighed]
 
 
 def chosen_at(criteria: Criteria, found: Candidate) -> float:
-    """What effects and conditions cost where an answer is chosen, in QBIC: each must earn more than chance does."""
-    return criteria.further * found.complexity
+    """What effects and conditions cost where an answer is chosen, in QBIC: each must earn more than chance does.
+
+    Start times that are all as late are two: what they share is a delay, and no scatter.
+    """
+    late = bool(found.deviations) and starts_late(found.optimum)
+    return criteria.further * (found.complexity + late)
 
 
 def at_floor(context: FitContext, criteria: Criteria, found: Candidate) -> bool:

@@ -9,6 +9,7 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, block_means
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
+from stepid.diagnosis.selection.conditions import REMAINING
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves import CONFIRMING, TOGETHER
 from stepid.diagnosis.selection.moves.drop import Drop
@@ -20,7 +21,8 @@ from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.multistart import FitContext
 
 RIVALS = {move.name for move in CONFIRMING}
-_STANDING_IN = {Drop.name, Instead.name}
+_STANDING_IN = {Drop.name, Instead.name, REMAINING}
+_IN_PLACE = {Instead.name, REMAINING}
 _TOGETHER = {move.name for move in TOGETHER}
 
 
@@ -55,7 +57,7 @@ class Fits(Standings):
         known = self.nodes.get(proposal.key)
         far = keep is not None and proposal.move in _TOGETHER  # from a few laps there is nothing to tell
         if known is not None or far or proposal.move in _STANDING_IN:  # what stands in for more is fitted as well
-            fitted.run(laps=self.effort.polishing if proposal.move == Instead.name else self.effort.promote)
+            fitted.run(laps=self.effort.polishing if proposal.move in _IN_PLACE else self.effort.promote)
         if known is not None and proposal.move in RIVALS and fitted.cost > known.cost > proposal.left:
             known.fitted.run(laps=self.effort.polishing)  # its rival says that this is not its end
         if fitted.best is None:

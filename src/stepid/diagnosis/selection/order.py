@@ -11,12 +11,10 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key, includes
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves.exchange import Exchange
-from stepid.diagnosis.selection.moves.instead import Instead
 from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, is_mode
 from stepid.diagnosis.vetoes import imitators
 from stepid.effects.base import Effect
-from stepid.fitting.deviations import conditions
 from stepid.fitting.multistart import FitContext, Start
 
 
@@ -150,23 +148,6 @@ def resting(proposals: Sequence[Proposal]) -> list[Proposal]:
     return list({p.key: p for p in alone if p.effects[0].rests_anywhere and not p.effects[0].contains}.values())
 
 
-def calmer(nodes: Iterable[Node], best: Candidate) -> list[Node]:
-    """Nodes of the best's effects in which one condition less differs from run to run, least cost first."""
-    one_less = {(best.key[0], best.deviations - {condition}) for condition in best.deviations}
-    return sorted((n for n in nodes if n.key in one_less), key=lambda n: n.cost)
-
-
-def instead(
-    proposals: Sequence[Proposal], tried: Collection[tuple[Key, Key]], bases: Collection[Key], share: int
-) -> list[Proposal]:
-    """The first few effects on each base that may stand in the place of a condition, of those not tried yet."""
-    able: dict[Key, list[Proposal]] = {}
-    for p in sorted(proposals, key=lambda p: p.rank):
-        if p.move == Instead.name and p.base in bases:
-            able.setdefault(p.base, []).append(p)
-    return [p for own in able.values() for p in own[:share] if (p.base, p.key) not in tried]
-
-
 def sources(proposal: Proposal, proposals: Sequence[Proposal], rivals: Collection[str]) -> list[Proposal]:
     """A proposal, and those of the same set from other bases: they begin in other valleys."""
     if proposal.move in rivals:
@@ -274,27 +255,3 @@ def value(fit: FitContext, node: Node) -> float:
     problem = node.best.problem
     count = int(problem.free.sum() + problem.active.sum())
     return node.cost + count * math.log(fit.records.size) * fit.unit
-
-
-def singles(nodes: Collection[Node], best: Candidate) -> list[Node]:
-    """Single effects beside which conditions that differ may do what the best answer does, least cost first.
-
-    That is nothing but such conditions, or several effects of which each is one.
-    """
-    if bool(best.effects) == bool(best.deviations) or len(best.effects) == 1:
-        return []
-    alike = [n for n in nodes if len(n.effects) == 1 and not n.deviations]
-    return sorted((n for n in alike if not best.effects or includes(best.effects, n.effects)), key=lambda n: n.cost)
-
-
-def first_of(nodes: Sequence[Node], proposals: Sequence[Proposal], move: str, count: int) -> list[Node]:
-    """The first `count` of some nodes, and the `count` of which a proposal by a move promises to leave least.
-
-    Proposals of one condition count: all together promise to leave nothing of any.
-    """
-    least: dict[Key, float] = {}
-    for p in proposals:
-        if p.move == move and conditions(p.deviations) == 1:
-            least[p.base] = min(p.left, least.get(p.base, math.inf))
-    promising = sorted((n for n in nodes if n.key in least), key=lambda n: least[n.key])
-    return list({n.key: n for n in (*nodes[:count], *promising[:count])}.values())

@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
+from stepid.diagnosis.selection import conditions as runs
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.attempts import Attempts
 from stepid.diagnosis.selection.candidate import Candidate, Key
@@ -100,17 +101,18 @@ class Search(Attempts):
             self._polish_leads()
             bases = [self.nodes[c.key] for c in self._leading()]
             made = [self._expand(node, CONFIRMING) for node in bases]
-            steady = by.singles(self.nodes.values(), self.best)
+            steady = runs.singles(self.nodes.values(), self.best)
             made += [self._expand(node, (Deviate(),)) for node in steady]
-            steady = by.first_of(steady, self.proposals, Deviate.name, self.effort.beam)
-            calmer = by.calmer(self.nodes.values(), self.best) if at_floor(self.fit, self.criteria, self.best) else []
+            steady = runs.first_of(steady, self.proposals, Deviate.name, self.effort.beam)
+            calmer = runs.calmer(self.nodes.values(), self.best) if at_floor(self.fit, self.criteria, self.best) else []
             made += [self._expand(node, IN_PLACE) for node in calmer]
             keys = {node.key for node in (*bases, *steady)}
             asked = self._rivals(keys, unforeseen=self._unforeseen() if any(made) else ())
             if any(made):
-                asked += by.instead(self.proposals, self._tried, {node.key for node in calmer}, self.effort.share)
+                asked += runs.instead(self.proposals, self._tried, {node.key for node in calmer}, self.effort.share)
             else:  # what the rounds before had no room for
                 asked = [p for p in asked if p.size <= self.nodes[self.best.key].size]
+            asked += runs.remaining(self.nodes.values(), self._tried, calmer, self.nodes[self.best.key])
             if not asked:
                 break
             self._fit_all(asked)

@@ -1,0 +1,85 @@
+"""What to try where conditions differ from run to run: effects in their place, and effects beside them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Sequence
+
+from stepid.diagnosis.selection.candidate import Candidate, Key, includes
+from stepid.diagnosis.selection.moves.instead import Instead
+from stepid.diagnosis.selection.proposal import Node, Proposal, standing
+from stepid.fitting.deviations import conditions
+
+REMAINING = "remaining"
+"""What proposals of `remaining` say that they are by."""
+
+
+def calmer(nodes: Iterable[Node], best: Candidate) -> list[Node]:
+    """Nodes of the best's effects in which one condition less differs from run to run, least cost first."""
+    one_less = {(best.key[0], best.deviations - {condition}) for condition in best.deviations}
+    return sorted((n for n in nodes if n.key in one_less), key=lambda n: n.cost)
+
+
+def instead(
+    proposals: Sequence[Proposal], tried: Collection[tuple[Key, Key]], bases: Collection[Key], share: int
+) -> list[Proposal]:
+    """The first few effects on each base that may stand in the place of a condition, of those not tried yet."""
+    able: dict[Key, list[Proposal]] = {}
+    for p in sorted(proposals, key=lambda p: p.rank):
+        if p.move == Instead.name and p.base in bases:
+            able.setdefault(p.base, []).append(p)
+    return [p for own in able.values() for p in own[:share] if (p.base, p.key) not in tried]
+
+
+def remaining(
+    nodes: Collection[Node], tried: Collection[tuple[Key, Key]], calmer: Collection[Node], best: Node
+) -> list[Proposal]:
+    """Sets with one effect more than the best, and its conditions: these may differ by less beside the effect.
+
+    The effect is in the place of one condition, and takes most of what that does. It takes it all from where both are
+    free, and nothing: a condition that differs leaves an effect nothing to promise.
+
+    Parameters
+    ----------
+    nodes : collection of Node
+    tried : collection of tuple
+        Bases and keys that were fitted.
+    calmer : collection of Node
+        Those of the best's effects in which one condition less differs.
+    best : Node
+    """
+    out: dict[Key, Proposal] = {}
+    for node in calmer:
+        more = [n for n in nodes if n.deviations <= node.deviations and best.key[0] < n.key[0]]
+        more = [n for n in more if len(n.effects) == len(best.effects) + 1]
+        found = min(more, key=lambda n: n.cost, default=node)
+        if found.cost - best.cost < (node.cost - best.cost) / 2:
+            here = (standing(found),)
+            one = Proposal(found.effects, best.deviations, here, found.key, found.best, best.cost, 1.0, REMAINING)
+            if (one.base, one.key) not in tried:
+                out.setdefault(one.key, one)
+    return list(out.values())
+
+
+def singles(nodes: Collection[Node], best: Candidate) -> list[Node]:
+    """Single effects beside which conditions that differ may do what the best answer does, least cost first.
+
+    That is nothing but such conditions, or several effects of which each is one.
+    """
+    if bool(best.effects) == bool(best.deviations) or len(best.effects) == 1:
+        return []
+    alike = [n for n in nodes if len(n.effects) == 1 and not n.deviations]
+    return sorted((n for n in alike if not best.effects or includes(best.effects, n.effects)), key=lambda n: n.cost)
+
+
+def first_of(nodes: Sequence[Node], proposals: Sequence[Proposal], move: str, count: int) -> list[Node]:
+    """The first `count` of some nodes, and the `count` of which a proposal by a move promises to leave least.
+
+    Proposals of one condition count: all together promise to leave nothing of any.
+    """
+    least: dict[Key, float] = {}
+    for p in proposals:
+        if p.move == move and conditions(p.deviations) == 1:
+            least[p.base] = min(p.left, least.get(p.base, math.inf))
+    promising = sorted((n for n in nodes if n.key in least), key=lambda n: least[n.key])
+    return list({n.key: n for n in (*nodes[:count], *promising[:count])}.values())

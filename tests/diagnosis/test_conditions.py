@@ -1,0 +1,99 @@
+"""What is tried where conditions differ from run to run: effects in their place, and beside them."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from made_up_evidence import candidate
+from stepid.diagnosis.selection import conditions
+from stepid.diagnosis.selection.conditions import calmer, instead, remaining, singles
+from stepid.effects import resolve
+
+
+def made_up(*names: str, deviations: tuple[str, ...] = (), cost: float = 1.0) -> Any:
+    found = candidate(names, deviations=deviations)
+    key = frozenset(names), frozenset(deviations)
+    return SimpleNamespace(effects=found.effects, deviations=found.deviations, cost=cost, key=key, best=found.optimum)
+
+
+FRICTION, PLAY, COGGING = made_up("coulomb_friction", cost=3.0), made_up("free_play", cost=2.0), made_up("cogging")
+NODES = [made_up(), FRICTION, PLAY, COGGING, made_up("cogging", deviations=("gain",)), made_up("cogging", "free_play")]
+
+
+@pytest.mark.parametrize(
+    ("names", "deviations", "asked"),
+    [
+        ((), ("gain",), [COGGING, PLAY, FRICTION]),  # each takes much of what such conditions do
+        (("coulomb_friction", "free_play"), (), [PLAY, FRICTION]),  # one of them may be such a condition
+        (("stribeck_friction", "free_play"), (), [PLAY, FRICTION]),  # a simpler law is inside
+        (("coulomb_friction",), (), []),
+        (("coulomb_friction", "free_play"), ("gain",), []),
+        ((), (), []),
+    ],
+)
+def test_single_effects_that_conditions_may_complete(
+    names: tuple[str, ...], deviations: tuple[str, ...], asked: list[Any]
+) -> None:
+    assert singles(NODES, candidate(names, deviations=deviations)) == asked
+
+
+def test_calmer_nodes_are_those_of_the_best_in_which_one_condition_less_differs() -> None:
+    one = made_up("free_play", deviations=("gain",), cost=2.0)
+    other = made_up("free_play", deviations=("damping",))
+    nodes = [
+        *(one, other, made_up("free_play"), made_up("cogging", deviations=("gain",))),
+        *(made_up("free_play", deviations=("start_time",)), made_up("free_play", deviations=("gain", "damping"))),
+    ]
+    assert calmer(nodes, candidate(("free_play",), deviations=("gain", "damping"))) == [other, one]
+    assert calmer(nodes, candidate(("free_play",), deviations=("gain",))) == [nodes[2]]
+    assert calmer(nodes, candidate(("free_play",))) == []
+
+
+def proposed(names: str, base: str, left: float, deviations: tuple[str, ...] = (), move: str = "add") -> Any:
+    effects = resolve(tuple(names.split()))
+    key = frozenset(e.name for e in effects), frozenset(deviations)
+    on = frozenset(base.split()), frozenset[str]()
+    return SimpleNamespace(effects=effects, deviations=key[1], key=key, base=on, rank=left, left=left, move=move)
+
+
+def test_effects_in_the_place_of_a_condition_are_the_first_few_on_each_base_not_tried() -> None:
+    on_play = [
+        proposed(f"free_play {name}", "free_play", left, move="instead")
+        for name, left in (("sensor_drift", 3.0), ("coulomb_friction", 1.0), ("cubic_stiffness", 2.0))
+    ]
+    on_cogging = [proposed("cogging sensor_drift", "cogging", 9.0, move="instead")]
+    others = [
+        proposed("free_play end_stop", "free_play", 0.1),
+        proposed("end_stop cogging", "end_stop", 0.1, (), "instead"),
+    ]
+    every = [*on_play, *on_cogging, *others]
+    bases = {on_play[0].base, on_cogging[0].base}
+    assert instead(every, set(), bases, 2) == [on_play[1], on_play[2], on_cogging[0]]
+    tried = {(on_play[1].base, on_play[1].key)}
+    assert instead(every, tried, bases, 2) == [on_play[2], on_cogging[0]]  # it was of the first
+
+
+BEST = made_up("free_play", deviations=("gain",), cost=1.0)
+WITHOUT = made_up("free_play", cost=11.0)
+
+
+@pytest.mark.parametrize(("cost", "asked"), [(5.9, True), (6.1, False)])
+def test_an_effect_that_takes_most_of_what_a_condition_does_is_tried_beside_it(
+    cost: float, asked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(conditions, "standing", lambda node: node.key)
+    found = made_up("free_play", "actuator_dead_zone", cost=cost)
+    others = [made_up("free_play", "cogging", cost=9.0), made_up("cogging", "end_stop", cost=0.1)]
+    others += [made_up("free_play", "cogging", deviations=("damping",), cost=0.1)]  # another condition takes it
+    others += [made_up("free_play", "cogging", "end_stop", cost=0.1)]
+    told = remaining([*others, found], set(), [WITHOUT], BEST)
+    assert [(p.key, p.starts) for p in told] == ([((found.key[0], BEST.deviations), (found.key,))] if asked else [])
+    assert remaining([*others, found], {(p.base, p.key) for p in told}, [WITHOUT], BEST) == []
+
+
+def test_nothing_is_tried_beside_a_condition_that_no_effect_comes_near() -> None:
+    assert remaining([BEST, WITHOUT], set(), [WITHOUT], BEST) == []
+    assert remaining([BEST, WITHOUT], set(), [], BEST) == []
