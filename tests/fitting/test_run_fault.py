@@ -121,3 +121,9 @@ def test_a_fault_that_the_floor_hides_is_found_where_the_rest_has_a_pattern(nois
 def test_white_noise_accuses_nobody_whatever_is_asked(seed: int) -> None:
     context = prepare(campaign(seed, noise=2e-4))
     assert accuse(context.linear, context.floor, patterned=True) is None
+
+
+def test_a_run_is_not_accused_of_a_weight_less_than_none() -> None:
+    found = found_in(campaign(1, true_masses=(-0.3, 0.5, 1.5, 2.0)))
+    assert found is None or (found.run, found.kind) == ("case 1", "stiffness")
+    assert found_in(campaign(1, true_masses=(0.3, 0.5, 1.5, 2.0))).kind == "added_mass"  # type: ignore[union-attr]

@@ -230,6 +230,8 @@ def _has_size(found: _Found, sure: float) -> bool:
     if found.kind == DRIFT:
         return True
     of, records = found.optimum.problem.layout, found.optimum.problem.records
+    if found.kind == "added_mass" and records.added_mass[found.run] + found.size < -sure * found.error:
+        return False  # no weight is less than none
     unit = {
         "added_mass": float(of.mass(found.optimum.shared)[found.run]),
         "start_time": float(records.sample_time[found.run]),
