@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from stepid.io.guess.rows import cells
-from stepid.io.guess.words import is_unit, role_of
+from stepid.io.guess.words import is_unit, read_title
 from stepid.io.textfile import is_comment, is_name, is_number
 
 _REMARKS = ("comment", "comments")
+_ROLES = ("time", "position", "input")
 _SYMBOL = re.compile(r"[dΔσ]?[^\W\d_]\d?")  # t, x, dx, y2
 
 
@@ -85,7 +86,7 @@ def _row(line: str, separator: str | None, width: int) -> tuple[str, ...] | None
 
 def _are_names(words: Sequence[str], width: int) -> bool:
     """Tell names of columns apart by blanks alone, above rows of another delimiter, from words of a title."""
-    named = all(_SYMBOL.fullmatch(word) or role_of(word) in ("time", "position", "input") for word in words)
+    named = all(_SYMBOL.fullmatch(word) or read_title(word).role in _ROLES for word in words)
     return len(words) == width > 1 and named
 
 
