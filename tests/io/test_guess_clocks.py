@@ -10,6 +10,7 @@ import pytest
 
 import stepid
 from stepid.core.base import Array
+from stepid.errors import InputError
 from stepid.io.guess.content import kind, rises_evenly
 from stepid.io.guess.understand import draft_runs
 
@@ -120,6 +121,11 @@ def test_a_header_of_more_or_fewer_names_than_columns_is_asked_about(
     run = stepid.draft_campaign(file, time=last - 1, position=last, position_unit="deg", **RELEASED).campaign()[0]
     np.testing.assert_allclose(run.position, np.deg2rad(X), atol=1e-5)
     np.testing.assert_allclose(run.time, T, atol=1e-4)
+    with pytest.raises(InputError, match=f"hold {last + 1} values under a header of . names .*not clear") as refused:
+        stepid.read_table(file, time=last - 1, position=last)
+    assert "skiprows = 1 and give the columns by index" in refused.value.remedy
+    run = stepid.read_table(file, time=last - 1, position=last, skiprows=1)
+    np.testing.assert_allclose(run.position, X, atol=1e-4)
 
 
 @pytest.mark.parametrize(
