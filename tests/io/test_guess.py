@@ -89,6 +89,9 @@ def test_thirty_folders_are_understood(tmp_path: Path) -> None:
         ("Kraft (N)", "input", "N"),
         ("Temperature", "other", None),
         ("quux", None, None),
+        ("degrees", "position", "deg"),
+        ("mm", "position", "mm"),
+        ("rad/s", "other", None),
     ],
 )
 def test_titles_of_columns(name: str, role: str | None, unit: str | None) -> None:

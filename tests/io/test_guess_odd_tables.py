@@ -250,3 +250,13 @@ def test_whole_numbers_beside_counts_are_no_decimals(head: str, first: int | Non
     file.write_text(head + "".join(rows), encoding="utf-8")
     (draft,) = draft_runs([file], {"position": "1"})
     np.testing.assert_array_equal(draft.readings["position"], counts)
+
+
+@pytest.mark.parametrize(("unit", "scale"), [("rad", 1.0), ("deg", np.pi / 180), ("m", 1.0), ("cm", 0.01)])
+def test_a_column_called_by_its_unit_may_be_the_position(unit: str, scale: float, tmp_path: Path) -> None:
+    rows = [f"{t:.4f},{x:.5f},{3 - x**2:.5f},{-x:.5f}\n" for t, x in zip(T, X, strict=True)]
+    (tmp_path / "run.csv").write_text(f"t,x,y,{unit}\n" + "".join(rows), encoding="utf-8")
+    (question,) = stepid.draft_campaign(tmp_path, time_unit="s", **RELEASED).questions
+    assert question.startswith(f"Which column is the position (x, y, {unit};")
+    run = stepid.draft_campaign(tmp_path, time_unit="s", position=unit, **RELEASED).campaign()[0]
+    np.testing.assert_allclose(run.position, -scale * X.round(5), atol=2e-5)

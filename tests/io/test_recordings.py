@@ -245,3 +245,15 @@ def test_files_that_are_none_are_refused(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.chdir(recordings(tmp_path / "lab"))
     with pytest.raises(InputError):
         stepid.draft_campaign(files)
+
+
+@pytest.mark.parametrize("level", [0.0, 0.5])
+def test_a_step_that_was_said_is_not_asked_for_while_the_position_is_open(level: float, tmp_path: Path) -> None:
+    rows = "".join(f"{0.01 * n:.2f},{n % 7},{n % 5}\n" for n in range(60))
+    (tmp_path / "a.csv").write_text("t_s,x_mm,y_mm\n" + rows, encoding="utf-8")
+    draft = stepid.draft_campaign(tmp_path, step=level, added_mass=0.0)
+    assert draft.questions == ('Which column is the position (x_mm, y_mm; "all" if each is a run)? Give position=….',)
+    written = draft.write().read_text(encoding="utf-8")
+    assert any(line.startswith("step") and f"level = {level}" in line for line in written.splitlines())
+    drawn = stepid.draft_campaign(tmp_path, step=level, added_mass=0.0, position="y_mm").campaign()[0]
+    assert float(drawn.input[-1]) == level

@@ -131,6 +131,7 @@ def _parse(lines: Sequence[str], layout: Layout, where: str) -> Table:
     rows, numbers = [cells(text, separator) for _, text in body], [i for i, _ in body]
     _check_above(rows, numbers, layout, where)
     names: tuple[str, ...] = ()
+    top = numbers[0]
     if is_header(*rows[:2]):
         names, rows, numbers = named_columns(rows), rows[1:], numbers[1:]
     if not rows:
@@ -138,7 +139,7 @@ def _parse(lines: Sequence[str], layout: Layout, where: str) -> Table:
     rows = rows[: _last_row(rows, layout)]
     _check_names(names, lines[: numbers[0] - 1], layout, separator, where)
     mistaken = separator == "," and layout.delimiter is None
-    labels = _labels(names, rows, f"{where}, line {numbers[0]}", decimal_commas=mistaken)
+    labels = _labels(names, rows, f"{where}, line {numbers[0]}", top=top, decimal_commas=mistaken)
     clock, own = _indices(layout.used[:1], labels), _indices(layout.used[1:], labels)
     rows = rows[: own_rows(rows, labels, own=own, clock=clock, lines=numbers, where=where, stop=layout.stop)]
     numbers = numbers[: len(rows)]
@@ -155,7 +156,7 @@ def _parse(lines: Sequence[str], layout: Layout, where: str) -> Table:
 
 
 def _labels(
-    names: tuple[str, ...], rows: Sequence[Sequence[str]], where: str, *, decimal_commas: bool
+    names: tuple[str, ...], rows: Sequence[Sequence[str]], where: str, *, top: int, decimal_commas: bool
 ) -> tuple[str, ...]:
     """What messages call the columns: their names, or numbers where there are none.
 
@@ -166,9 +167,12 @@ def _labels(
     width = common_width(rows)
     if not names:
         return tuple(str(i) for i in range(width))
+    cause = f"{where}: rows hold {width} values under a header of {len(names)} names"
+    if decimal_commas and width == 2 * len(names):
+        raise InputError(cause, _OTHER_MARK["."])
     raise InputError(
-        f"{where}: rows hold {width} values under a header of {len(names)} names",
-        _OTHER_MARK["."] if decimal_commas and width == 2 * len(names) else _REPAIR,
+        f"{cause} ({', '.join(names)}): which is whose is not clear",
+        f"Correct the header, or leave it out with skiprows = {top} and give the columns by index from 0. {_REPAIR}",
     )
 
 

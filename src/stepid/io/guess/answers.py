@@ -178,9 +178,11 @@ def _with_times(draft: Draft, answers: Answers) -> Draft:
     if level is not None:
         if not np.isfinite(level):
             raise InputError("step is not finite", "Give its size in V.")
-        known = "position" in draft.readings and draft.readings["position"].size >= FEWEST
+        position = draft.readings.get("position")
+        known = position is None or position.size >= FEWEST
         if "input" not in draft.columns and known and not draft.release:
-            draft = draft.having(step=Found((level, _onset(draft)), SAID))
+            start = None if position is None else _onset(draft)  # which column is the position is asked for
+            draft = draft.having(step=Found((level, start), SAID))
     return draft
 
 
@@ -223,5 +225,5 @@ def _said_to_fall(answers: Answers) -> bool:
 
 def _tells_direction(draft: Draft) -> bool:
     return ("input" in draft.readings and bool(np.any(draft.readings["input"]))) or bool(
-        draft.step is not None and draft.step.value[0]
+        draft.step is not None and draft.step.value[0] and "position" in draft.readings
     )

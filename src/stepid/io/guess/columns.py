@@ -9,17 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.io.guess.content import kind, rises_evenly
+from stepid.io.guess.draft import ALL
 from stepid.io.guess.file_names import FileName, read_name
 from stepid.io.guess.motion import alike, copies, moves
 from stepid.io.guess.run_names import is_within, runs_of, sensors_of, without_run
 from stepid.io.guess.text import Block
 from stepid.io.guess.words import RUN_WORDS, Role, read_title, role_of, tokens, unit_for
 
-_LEVELS = 12  # an input steps through no more
-_EVEN = 0.3  # of the usual step, by which stamps of samples may differ; but for
-_MOST = 0.9  # of them: beside dropped samples
-_ZERO = 0.02  # of its span, from which an uneven clock starts
-_HALVES = 0.1  # of its span, by which its middle row is off the middle at most: a cart that comes to rest slows down
 UNKNOWN = "a unit that stepid does not know"
 _SENSORS = {"enc", "encoder", "sensor", "cart", "mass", "wagen", "masse", "laser"}
 
@@ -89,13 +86,16 @@ def _in_known_units(columns: Sequence[Column]) -> list[Column]:
     return [replace(c, role="other") if sure and c.role == "position" and c.why == UNKNOWN else c for c in columns]
 
 
-def group_columns(columns: Sequence[Column], block: Block, *, all_runs: bool = False) -> tuple[Group, ...]:
-    """Put the columns of a table together to runs; with `all_runs` each column of a position is one."""
+def group_columns(columns: Sequence[Column], block: Block, *, said: str | None = None) -> tuple[Group, ...]:
+    """Put the columns of a table together to runs; `said` names that of the position, with `ALL` each is one."""
     times, positions, inputs = ([c for c in columns if c.role == role] for role in ("time", "position", "input"))
+    sure = said is not None and (said == ALL or bool(called(columns, said)))
+    if not sure and (doubt := _unclear(times, positions, columns, block)):
+        return (_open(doubt, times, inputs, columns),)
     if len(positions) < 2:
         return (_lone(positions, times, inputs, columns, block),)
     labels = _labels(positions, block)
-    if not all_runs and not _several_runs(positions, times, inputs, labels, block):
+    if said != ALL and not _several_runs(positions, times, inputs, labels, block):
         choices = sensors_of(_called(positions)) or _names(positions, columns)
         doubt = f"several columns may be the position: {', '.join(choices)}" + _said_of_copies(positions, columns)
         return (Group(_best_time(times), None, _one(inputs), "", read_name(""), doubt, choices),)
@@ -121,13 +121,32 @@ def _lone(
 ) -> Group:
     """The only run of a table: of one position, with a time and an input that name its run, or of none."""
     if not positions:
-        doubt = "no column is the position by its name, unit or content"
-        choices = _names([c for c in columns if c.role != "time"], columns)
-        return Group(_best_time(times), None, _one(inputs), "", read_name(""), doubt, choices)
+        return _open("no column is the position by its name, unit or content", times, inputs, columns)
     (position,) = positions
     label, run = block.groups[position.index], runs_of([position.name])
     times, inputs = ([c for c in others if run and runs_of([c.name]) == run] or others for others in (times, inputs))
     return Group(_best_time(times), position, _one(inputs), label, read_name(label))
+
+
+def _open(doubt: str, times: Sequence[Column], inputs: Sequence[Column], columns: Sequence[Column]) -> Group:
+    """A run of which any column but the time may be the position."""
+    choices = _names([c for c in columns if c.role != "time"], columns)
+    return Group(_best_time(times), None, _one(inputs), "", read_name(""), doubt, choices)
+
+
+def _unclear(
+    times: Sequence[Column], positions: Sequence[Column], columns: Sequence[Column], block: Block
+) -> str | None:
+    """Why a column called a position cannot be taken for it without a question."""
+    width = block.values.shape[1]
+    if block.unmatched:
+        names = f"{len(block.unmatched)} columns ({', '.join(block.unmatched)})"
+        return f"the header names {names} above rows of {width}: say by number from 0 which is which"
+    clock = next((c for c in positions if rises_evenly(c.values)), None)
+    if clock is None or times or block.clock is not None:
+        return None
+    (name,) = _names([clock], columns)
+    return f"column {name!r} rises evenly from row to row, as a time does, and no other is the time"
 
 
 def _called(columns: Sequence[Column]) -> list[str]:
@@ -194,10 +213,10 @@ def _by_content(columns: Sequence[Column], told: Collection[str]) -> tuple[Colum
     out = []
     for c in columns:
         if c.role is None:
-            kind = _kind(c)
-            still = rests and kind == "position" and not moves(c.values)
-            c = replace(c, role="other" if still or kind in taken else kind)
-            if kind == "time":  # another that rises evenly is none
+            looks = kind(c.values, c.index)
+            still = rests and looks == "position" and not moves(c.values)
+            c = replace(c, role="other" if still or looks in taken else looks)
+            if looks == "time":  # another that rises evenly is none
                 taken.add("time")
         out.append(c)
     return tuple(out)
@@ -208,32 +227,8 @@ def _abscissa_as_time(columns: Sequence[Column]) -> Sequence[Column]:
     positions = [c for c in columns if c.role == "position"]
     if len(positions) < 2 or any(c.role == "time" for c in columns):
         return columns
-    abscissa = next((c for c in positions if c.unit is None and _kind(c) == "time"), None)
+    abscissa = next((c for c in positions if c.unit is None and kind(c.values, c.index) == "time"), None)
     return [replace(c, role="time") if c is abscissa else c for c in columns]
-
-
-def _kind(column: Column) -> Role:
-    """What a column looks like: time rises evenly, or stands first; an input has few levels, a position many."""
-    kept = column.values[np.isfinite(column.values)]
-    if kept.size < 8:
-        return "other"
-    steps = np.diff(kept)
-    usual = float(np.median(steps))
-    even = np.mean(np.abs(steps - usual) <= _EVEN * usual / 2) > _MOST
-    if np.all(steps > 0) and (even or (column.index == 0 and _runs_on(kept))):
-        return "time"
-    levels = np.unique(kept).size
-    if levels == 1:  # a setting or an uncertainty: an input that never changes is no step
-        return "other"
-    if levels <= _LEVELS and np.count_nonzero(steps) <= _LEVELS:
-        return "input"
-    return "position"
-
-
-def _runs_on(values: Array) -> bool:
-    """Tell a clock that ticks unevenly, from zero on: as many rows take as long later as at first."""
-    first, middle, last = values[0], values[values.size // 2], values[-1]
-    return bool(abs(first) <= _ZERO * (last - first) and abs(middle - 0.5 * (first + last)) <= _HALVES * (last - first))
 
 
 def _one(columns: Sequence[Column]) -> Column | None:

@@ -66,7 +66,7 @@ class Draft:
     spring: Found[str] = Found("spring", ASSUMED)
     damper: Found[str] = Found("damper", ASSUMED)
     sample_time: Found[float] | None = None  # s
-    step: Found[tuple[float, float]] | None = None  # V, s
+    step: Found[tuple[float, float | None]] | None = None  # V, s; no start where the position is not known
     release: bool = False
     falling: bool = False  # the readings fall where the input rises
     doubts: tuple[str, ...] = ()

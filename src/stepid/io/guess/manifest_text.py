@@ -70,9 +70,7 @@ def _keys(draft: Draft, folder: Path) -> dict[str, tuple[object, str]]:
     keys |= {key: (value, "") for key, value in draft.layout.items()}
     keys |= _export_keys(draft) if draft.format == "ecp" else _table_keys(draft)
     if draft.step is not None:
-        level, start = draft.step.value
-        why = "V, s; the level as you said, the start where the motion begins"
-        keys["step"] = ({"level": level, "start": start}, why if level else "a free release")
+        keys["step"] = _step(*draft.step.value)
     elif "input" not in draft.columns:
         keys["step"] = ({"level": 0.0}, "a free release, by the name") if draft.release else (MARK, _NO_INPUT)
     mass = draft.mass
@@ -84,6 +82,14 @@ def _keys(draft: Draft, folder: Path) -> dict[str, tuple[object, str]]:
     keys["spring"] = (draft.spring.value, "runs of one label share a stiffness" + _assumed(draft.spring.assumed))
     keys["damper"] = (draft.damper.value, "runs of one label share a damping" + _assumed(draft.damper.assumed))
     return keys
+
+
+def _step(level: float, start: float | None) -> tuple[object, str]:
+    """A step whose level was said; where it starts shows only the position."""
+    if start is None and level:
+        return MARK, f"{{ level = {level!r}, start = 0.0 }} in V and s, the start where the motion begins"
+    found: dict[str, float] = {"level": level} if start is None else {"level": level, "start": start}
+    return found, "V, s; the level as you said, the start where the motion begins" if level else "a free release"
 
 
 _NO_INPUT = "{ level = 0.5, start = 0.0 } in V and s, level 0.0 for a free release: no column is an input"

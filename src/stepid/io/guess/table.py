@@ -52,7 +52,7 @@ def from_table(
     columns = find_columns(block, chosen)
     _check_numbers(columns, chosen, where)
     every = tuple((c.name or str(c.index), c.unit) for c in columns)
-    groups = group_columns(columns, block, all_runs=chosen.get("position") == ALL)
+    groups = group_columns(columns, block, said=chosen.get("position"))
     drafts = [_from_group(group, block, file, layout, several=len(groups) > 1) for group in groups]
     for draft in drafts:
         _check_one_run(draft, block, where)

@@ -31,7 +31,8 @@ class Block:
     `skiprows` is what the table's reader leaves out, `names` and `units` have one text a column, empty where there is
     none; `by_name` tells whether the reader can take columns by their names. `values`, shape (rows, columns), are NaN
     where a cell holds no number, `lines` the lines of the rows, counted from 1; `unread` is the number of lines below
-    them, `clock` the time between two rows, s, by a column of clock times (12:03:04.512) that no reader takes.
+    them, `clock` the time between two rows, s, by a column of clock times (12:03:04.512) that no reader takes,
+    `unmatched` the names of a header that are more or fewer than there are columns.
     """
 
     separator: str | None
@@ -46,6 +47,7 @@ class Block:
     lines: tuple[int, ...]
     unread: int
     clock: float | None
+    unmatched: tuple[str, ...] = ()
 
 
 def find_encoding(raw: bytes, file: Path) -> tuple[str, str | None]:
@@ -108,7 +110,7 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
         )
     first, last, width = found.first, found.last, found.width
     top = body[first][0]
-    titles = find_titles(lines[:top], separator, width)
+    titles = find_titles(lines[:top], separator, width, max(found.columns, default=-1) + 1)
     header = titles.header(lines, separator)
     above = tuple(line for i, line in enumerate(lines[:top]) if i != titles.place)
     return Block(
@@ -124,6 +126,7 @@ def find_block(lines: Sequence[str], where: str, *, workbook: bool = False) -> B
         lines=tuple(i + 1 for i, _ in body[first:last]),
         unread=len(body) - last,
         clock=_clock(rows[first:last]),
+        unmatched=titles.unmatched,
     )
 
 

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from stepid.io.guess.rows import cells
-from stepid.io.guess.words import is_unit, role_of
+from stepid.io.guess.words import is_unit, read_title
 from stepid.io.textfile import is_comment, is_name, is_number
 
 _REMARKS = ("comment", "comments")
+_ROLES = ("time", "position", "input")
 _SYMBOL = re.compile(r"[dΔσ]?[^\W\d_]\d?")  # t, x, dx, y2
 
 
@@ -21,6 +22,7 @@ class Titles(NamedTuple):
     units: tuple[str, ...]
     groups: tuple[str, ...]
     place: int | None
+    unmatched: tuple[str, ...] = ()  # of a header that has more or fewer than there are columns
 
     def header(self, lines: Sequence[str], separator: str | None) -> int | None:
         """Line of the header if the table's reader takes it: right above the rows, one usable name a column."""
@@ -33,10 +35,12 @@ class Titles(NamedTuple):
         return place if usable else None
 
 
-def find_titles(above: Sequence[str], separator: str | None, width: int) -> Titles:
-    """Find the titles of columns in the lines above them."""
+def find_titles(above: Sequence[str], separator: str | None, width: int, last: int) -> Titles:
+    """Find the titles of columns in the lines above them; behind the `last` column with readings they may be empty."""
     none = ("",) * width
     filled = [i for i, line in enumerate(above) if line.strip(" \t;,")]
+    if filled and (unmatched := _unmatched(above[filled[-1]], separator, width, last)):
+        return Titles(none, none, none, None, unmatched)
     found = [(i, row) for i in filled[-3:] if (row := _row(above[i], separator, width)) is not None]
     found = found[::-1]
     units: tuple[str, ...] = none
@@ -68,25 +72,42 @@ def _usable(row: Sequence[str]) -> bool:
     return all(map(is_name, named)) and len(named) == len(set(named)) and all(row[:-1]) and bool(named)
 
 
+def _bare(line: str) -> str:
+    return line.strip(" ").lstrip("#%").strip(" ") if is_comment(line) else line
+
+
 def _row(line: str, separator: str | None, width: int) -> tuple[str, ...] | None:
-    bare = line.strip(" ").lstrip("#%").strip(" ") if is_comment(line) else line
+    bare = _bare(line)
     split = cells(bare, separator)
     if len(split) != width:
         wide = [cell for cell in bare.replace("\t", "  ").split("  ") if cell.strip()]
         split = [cell.strip() for cell in wide] if len(wide) == width else split
     if len(split) == width + 1 and split[-1].lower() in _REMARKS:  # LabVIEW writes no cell below it
         split = split[:-1]
-    if len(split) != width and _are_names(words := bare.split(), width):
+    by_blanks = len(split) != width or not any(split[1:])  # delimiters may stand behind names that blanks part
+    if by_blanks and len(words := bare.split()) == width > 1 and _are_names(words):
         split = words
     if len(split) < width and separator is not None:  # titles of groups may end early
         split += [""] * (width - len(split))
     return tuple(split) if len(split) == width else None
 
 
-def _are_names(words: Sequence[str], width: int) -> bool:
-    """Tell names of columns apart by blanks alone, above rows of another delimiter, from words of a title."""
-    named = all(_SYMBOL.fullmatch(word) or role_of(word) in ("time", "position", "input") for word in words)
-    return len(words) == width > 1 and named
+def _unmatched(line: str, separator: str | None, width: int, last: int) -> tuple[str, ...]:
+    """Names of a header that are more or fewer than there are columns, so that none can be told whose it is."""
+    row, split = _row(line, separator, width), cells(_bare(line), separator)
+    named = [cell for cell in split if cell]
+    if (row is not None and all(row)) or (len(split) == width and len(named) > 1):
+        return ()
+    for names in (named, _bare(line).split()):
+        if len(names) > 1 and len(names) not in (width, last) and _are_names(names):
+            return tuple(names)
+    return ()
+
+
+def _are_names(words: Sequence[str]) -> bool:
+    """Tell names of columns from words of a title, or one name and its unit."""
+    one = len(words) == 2 and read_title(" ".join(words)).unit is not None
+    return not one and all(_SYMBOL.fullmatch(word) or read_title(word).role in _ROLES for word in words)
 
 
 def _are_units(row: Sequence[str]) -> bool:

@@ -60,6 +60,7 @@ _SPELLED = {
     for role, spellings in _ALSO.items()
 }
 _SHORT = {"in", "min", "inc", "grad", "v", "n", "a", "%"}  # too much like words to be units unless in brackets
+_ALONE = {"m", "cm", "mm", "um", "rad", "mrad", "deg"}  # a column that is called so is a position in it; nm may be N·m
 _BRACKETS = re.compile(r"\s*[\[({<]\s*([^\])}>]{1,14}?)\s*[\])}>]")
 _RATE = re.compile(r"(?P<unit>.+?)\s*(?:/\s*(?:s|ms|min|h)\s*(?:\^?2|²)?|[\s·*]\s*s\s*(?:\^?-[12]|⁻[¹²]))")
 _RATE_TAIL = re.compile(r"^(?P<stem>.*[^\s\d,/])(?:\s*[,/]\s*|\s+in\s+|\s+)(?P<unit>[^\s,/]+\s*/\s*[^\s/]+)$")
@@ -153,7 +154,8 @@ def read_title(name: str) -> Title:
     if brackets and role != "other":  # what stands in brackets tells only what the name leaves open
         role = role_of(bare) or role
     if not unit:
-        return Title(role, None, stem, False)
+        alone = None if role else _unit_of(name.strip(), "position", bracketed=False)
+        return Title("position", alone, stem, False) if alone in _ALONE else Title(role, None, stem, False)
     for one in (role,) if role in SCALES else SCALES:
         if (known := _unit_of(unit, str(one), bracketed=bracketed)) is not None and (role != "other"):
             return Title(role or _role_by_unit(known), known, stem, False)
@@ -169,7 +171,7 @@ def read_title(name: str) -> Title:
 def _names_rate(name: str, brackets: re.Match[str] | None) -> bool:
     """Tell whether what may be a position is in a unit of length or angle by time: a velocity or an acceleration."""
     tail = _RATE_TAIL.match(name)
-    unit = brackets[1] if brackets else tail["unit"] if tail else ""
+    unit = brackets[1] if brackets else tail["unit"] if tail else name
     rate = _RATE.fullmatch(unit)
     known = rate is not None and _unit_of(rate["unit"], "position", bracketed=True) is not None
     return known and role_of(name) in (None, "position")
