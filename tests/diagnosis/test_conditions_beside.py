@@ -5,7 +5,6 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 import pytest
 
 import stepid
@@ -101,8 +100,7 @@ def test_an_effect_that_takes_most_of_the_scatter_is_as_good_an_answer(
     monkeypatch.setattr(gather, "imitators", lambda *_: {})
     monkeypatch.setattr(EvidenceRecord, "systematic", lambda *_: None)
     sizes = {id(best.optimum): 0.1}
-    values = lambda optimum: {"gain": sizes.get(id(optimum), spread) * np.array([1.0, -1.0, np.nan])}  # noqa: E731
-    monkeypatch.setattr(gather, "scatter_values", values)
+    monkeypatch.setattr(gather, "sizes_of_scatter", lambda optimum: {"gain": sizes.get(id(optimum), spread)})
     e = evidence(best, larger, other)
     assert e.best is best
     assert [c.names for c in e.rivals] == ([larger.names] if told else [])

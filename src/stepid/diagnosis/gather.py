@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from stepid.core.estimate import Estimate
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
@@ -24,10 +22,10 @@ from stepid.diagnosis.refutation import refuted
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
 from stepid.diagnosis.states import cancelling, states_of_all
 from stepid.diagnosis.vetoes import effects_of, imitators, undetermined, unseen
-from stepid.fitting.deviations import scatter_values
 from stepid.fitting.input_fault import InputFault
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.profile import limited, present
+from stepid.fitting.random_effects import sizes_of_scatter
 from stepid.fitting.record_fault import RecordFault
 
 if TYPE_CHECKING:
@@ -135,8 +133,8 @@ class EvidenceRecord:
             return False
         if not best.deviations >= other.deviations:
             return False
-        spreads = [{k: float(np.nanstd(v)) for k, v in scatter_values(c.optimum).items()} for c in (best, other)]
-        return any(spreads[1].get(kind, 0.0) < spreads[0][kind] / 2 for kind in best.deviations & spreads[0].keys())
+        own, less = (sizes_of_scatter(c.optimum) for c in (best, other))
+        return any(less.get(kind, 0.0) < size / 2 for kind, size in own.items())
 
     def _rivals(self, other: Candidate, loss: float) -> bool:
         best, criteria = self.best, self.criteria

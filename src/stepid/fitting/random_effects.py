@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.fitting.deviations import SCATTER
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import centered
 
@@ -45,6 +46,15 @@ def price_of_scatter(optimum: Optimum, counts: Array, variance: float) -> float:
             square = float(np.sum(values**2)) / m
             out += float(np.sum(np.log1p(square * told[own]))) + m + math.log(m)
     return out
+
+
+def sizes_of_scatter(optimum: Optimum) -> dict[str, float]:
+    """Standard deviation of what is free in the runs of a fit, about the plant, as it is priced, by kind."""
+    of, active = optimum.problem.layout, optimum.problem.active
+    free = [kind for kind in SCATTER if active[of.deviation(kind)].any()]
+    own = centered(optimum).local if free else optimum.local
+    rows = {kind: own[of.deviation(kind), active[of.deviation(kind)]] for kind in free}
+    return {kind: float(np.sqrt(np.mean(values**2))) for kind, values in rows.items()}
 
 
 def _information(optimum: Optimum) -> Array:

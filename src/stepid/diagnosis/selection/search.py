@@ -106,13 +106,16 @@ class Search(Attempts):
             steady = runs.first_of(steady, self.proposals, Deviate.name, self.effort.beam)
             calmer = runs.calmer(self.nodes.values(), self.best) if at_floor(self.fit, self.criteria, self.best) else []
             made += [self._expand(node, IN_PLACE) for node in calmer]
+            beside = runs.remaining(self.nodes.values(), self._tried, calmer, self.nodes[self.best.key])
+            steady += [self.nodes[p.base] for p in beside]  # another condition may be what differs beside the effect
+            made += [self._expand(self.nodes[p.base], (Deviate(),)) for p in beside]
             keys = {node.key for node in (*bases, *steady)}
             asked = self._rivals(keys, unforeseen=self._unforeseen() if any(made) else ())
             if any(made):
                 asked += runs.instead(self.proposals, self._tried, {node.key for node in calmer}, self.effort.share)
             else:  # what the rounds before had no room for
                 asked = [p for p in asked if p.size <= self.nodes[self.best.key].size]
-            asked += runs.remaining(self.nodes.values(), self._tried, calmer, self.nodes[self.best.key])
+            asked += beside
             if not asked:
                 break
             self._fit_all(asked)
