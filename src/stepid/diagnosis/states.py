@@ -49,13 +49,13 @@ def cancelling(context: FitContext, optimum: Optimum) -> str:
     """
     layout, motion = optimum.problem.layout, _some(context.motion)
     plain = np.linalg.qr(np.column_stack([np.ones_like(motion.x), motion.x, motion.v]))[0]
-    forces = []
+    forces: list[tuple[str, Array]] = []
     for effect, place in zip(layout.effects, layout.values, strict=True):
         values = tuple(map(float, optimum.shared[place]))
         states = states_of(context, effect, values)
         if len(states) == 1:
             force = force_along(effect, values, motion)
-            forces.append((*states, force - plain @ (plain.T @ force)))
+            forces.append((next(iter(states)), force - plain @ (plain.T @ force)))
     for (state, one), (other_state, other) in combinations(forces, 2):
         smaller = min(np.linalg.norm(one), np.linalg.norm(other))
         if state == other_state and np.linalg.norm(one + other) < smaller / 2:
