@@ -89,11 +89,11 @@ def test_an_effect_that_takes_most_of_what_a_condition_does_is_tried_beside_it(
     others = [made_up("free_play", "cogging", cost=9.0), made_up("cogging", "end_stop", cost=0.1)]
     others += [made_up("free_play", "cogging", deviations=("damping",), cost=0.1)]  # another condition takes it
     others += [made_up("free_play", "cogging", "end_stop", cost=0.1)]
-    told = remaining([*others, found], set(), [WITHOUT], BEST)
+    told = remaining([*others, found], set(), [WITHOUT], BEST, 0.5)
     assert [(p.key, p.starts) for p in told] == ([((found.key[0], BEST.deviations), (found.key,))] if asked else [])
-    assert remaining([*others, found], {(p.base, p.key) for p in told}, [WITHOUT], BEST) == []
+    assert remaining([*others, found], {(p.base, p.key) for p in told}, [WITHOUT], BEST, 0.5) == []
 
 
 def test_nothing_is_tried_beside_a_condition_that_no_effect_comes_near() -> None:
-    assert remaining([BEST, WITHOUT], set(), [WITHOUT], BEST) == []
-    assert remaining([BEST, WITHOUT], set(), [], BEST) == []
+    assert remaining([BEST, WITHOUT], set(), [WITHOUT], BEST, 0.5) == []
+    assert remaining([BEST, WITHOUT], set(), [], BEST, 0.5) == []

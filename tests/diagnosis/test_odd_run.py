@@ -25,9 +25,10 @@ def carts(seed: int, effects: dict[str, dict[str, float]], **told: object) -> st
 def fault(whole: stepid.Campaign, run: int, *names: str) -> RecordFault | None:
     """What is wrong with a run by a model that is fitted to the others."""
     rest = whole.model_copy(update={"experiments": tuple(e for i, e in enumerate(whole.experiments) if i != run)})
-    fitted = fit_effects(prepare(rest), resolve(names))
+    context = prepare(rest)
+    fitted = fit_effects(context, resolve(names))
     assert fitted is not None
-    return fault_of(prepare(whole), run, Candidate(resolve(names), frozenset(), fitted, 0.0))
+    return fault_of(prepare(whole), run, Candidate(resolve(names), frozenset(), fitted, 0.0), context.floor)
 
 
 @pytest.mark.parametrize("effects", [{}, FRICTION, BENT], ids=["none", "friction", "bent"])
@@ -58,6 +59,29 @@ def test_a_wrong_mass_is_told_beside_a_bent_spring() -> None:
     assert (found.run, found.kind, found.unit) == ("case 4", "added_mass", "kg")
     assert found.size == pytest.approx(0.5, abs=0.01)
     assert "kg added instead of 0.5 kg it agrees: a wrong added mass" in found.words
+
+
+@pytest.mark.parametrize("seed", range(1, 6))
+def test_a_weight_that_was_not_mounted_is_told_as_none(seed: int) -> None:
+    """Noise puts it to either side of zero."""
+    found = fault(carts(seed, BENT, true_masses=(0, 0, 0.5, 0, 1.5, 1.5)), 3, "cubic_stiffness")
+    assert found is not None
+    assert (found.kind, found.size) == ("added_mass", pytest.approx(-0.5, abs=0.01))
+    assert "kg added instead of 0.5 kg it agrees" in found.words
+    assert "With -" not in found.words
+
+
+@pytest.mark.parametrize("run", [0, 3])
+def test_the_place_of_a_run_among_others_does_not_matter(run: int) -> None:
+    """Springs are numbered as they come: without the first run in another order."""
+    springs = ["stiff", "medium"] * 3
+    true = [0.5, 0.0, 0.5, 0.5, 1.5, 1.5] if run == 0 else [0.0, 0.0, 0.5, 1.0, 1.5, 1.5]
+    found = fault(
+        campaign(7, BENT, masses=MASSES, true_masses=true, springs=springs, volts=VOLTS), run, "cubic_stiffness"
+    )
+    assert found is not None
+    assert (found.run, found.kind) == (f"case {run + 1}", "added_mass")
+    assert found.size == pytest.approx(0.5, abs=0.02)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.03, 0.3, 1.0])
@@ -101,6 +125,7 @@ def test_a_mistake_is_told_where_more_than_noise_is_left_in_all_runs() -> None:
     found = fault(carts(3, DRAGGED, true_masses=(0, 0, 0.5, 1.0, 1.5, 1.5)), 3, "cubic_stiffness")
     assert found is not None
     assert (found.kind, found.size) == ("added_mass", pytest.approx(0.5, abs=0.03))
+    assert "far more than these do among themselves" in found.words
 
 
 def test_a_run_does_not_disagree_with_a_model_that_leaves_more_than_noise() -> None:

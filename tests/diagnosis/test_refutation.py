@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import stepid
 from hidden.campaigns import Request, make_campaigns
 from made_up_evidence import candidate, evidence
 from stepid.diagnosis import gather, refutation
@@ -91,9 +92,12 @@ def test_an_effect_stays_what_it_is_beside_a_law_of_another_state(
     assert e.refuted(lead) == told
 
 
-@pytest.mark.parametrize(("left", "told"), [(0.0, ""), (0.9, ""), (1.1, "position")])
+@pytest.mark.parametrize(
+    ("left", "other", "told"),
+    [(0.0, 3.6, ""), (0.9, 3.6, ""), (1.1, 3.6, "position"), (0.0, 3.4, "position")],  # the last: one does as the other
+)
 def test_a_law_refutes_by_what_it_takes_beside_the_strongest(
-    left: float, told: str, monkeypatch: pytest.MonkeyPatch
+    left: float, other: float, told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     lead = candidate(["cubic_stiffness"], times=3.0)
     e = evidence(lead)
@@ -102,7 +106,12 @@ def test_a_law_refutes_by_what_it_takes_beside_the_strongest(
     drag = FreeLaw("velocity", 0.9, 3 * rough, 9.0, changes=(0.0,))
     spring = FreeLaw("position", 0.6, 2 * rough, 9.0, changes=(0.0,))
     monkeypatch.setattr(refutation, "free_laws", lambda *_: (spring, drag))
-    monkeypatch.setattr(refutation, "beside", lambda *of: of[2]._replace(power=left * rough))
+    asked = {"position": (left * rough, 0.0), "velocity": (0.0, other)}
+    monkeypatch.setattr(
+        refutation,
+        "beside",
+        lambda *of: of[2]._replace(power=asked[of[2].state][0], beyond=asked[of[2].state][1]),
+    )
     monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),))
     assert e.refuted(lead) == told
 
@@ -126,3 +135,10 @@ def test_a_law_that_is_not_asked_is_what_it_was() -> None:
     context = prepare(make_campaigns([Request(3, ("cubic_stiffness",), None, 8.0, "four")])[0][0])
     law, none = free_laws(context, context.linear)[0], FreeLaw("temperature", 0.5, 1.0)
     assert beside(context, context.linear, law, none) == law
+
+
+@pytest.mark.slow
+def test_a_law_that_another_stands_in_for_refutes() -> None:
+    """An eddy brake had been power damping: where inputs are alike, a drive that changes with velocity is as good."""
+    found = stepid.diagnose(make_campaigns([Request(12, (), "eddy_brake", 30.0, None)])[0][0])
+    assert found.effects == ()

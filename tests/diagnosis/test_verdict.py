@@ -90,7 +90,7 @@ def test_runs_that_differ_leave_a_linear_plant() -> None:
     assert found.reasons[1:] == ()
     beside = ask("runs_differ", best=late, rivals=(candidate(["actuator_dead_zone"], deviations=["gain"]),))
     assert beside is not None
-    assert beside.reasons[1:] == ("With actuator dead zone beside it they would differ by less than half of that.",)
+    assert beside.reasons[1:] == ("These data do not tell that from actuator dead zone and runs that differ by less.",)
 
 
 def test_what_goes_with_a_condition_is_no_scatter() -> None:

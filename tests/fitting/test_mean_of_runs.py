@@ -110,6 +110,7 @@ def test_a_diagnosis_names_the_parts() -> None:
         ((-3.0, -3.2, -2.8, -3.1), True),
         ((1.0, -1.0, 0.4, 0.2), False),
         ((3.0, 0.1, 1.4, 2.2), False),  # half of it is scatter
+        ((2.5, 4.5, 3.2, 4.4), False),  # four standard deviations: chance does that to four
     ],
 )
 def test_start_times_that_all_runs_share_are_a_delay(late: tuple[float, ...], delay: bool) -> None:

@@ -18,7 +18,7 @@ from stepid.fitting import random_effects
 from stepid.fitting.deviations import with_deviations
 from stepid.fitting.fit import fit_effects, prepare
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
-from stepid.fitting.random_effects import price_of_scatter
+from stepid.fitting.random_effects import price_of_scatter, sizes_of_scatter
 
 GAINS = (0.02, -0.015, 0.03, 0.0, -0.025, 0.01)
 RUNS, SAMPLES, NOISE = 12, 50, 0.1
@@ -98,3 +98,17 @@ def test_an_effect_is_named_where_runs_would_have_to_differ_more_without_it() ->
     campaign, truth = one("perturbed-single", 16, "dev23")
     assert truth["effects"] == ("actuator_saturation",)
     assert stepid.diagnose(campaign).effects == ("actuator_saturation",)
+
+
+@pytest.mark.parametrize("place", [0, 3])
+def test_the_size_of_scatter_is_that_of_the_runs_in_any_order(place: int) -> None:
+    """The run that the others are held against counts as they do."""
+    gains = [0.0] * 6
+    gains[place] = 0.12
+    context = prepare(scattered(3, gain=tuple(gains)))
+    problem = with_deviations(context.linear.problem, ("gain",))
+    found = minimize(problem, context.linear.shared, np.where(problem.active, 0.0, context.linear.local))
+    assert found is not None
+    sizes = sizes_of_scatter(found)
+    assert sizes == {"gain": pytest.approx(0.12 * math.sqrt(5 / 6) / math.sqrt(5), rel=0.1)}
+    assert sizes_of_scatter(context.linear) == {}

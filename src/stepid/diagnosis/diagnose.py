@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
-from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -19,7 +18,7 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.explore import Found, explored, fault_beside, linear_candidate, outweighs
 from stepid.diagnosis.gather import EvidenceRecord
-from stepid.diagnosis.odd_run import fault_of, outlying_runs
+from stepid.diagnosis.odd_run import fault_of, outlying_runs, stands_out
 from stepid.diagnosis.progress import Progress, Tell, listener, telling
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
@@ -186,12 +185,16 @@ def _without_an_odd_run(
         name = context.records.runs[run].name
         rest = campaign.model_copy(update={"experiments": tuple(e for e in campaign.experiments if e.name != name)})
         fewer = explored(prepare(rest, workers=how.workers), how.catalogue, how.criteria, how.effort, how.tell)
+        if not stands_out(context, run, fewer.best):
+            continue
         evidence = EvidenceRecord(fewer.context, how.criteria, fewer.candidates)
         answer = judge(evidence)
-        fault = fault_of(context, run, answer.shown) if answer.verdict != "unexplained" else None
-        if fault is not None:
-            told = replace(evidence, faults=(*accused, _left_out(fault), *fewer.context.faults))
-            return report(rest, told, answer).model_copy(update={"data": campaign})
+        if answer.verdict == "unexplained":
+            continue
+        fault = fault_of(context, run, answer.shown, fewer.context.floor)
+        done = _anew(campaign, rest.experiments, how, (*accused, _left_out(fault))) if fault is not None else None
+        if done is not None and done.verdict != "unexplained":
+            return done
     return None
 
 

@@ -126,7 +126,7 @@ def weigh(context: FitContext, candidates: Sequence[Candidate]) -> list[Weighed]
 def chosen_at(criteria: Criteria, found: Candidate) -> float:
     """What effects and conditions cost where an answer is chosen, in QBIC: each must earn more than chance does.
 
-    Start times that are all as late are two: what they share is a delay, and no scatter.
+    Start times that are all as late are two conditions: what they share is a delay, and no scatter.
     """
     late = bool(found.deviations) and starts_late(found.optimum)
     return criteria.further * (found.complexity + late)

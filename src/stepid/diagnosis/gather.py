@@ -119,8 +119,8 @@ class EvidenceRecord:
         for w in self.weighed:
             other = w.candidate
             names = frozenset(other.names)
-            larger = len(other.effects) > len(best.effects) and not self._takes_scatter(other)
-            if names == frozenset(best.names) or names in out or not names or larger:
+            needless = len(other.effects) > len(best.effects) and not self._takes_scatter(other)
+            if names == frozenset(best.names) or names in out or not names or needless:
                 continue
             if self._rivals(other, w.loss - own) and not self.unseen(other):
                 out[names] = other
@@ -162,8 +162,9 @@ class EvidenceRecord:
         return tuple(c for c in alike[:1] if self.times(c) <= 2 * self.criteria.near)
 
     def stands_for(self, simple: Candidate, general: Candidate) -> bool:
-        """Tell whether a candidate is inside another whose further freedom the data leave open as a whole."""
-        return includes(general.effects, simple.effects) and self._is_open(general, simple)
+        """Tell whether a candidate is inside another of as many effects whose freedom the data leave open."""
+        alike = len(general.effects) == len(simple.effects) and includes(general.effects, simple.effects)
+        return alike and self._is_open(general, simple)
 
     def _is_open(self, found: Candidate, simpler: Candidate) -> bool:
         """Tell whether the data leave open all that `found` has beyond `simpler`, which then stands for it."""

@@ -17,7 +17,7 @@ from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build, start_local
 from stepid.fitting.record_fault import RecordFault
-from stepid.fitting.run_fault import is_extreme, told
+from stepid.fitting.run_fault import is_extreme, less_than_none, told
 from stepid.fitting.run_fault_size import count_samples, noise_cost
 from stepid.fitting.run_fault_words import ROUND, UNITS, fault_words
 from stepid.simulation.records import Records
@@ -61,7 +61,7 @@ def outlying_runs(context: FitContext, laws: Sequence[Optimum] = ()) -> list[int
     return sorted((run for run, left in found.items() if left <= _STANDS_OUT), key=lambda run: found[run])
 
 
-def fault_of(context: FitContext, run: int, shown: Candidate) -> RecordFault | None:
+def fault_of(context: FitContext, run: int, shown: Candidate, floor: float) -> RecordFault | None:
     """What is wrong with a run, by the model of all others; None where that may be a law.
 
     The plant is that of the others. One label, scale or start of the run is changed, from wherever such mistakes lead:
@@ -75,30 +75,46 @@ def fault_of(context: FitContext, run: int, shown: Candidate) -> RecordFault | N
     run : int
     shown : Candidate
         Fitted to the others.
+    floor : float
+        m, noise floor of the others.
     """
     records, shared = context.records, shown.optimum.shared
-    alone = build(records.subset([run]), shown.effects)
-    alone = replace(alone, free=np.zeros_like(alone.free))
-    plain = _fitted(alone, shared)
-    if plain is None or (before := plain.cost) <= 0:
+    plain = _alone(context, run, shown)
+    if plain is None or not _is_odd(plain, shown):
         return None
-    if _worst(shown.optimum) > _STANDS_OUT * _mean_square(plain):
-        return None
+    alone, before = plain.problem, plain.cost
+    quiet = shown.optimum.cost <= noise_cost(shown.optimum.problem.records, floor)
     unsure = _stands_alone(records, run) or len(records.runs) < _SOME
     every = [one for one in _mistakes(alone, shared, context, run) if one[0] not in _LABELS or _is_label(one, shared)]
     found = min(every, key=lambda one: one[2], default=None)
     name = records.runs[run].name
     if found is not None and found[2] <= (_NEARLY_ALL if unsure else _STANDS_OUT) * before:
         kind, size, _, optimum = found
-        words = fault_words(optimum, 0, kind, size, ())
+        words = fault_words(optimum, 0, kind, size, (), agree=quiet)
         return RecordFault(run=name, kind=kind, size=told(optimum, 0, kind, size), unit=UNITS[kind], words=words)
-    if unsure or shown.optimum.cost > noise_cost(shown.optimum.problem.records, context.floor):
+    if unsure or not quiet:
         return None
     words = (
         f"Run {name!r} disagrees by {length(plain.rms)} RMS with a model that leaves only noise in all others. "
         "Was the cart touched, or is a label or the input wrong? Record it again."
     )
     return RecordFault(run=name, kind="disagreement", size=plain.rms, unit="m", words=words)
+
+
+def stands_out(context: FitContext, run: int, shown: Candidate) -> bool:
+    """Tell whether a run is by far worse described than the worst of the others, by a candidate fitted to these."""
+    plain = _alone(context, run, shown)
+    return plain is not None and _is_odd(plain, shown)
+
+
+def _alone(context: FitContext, run: int, shown: Candidate) -> Optimum | None:
+    """A run with a plant of the others: what is its own is fitted to it."""
+    alone = build(context.records.subset([run], under=shown.optimum.problem.records), shown.effects)
+    return _fitted(replace(alone, free=np.zeros_like(alone.free)), shown.optimum.shared)
+
+
+def _is_odd(plain: Optimum, shown: Candidate) -> bool:
+    return _worst(shown.optimum) <= _STANDS_OUT * _mean_square(plain) and plain.cost > 0
 
 
 def _mean_square(fitted: Optimum) -> float:
@@ -120,8 +136,8 @@ def _mistakes(alone: Problem, shared: Array, context: FitContext, run: int) -> I
     stiffness, damping = shared[of.stiffness], shared[of.damping]
     begins = {
         "added_mass": [*np.unique(records.added_mass[others] - records.added_mass[run]), *mass * _PARTS],
-        "stiffness": [0.0, *(stiffness / stiffness[records.spring[run]] - 1.0)],
-        "damping": [0.0, *(damping / max(damping[records.damper[run]], np.finfo(float).tiny) - 1.0)],
+        "stiffness": [0.0, *(stiffness / stiffness[alone.records.spring[0]] - 1.0)],
+        "damping": [0.0, *(damping / max(damping[alone.records.damper[0]], np.finfo(float).tiny) - 1.0)],
         "start_time": [0.0],
     }
     for kind, sizes in begins.items():
@@ -129,7 +145,7 @@ def _mistakes(alone: Problem, shared: Array, context: FitContext, run: int) -> I
         for size in sizes:
             fitted = _fitted(problem, shared, row, float(size))
             own = float(fitted.local[row, 0]) if fitted is not None else 0.0
-            if fitted is not None and not (kind == "added_mass" and records.added_mass[run] + own < 0):
+            if fitted is not None and not (kind == "added_mass" and less_than_none(fitted, 0, own)):
                 yield kind, own, fitted.cost, fitted
     for factor in ROUND:
         scaled = replace(alone.records, position=alone.records.position / factor)

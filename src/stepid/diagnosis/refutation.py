@@ -8,6 +8,7 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.free_law import FreeLaw, allowed, beside, free_laws
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.fitting.deviations import without_deviations
+from stepid.fitting.levenberg_marquardt import Optimum
 
 if TYPE_CHECKING:
     from stepid.diagnosis.gather import EvidenceRecord
@@ -22,8 +23,8 @@ def refuted(told: EvidenceRecord, lead: Candidate) -> str:
     it shows another shape; two effects of one state follow one that neither has. Beside a law of another state an
     effect must keep its size, or stands in for that law. Its parameters must be the same in all conditions.
 
-    The law that takes most is asked as it is, all others for what they take beside it: what is missing changes the
-    whole motion, so that each state shows some of it.
+    The law that takes most is asked as it is, others for what they take beside it, where it is needed beside them: what
+    is missing changes the whole motion, so that each state shows some of it.
     """
     states = told.states(lead)
     chance, rough = allowed(told.context, told.criteria, lead, noise=told.at_floor(lead))
@@ -38,9 +39,16 @@ def refuted(told: EvidenceRecord, lead: Candidate) -> str:
             return law.state
         if law.power <= rough or not (own or _replaces(law, states, told.criteria)):
             continue
-        if law is laws[0] or law.own or beside(told.context, alike, law, laws[0]).power > rough:
+        if law is laws[0] or law.own or _stands(told, alike, law, laws[0], rough):
             return law.state
     return ""
+
+
+def _stands(told: EvidenceRecord, alike: Optimum, law: FreeLaw, strongest: FreeLaw, rough: float) -> bool:
+    """Tell whether a law takes something beside the strongest, or that no more beside it than chance does."""
+    if beside(told.context, alike, law, strongest).power > rough:
+        return True
+    return beside(told.context, alike, strongest, law).beyond <= told.criteria.shape
 
 
 def _replaces(law: FreeLaw, states: _States, criteria: Criteria) -> bool:

@@ -50,7 +50,7 @@ def runs_differ(e: EvidenceRecord) -> Answer | None:
         return Answer("adequate", e.linear, (), ("No effect earns what its parameters cost.",))
     what = effect_names(sorted(e.best.deviations))
     said: tuple[str, ...] = (f"The runs differ in {what}. With that, a linear model leaves only noise.",)
-    said += tuple(f"With {_title(c)} beside it they would differ by less than half of that." for c in e.rivals)
+    said += tuple(f"These data do not tell that from {_title(c)} and runs that differ by less." for c in e.rivals)
     return Answer("adequate", e.best, (), said)
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
+from scipy.special import ndtr, stdtrit
 
 from stepid.core.base import Array
 from stepid.effects.base import Effect
@@ -86,11 +87,17 @@ def centered(optimum: Optimum) -> Optimum:
 
 
 def starts_late(optimum: Optimum) -> bool:
-    """Tell whether runs whose start times are free all start as late: what they share is a delay, no scatter."""
+    """Tell whether runs whose start times are free all start as late: what they share is a delay, no scatter.
+
+    By more than their standard deviation, and more than chance does to the mean of so few (Student's t).
+    """
     problem = optimum.problem
     row = problem.layout.deviation("start_time")
     late = optimum.local[row, problem.active[row]]
-    return bool(late.size and not _changed(problem, "start_time") and abs(late.mean()) > _SHARED * late.std())
+    if late.size < 2 or _changed(problem, "start_time"):
+        return False
+    chance = stdtrit(late.size - 1, ndtr(_SHARED)) / math.sqrt(late.size - 1)
+    return bool(abs(late.mean()) > max(_SHARED, chance) * late.std())
 
 
 def mean_of_runs(optimum: Optimum) -> Array:

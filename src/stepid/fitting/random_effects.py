@@ -51,10 +51,9 @@ def price_of_scatter(optimum: Optimum, counts: Array, variance: float) -> float:
 def sizes_of_scatter(optimum: Optimum) -> dict[str, float]:
     """Standard deviation of what is free in the runs of a fit, about the plant, as it is priced, by kind."""
     of, active = optimum.problem.layout, optimum.problem.active
-    free = [kind for kind in SCATTER if active[of.deviation(kind)].any()]
-    own = centered(optimum).local if free else optimum.local
-    rows = {kind: own[of.deviation(kind), active[of.deviation(kind)]] for kind in free}
-    return {kind: float(np.sqrt(np.mean(values**2))) for kind, values in rows.items()}
+    counts = {kind: int(active[of.deviation(kind)].sum()) for kind in SCATTER}
+    own = centered(optimum).local if any(counts.values()) else optimum.local
+    return {kind: math.sqrt(float(np.sum(own[of.deviation(kind)] ** 2)) / m) for kind, m in counts.items() if m}
 
 
 def _information(optimum: Optimum) -> Array:

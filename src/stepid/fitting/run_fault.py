@@ -230,8 +230,8 @@ def _has_size(found: _Found, sure: float) -> bool:
     if found.kind == DRIFT:
         return True
     of, records = found.optimum.problem.layout, found.optimum.problem.records
-    if found.kind == "added_mass" and records.added_mass[found.run] + found.size < -sure * found.error:
-        return False  # no weight is less than none
+    if found.kind == "added_mass" and less_than_none(found.optimum, found.run, found.size):
+        return False
     unit = {
         "added_mass": float(of.mass(found.optimum.shared)[found.run]),
         "start_time": float(records.sample_time[found.run]),
@@ -254,6 +254,13 @@ def _explains(found: _Found, optimum: Optimum, others: list[_Found], floor: floa
         return at_floor and hard
     second = min((f.cost for f in others), default=np.inf)
     return at_floor or found.cost <= _STANDS_OUT * min(optimum.cost, second)
+
+
+def less_than_none(optimum: Optimum, run: int, size: float) -> bool:
+    """Tell whether a run would have to have a weight less than none added, by more than is worth mentioning."""
+    records = optimum.problem.records
+    worth = _WORTH["added_mass"] * float(optimum.problem.layout.mass(optimum.shared)[run])
+    return bool(records.added_mass[run] + size < -max(worth, records.weight_uncertainty))
 
 
 def is_extreme(records: Records, run: int) -> bool:

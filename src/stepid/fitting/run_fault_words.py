@@ -44,8 +44,9 @@ def fault_words(
 def _explanation(optimum: Optimum, run: int, kind: str, size: float) -> str:
     records = optimum.problem.records
     if kind == "added_mass":
-        told = records.added_mass[run]
-        return f"With {told + size:.4g} kg added instead of {told:g} kg it agrees: a wrong added mass. Weigh it again."
+        told = float(records.added_mass[run])
+        true = max(told + size, 0.0)
+        return f"With {true:.4g} kg added instead of {told:g} kg it agrees: a wrong added mass. Weigh it again."
     if kind in ("stiffness", "damping"):
         return _label(optimum, run, kind, size)
     if kind == "gain":

@@ -143,12 +143,12 @@ class Records:
         out: Array = self.centered(values) * self.weight
         return out
 
-    def subset(self, keep: Sequence[int]) -> Records:
-        """Return the records of some runs only, labels unchanged."""
-        index = list(keep)
+    def subset(self, keep: Sequence[int], *, under: Records | None = None) -> Records:
+        """Return the records of some runs only, labels unchanged or numbered as those of other records are."""
+        index, of = list(keep), under or self
         weight = np.concatenate([self.weight[self.pieces()[i]] for i in index])
         runs = [self.runs[i] for i in index]
-        laid = _lay(runs, self.moving[index], (self.bases, self.springs, self.dampers), self.begin[index], weight)
+        laid = _lay(runs, self.moving[index], (of.bases, of.springs, of.dampers), self.begin[index], weight)
         return replace(self._known(laid), added_mass=self.added_mass[index])
 
     def like(self, runs: Sequence[Experiment]) -> Records:

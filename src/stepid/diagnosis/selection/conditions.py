@@ -32,7 +32,7 @@ def instead(
 
 
 def remaining(
-    nodes: Collection[Node], tried: Collection[tuple[Key, Key]], calmer: Collection[Node], best: Node
+    nodes: Collection[Node], tried: Collection[tuple[Key, Key]], calmer: Collection[Node], best: Node, slack: float
 ) -> list[Proposal]:
     """Sets with one effect more than the best, and its conditions: these may differ by less beside the effect.
 
@@ -47,16 +47,19 @@ def remaining(
     calmer : collection of Node
         Those of the best's effects in which one condition less differs.
     best : Node
+    slack : float
+        m², cost by which one that was fitted before is not stuck.
     """
     out: dict[Key, Proposal] = {}
     for node in calmer:
         more = [n for n in nodes if n.deviations <= node.deviations and best.key[0] < n.key[0]]
         more = [n for n in more if len(n.effects) == len(best.effects) + 1]
-        found = min(more, key=lambda n: n.cost, default=node)
-        if found.cost - best.cost < (node.cost - best.cost) / 2:
+        found = min(more, key=lambda n: n.cost, default=None)
+        if found is not None and found.cost - best.cost < (node.cost - best.cost) / 2:
             here = (standing(found),)
             one = Proposal(found.effects, best.deviations, here, found.key, found.best, best.cost, 1.0, REMAINING)
-            if (one.base, one.key) not in tried:
+            known = [n for n in nodes if n.key == one.key and n.cost <= best.cost + slack]  # a larger set leaves less
+            if not known and (one.base, one.key) not in tried:
                 out.setdefault(one.key, one)
     return list(out.values())
 

@@ -106,7 +106,8 @@ class Search(Attempts):
             steady = runs.first_of(steady, self.proposals, Deviate.name, self.effort.beam)
             calmer = runs.calmer(self.nodes.values(), self.best) if at_floor(self.fit, self.criteria, self.best) else []
             made += [self._expand(node, IN_PLACE) for node in calmer]
-            beside = runs.remaining(self.nodes.values(), self._tried, calmer, self.nodes[self.best.key])
+            best, slack = self.nodes[self.best.key], self.criteria.tie * self.fit.unit
+            beside = runs.remaining(self.nodes.values(), self._tried, calmer, best, slack)
             steady += [self.nodes[p.base] for p in beside]  # another condition may be what differs beside the effect
             made += [self._expand(self.nodes[p.base], (Deviate(),)) for p in beside]
             keys = {node.key for node in (*bases, *steady)}

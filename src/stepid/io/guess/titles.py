@@ -12,6 +12,7 @@ from stepid.io.textfile import is_comment, is_name, is_number
 
 _REMARKS = ("comment", "comments")
 _ROLES = ("time", "position", "input")
+_WITH_UNIT = re.compile(r"\S+(?:\s*[\[({<][^\])}>]*[\])}>])?")  # a name, and its unit in brackets
 _SYMBOL = re.compile(r"[dΔσ]?[^\W\d_]\d?")  # t, x, dx, y2
 
 
@@ -98,15 +99,17 @@ def _unmatched(line: str, separator: str | None, width: int, last: int) -> tuple
     named = [cell for cell in split if cell]
     if (row is not None and all(row)) or (len(split) == width and len(named) > 1):
         return ()
-    for names in (named, _bare(line).split()):
+    by_blanks = _WITH_UNIT.findall(_bare(line))
+    for names in (named if separator else by_blanks, by_blanks):
         if len(names) > 1 and len(names) not in (width, last) and _are_names(names):
             return tuple(names)
     return ()
 
 
 def _are_names(words: Sequence[str]) -> bool:
-    """Tell names of columns from words of a title, or one name and its unit."""
-    one = len(words) == 2 and read_title(" ".join(words)).unit is not None
+    """Tell names of columns from words of a title, one of which may say what the other is of, or its unit."""
+    titles = list(map(read_title, words))
+    one = len(words) == 2 and (read_title(" ".join(words)).unit is not None or titles[0].role == titles[1].role)
     return not one and all(_SYMBOL.fullmatch(word) or read_title(word).role in _ROLES for word in words)
 
 
