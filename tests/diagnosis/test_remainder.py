@@ -86,6 +86,17 @@ def test_a_swing_at_a_multiple_of_the_natural_frequency_is_an_overtone(
     assert ("steady swing" in said) is not overtone
 
 
+@pytest.mark.parametrize(("swings", "steady"), [(1.4, False), (3.5, True)])
+def test_one_swing_is_no_steady_one(swings: float, steady: bool) -> None:
+    """What swings once or twice within the longest record is as well a drift."""
+    runs = []
+    for i, run in enumerate(released(600).experiments):
+        phase = 2 * np.pi * swings * run.time / run.time[-1] + i
+        runs.append(run.model_copy(update={"position": run.position + 1e-3 * np.sin(phase)}))
+    context = prepare(stepid.Campaign(name="slow", experiments=tuple(runs)))
+    assert any("steady swing" in said for said in remainder(context, linear_candidate(context))) is steady
+
+
 @pytest.mark.parametrize("count", [30, 45, 60])
 @pytest.mark.parametrize("jitter", [0.0, 0.2])
 def test_short_and_uneven_releases_do_not_fail(count: int, jitter: float) -> None:

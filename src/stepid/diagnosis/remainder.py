@@ -20,6 +20,7 @@ _BESIDE = 0.5  # of the largest share: a shape that takes less is not told besid
 _PIECE = 0.2  # of the period: segments of motion shorter than this are not independent
 _PLENTY = 2.0  # independent segments a coefficient, the least that tell a shape
 _APART = 0.15  # of the natural frequency: a swing nearer than this is the plant's own
+_SWINGS = 2.0  # periods in the longest record: fewer are a drift
 _OVERTONES, _IN_TUNE = (2, 3, 4, 5), 0.05  # of the natural frequency; relative, how near a swing is to one of them
 _SINGLED = 2.0  # times its even share of what a shape takes, that makes a run one of those that are named
 _RUNS = 3  # named at most
@@ -95,9 +96,9 @@ def rest_shares(context: FitContext, optimum: Optimum) -> tuple[Share, ...]:
 
 
 def _lines(context: FitContext, optimum: Optimum, period: float) -> tuple[float, ...]:
-    """Frequencies [Hz] at which the residual swings and the plant does not."""
-    own = 1.0 / period
-    return tuple(f for f in resonances(context.records, optimum.residual) if abs(f - own) > _APART * own)
+    """Frequencies [Hz] at which the residual swings, more than once or twice, and the plant does not."""
+    own, least = 1.0 / period, _SWINGS / context.scales.duration
+    return tuple(f for f in resonances(context.records, optimum.residual) if f > least and abs(f - own) > _APART * own)
 
 
 def _basis(columns: Array) -> Array:
