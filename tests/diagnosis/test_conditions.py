@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from made_up_evidence import candidate
-from stepid.diagnosis.selection import conditions
-from stepid.diagnosis.selection.conditions import calmer, instead, remaining, singles
+from stepid.diagnosis.selection.conditions import calmer, in_place, instead, singles
+from stepid.diagnosis.selection.moves import remain
 from stepid.effects import resolve
 
 
@@ -81,19 +81,30 @@ WITHOUT = made_up("free_play", cost=11.0)
 
 
 @pytest.mark.parametrize(("cost", "asked"), [(5.9, True), (6.1, False)])
-def test_an_effect_that_takes_most_of_what_a_condition_does_is_tried_beside_it(
-    cost: float, asked: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(conditions, "standing", lambda node: node.key)
+def test_an_effect_that_takes_most_of_what_a_condition_does_is_tried_beside_it(cost: float, asked: bool) -> None:
     found = made_up("free_play", "actuator_dead_zone", cost=cost)
     others = [made_up("free_play", "cogging", cost=9.0), made_up("cogging", "end_stop", cost=0.1)]
     others += [made_up("free_play", "cogging", deviations=("damping",), cost=0.1)]  # another condition takes it
     others += [made_up("free_play", "cogging", "end_stop", cost=0.1)]
-    told = remaining([*others, found], set(), [WITHOUT], BEST, 0.5)
-    assert [(p.key, p.starts) for p in told] == ([((found.key[0], BEST.deviations), (found.key,))] if asked else [])
-    assert remaining([*others, found], {(p.base, p.key) for p in told}, [WITHOUT], BEST, 0.5) == []
+    assert in_place([*others, found], [WITHOUT, WITHOUT], BEST, 0.5) == ([found] if asked else [])
+
+
+@pytest.mark.parametrize(("cost", "stuck"), [(1.4, False), (1.6, True)])
+def test_what_was_tried_beside_the_conditions_is_tried_again_where_it_is_stuck(cost: float, stuck: bool) -> None:
+    """A larger set leaves no more."""
+    found = made_up("free_play", "actuator_dead_zone", cost=3.0)
+    known = made_up("free_play", "actuator_dead_zone", deviations=("gain",), cost=cost)
+    assert in_place([found, known], [WITHOUT], BEST, 0.5) == ([found] if stuck else [])
 
 
 def test_nothing_is_tried_beside_a_condition_that_no_effect_comes_near() -> None:
-    assert remaining([BEST, WITHOUT], set(), [WITHOUT], BEST, 0.5) == []
-    assert remaining([BEST, WITHOUT], set(), [], BEST, 0.5) == []
+    assert in_place([BEST, WITHOUT], [WITHOUT], BEST, 0.5) == []
+    assert in_place([BEST, WITHOUT], [], BEST, 0.5) == []
+
+
+def test_what_remains_starts_from_the_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(remain, "standing", lambda node: node.key)
+    found = made_up("free_play", "actuator_dead_zone", cost=3.0)
+    (proposal,) = remain.Remain(BEST.deviations).propose(found, SimpleNamespace())  # type: ignore[arg-type]
+    assert (proposal.key, proposal.base) == ((found.key[0], BEST.deviations), found.key)
+    assert (proposal.starts, proposal.move) == ((found.key,), "remain")

@@ -7,11 +7,8 @@ from collections.abc import Collection, Iterable, Sequence
 
 from stepid.diagnosis.selection.candidate import Candidate, Key, includes
 from stepid.diagnosis.selection.moves.instead import Instead
-from stepid.diagnosis.selection.proposal import Node, Proposal, standing
+from stepid.diagnosis.selection.proposal import Node, Proposal
 from stepid.fitting.deviations import conditions
-
-REMAINING = "remaining"
-"""What proposals of `remaining` say that they are by."""
 
 
 def calmer(nodes: Iterable[Node], best: Candidate) -> list[Node]:
@@ -31,36 +28,29 @@ def instead(
     return [p for own in able.values() for p in own[:share] if (p.base, p.key) not in tried]
 
 
-def remaining(
-    nodes: Collection[Node], tried: Collection[tuple[Key, Key]], calmer: Collection[Node], best: Node, slack: float
-) -> list[Proposal]:
-    """Sets with one effect more than the best, and its conditions: these may differ by less beside the effect.
+def in_place(nodes: Collection[Node], calmer: Collection[Node], best: Node, slack: float) -> list[Node]:
+    """Sets of one effect more than the best, of which the effect takes most of what one of its conditions does.
 
-    The effect is in the place of one condition, and takes most of what that does. It takes it all from where both are
-    free, and nothing: a condition that differs leaves an effect nothing to promise.
+    Beside the effect runs may still differ, by less.
 
     Parameters
     ----------
     nodes : collection of Node
-    tried : collection of tuple
-        Bases and keys that were fitted.
     calmer : collection of Node
         Those of the best's effects in which one condition less differs.
     best : Node
     slack : float
-        m², cost by which one that was fitted before is not stuck.
+        m², cost by which a set with the best's conditions may be worse than the best: if it is by more, it is stuck.
     """
-    out: dict[Key, Proposal] = {}
+    done = {n.key[0] for n in nodes if n.deviations == best.deviations and n.cost <= best.cost + slack}
+    out: dict[Key, Node] = {}
     for node in calmer:
         more = [n for n in nodes if n.deviations <= node.deviations and best.key[0] < n.key[0]]
         more = [n for n in more if len(n.effects) == len(best.effects) + 1]
         found = min(more, key=lambda n: n.cost, default=None)
-        if found is not None and found.cost - best.cost < (node.cost - best.cost) / 2:
-            here = (standing(found),)
-            one = Proposal(found.effects, best.deviations, here, found.key, found.best, best.cost, 1.0, REMAINING)
-            known = [n for n in nodes if n.key == one.key and n.cost <= best.cost + slack]  # a larger set leaves less
-            if not known and (one.base, one.key) not in tried:
-                out.setdefault(one.key, one)
+        most = found is not None and found.cost - best.cost < (node.cost - best.cost) / 2
+        if found is not None and most and found.key[0] not in done:
+            out[found.key] = found
     return list(out.values())
 
 

@@ -9,11 +9,11 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, block_means
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
-from stepid.diagnosis.selection.conditions import REMAINING
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves import CONFIRMING, TOGETHER
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.instead import Instead
+from stepid.diagnosis.selection.moves.remain import Remain
 from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Node, Proposal
 from stepid.diagnosis.selection.standings import Standings
@@ -21,8 +21,8 @@ from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.multistart import FitContext
 
 RIVALS = {move.name for move in CONFIRMING}
-_STANDING_IN = {Drop.name, Instead.name, REMAINING}
-_IN_PLACE = {Instead.name, REMAINING}
+_STANDING_IN = {Drop.name, Instead.name, Remain.name}
+_IN_PLACE = {Instead.name, Remain.name}
 _TOGETHER = {move.name for move in TOGETHER}
 
 

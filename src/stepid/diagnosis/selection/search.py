@@ -16,6 +16,7 @@ from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, IN_PLACE, TO
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
+from stepid.diagnosis.selection.moves.remain import Remain
 from stepid.diagnosis.selection.promote import promote
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext, is_mode
 from stepid.effects.base import Effect
@@ -106,21 +107,27 @@ class Search(Attempts):
             steady = runs.first_of(steady, self.proposals, Deviate.name, self.effort.beam)
             calmer = runs.calmer(self.nodes.values(), self.best) if at_floor(self.fit, self.criteria, self.best) else []
             made += [self._expand(node, IN_PLACE) for node in calmer]
-            best, slack = self.nodes[self.best.key], self.criteria.tie * self.fit.unit
-            beside = runs.remaining(self.nodes.values(), self._tried, calmer, best, slack)
-            steady += [self.nodes[p.base] for p in beside]  # another condition may be what differs beside the effect
-            made += [self._expand(self.nodes[p.base], (Deviate(),)) for p in beside]
+            remain = self._remaining(calmer)
+            steady += [self.nodes[p.base] for p in remain]  # another condition may be what differs
+            made += [self._expand(self.nodes[p.base], (Deviate(),)) for p in remain]
             keys = {node.key for node in (*bases, *steady)}
             asked = self._rivals(keys, unforeseen=self._unforeseen() if any(made) else ())
             if any(made):
                 asked += runs.instead(self.proposals, self._tried, {node.key for node in calmer}, self.effort.share)
             else:  # what the rounds before had no room for
                 asked = [p for p in asked if p.size <= self.nodes[self.best.key].size]
-            asked += beside
+            asked += remain
             if not asked:
                 break
             self._fit_all(asked)
             self._polish_best()
+
+    def _remaining(self, calmer: Sequence[Node]) -> list[Proposal]:
+        """Effects in the place of a condition of the best, with all its conditions again, of those not tried yet."""
+        best, slack = self.nodes[self.best.key], self.criteria.tie * self.fit.unit
+        found = runs.in_place(self.nodes.values(), calmer, best, slack)
+        every = [p for node in found for p in Remain(best.deviations).propose(node, self.context)]
+        return [p for p in every if (p.base, p.key) not in self._tried]
 
     def _simplify(self) -> bool:
         """Drop what the answer does not need: a round of rivals may have added it that was the last; True if it did."""
