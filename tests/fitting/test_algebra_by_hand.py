@@ -172,7 +172,9 @@ def records_of(position: Array, volts: Array, **more: Any) -> Records:
 
 def fault(kind: str, size: float, *, error: float = 0.0, scatter: float = 0.0, weights: float = np.inf) -> Any:
     layout = SimpleNamespace(mass=lambda _: np.array([2.0, 3.0]), stiffness=slice(0, 1), damping=slice(1, 2))
-    records = SimpleNamespace(sample_time=[0.01, 0.02], spring=[0, 0], damper=[0, 0], weight_uncertainty=weights)
+    records = SimpleNamespace(
+        sample_time=[0.01, 0.02], spring=[0, 0], damper=[0, 0], added_mass=[0.5, 1.0], weight_uncertainty=weights
+    )
     optimum = SimpleNamespace(problem=SimpleNamespace(layout=layout, records=records), shared=np.array([200.0, 8.0]))
     return SimpleNamespace(kind=kind, size=size, error=error, scatter=scatter, run=1, optimum=optimum)
 
@@ -203,6 +205,14 @@ def test_a_wrong_mass_is_worth_mentioning_beyond_what_one_weight_is_known_to() -
     assert not _has_size(fault("added_mass", 0.024, weights=0.005), 5.0)
     assert _has_size(fault("added_mass", 0.061, weights=0.05), 5.0)
     assert not _has_size(fault("added_mass", 0.059, weights=0.05), 5.0)
+
+
+def test_no_weight_is_less_than_none() -> None:
+    """By more than 2 % of the 3 kg that move, or than weights are known to: what was not mounted scatters about it."""
+    assert _has_size(fault("added_mass", -1.05, weights=0.005), 5.0)
+    assert not _has_size(fault("added_mass", -1.07, weights=0.005), 5.0)
+    assert _has_size(fault("added_mass", -1.09, weights=0.1), 5.0)
+    assert not _has_size(fault("added_mass", -1.11, weights=0.1), 5.0)
 
 
 def test_the_run_with_the_largest_or_smallest_input_is_extreme() -> None:

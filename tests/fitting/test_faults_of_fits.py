@@ -82,10 +82,17 @@ def test_a_wrong_mass_beside_friction() -> None:
 
 
 def test_of_two_equal_runs_it_cannot_say_which_is_wrong() -> None:
-    whole = campaign(6, masses=(0, 0, 1.5, 1.5), true_masses=(0, 0.5, 1.5, 1.5), volts=(0.5,) * 4)
+    whole = campaign(6, masses=(1, 1, 2.5, 2.5), true_masses=(1, 1.5, 2.5, 2.5), volts=(0.5,) * 4)
     notes = " ".join(stepid.fit(whole).notes)
     assert re.search(r"'case [12]', 'case [12]' have the same labels and input but differ by 1\d %", notes)
     assert re.search(r"One run disagrees with the others, 'case [12]' or 'case [12]'", notes)
+
+
+def test_of_two_equal_runs_without_a_weight_the_heavier_is_wrong() -> None:
+    """The other one would have less than none."""
+    whole = campaign(6, masses=(0, 0, 1.5, 1.5), true_masses=(0, 0.5, 1.5, 1.5), volts=(0.5,) * 4)
+    notes = " ".join(stepid.fit(whole).notes)
+    assert re.search(r"'case 2' disagrees with the others.*With 0\.5\d* kg added instead of 0 kg", notes)
 
 
 def test_two_runs_accuse_nobody() -> None:
