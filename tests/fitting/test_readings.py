@@ -13,7 +13,7 @@ import stepid
 from made_up_readings import campaign, force, runs
 from stepid.core.base import Array
 from stepid.fitting import eccentricity
-from stepid.fitting.eccentricity import Eccentricity, find_eccentricity
+from stepid.fitting.eccentricity import Eccentricity, find_eccentricity, without_eccentricity
 from stepid.fitting.fit import prepare
 from stepid.fitting.hum import find_hum
 from stepid.fitting.noise_color import colored_floor
@@ -204,7 +204,7 @@ def eccentric(size: float, pitch: float, noise: float) -> tuple[list[Array], ste
 def test_an_eccentric_encoder_is_subtracted() -> None:
     size = 60e-6
     clean, read, found = eccentric(size, 4.8e-3, 5e-6)
-    for run, true in zip(found.mended(read), clean, strict=True):
+    for run, true in zip(without_eccentricity(read, found), clean, strict=True):
         rounding = 1 / FINE / np.sqrt(12)
         assert np.std(np.asarray(run.position) - true) < 1.1 * np.hypot(rounding, 0.01 * size)
 
@@ -215,7 +215,7 @@ def test_a_large_eccentricity_is_subtracted_to_its_second_order() -> None:
     clean, read, found = eccentric(size, pitch, 2e-6)
     assert found.amplitude == pytest.approx(size, rel=3e-3)
     assert found.pitch == pytest.approx(pitch, rel=1e-3)
-    for run, true in zip(found.mended(read), clean, strict=True):
+    for run, true in zip(without_eccentricity(read, found), clean, strict=True):
         off = np.asarray(run.position) - true
         assert np.std(off) < 4e-6  # a plain fit to the readings leaves more than a fifth of the harmonic
 

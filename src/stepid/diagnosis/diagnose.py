@@ -23,9 +23,9 @@ from stepid.diagnosis.progress import Progress, Tell, listener, telling
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.verdict import judge
-from stepid.diagnosis.wrong_readings import wrong_readings
 from stepid.effects import CATALOGUE, Effect, a_catalogue, among_themselves
 from stepid.errors import UndeterminedError
+from stepid.fitting.eccentricity import Eccentricity, find_eccentricity, without_eccentricity
 from stepid.fitting.fit import prepare
 from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.multistart import FitContext
@@ -152,12 +152,13 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
             return _noting(without, doubts)
     how.tell(Progress("runs held out", best=found.best.names))
     faults = (*accused, *found.context.faults)
-    for wrong in () if wrong_input is not None else wrong_readings(found, how.criteria, accused):
-        mended = wrong.mended(campaign).experiments
-        done = _anew(campaign, mended, how, (*accused, _and(wrong.fault, "It is subtracted.")))
+    eccentric = None if wrong_input is not None else _eccentricity(found, how.criteria, accused)
+    if eccentric is not None:
+        corrected = without_eccentricity(campaign, eccentric).experiments
+        done = _anew(campaign, corrected, how, (*accused, _and(eccentric.fault, "It is subtracted.")))
         if done.effects or done.verdict == "adequate":
             return done
-        faults += (wrong.fault,)
+        faults += (eccentric.fault,)
     evidence = EvidenceRecord(found.context, how.criteria, found.candidates, wrong_input, faults)
     return _noting(report(campaign, evidence, judge(evidence)), doubts)
 
@@ -235,6 +236,16 @@ def _fault_beside_effects(context: FitContext, found: Found, criteria: Criteria)
     if beside is not None or not found.best.effects or at_floor(found.context, criteria, found.best):
         return beside
     return find_fault(found.best.optimum, found.context.floor, sure=criteria.size)
+
+
+def _eccentricity(found: Found, criteria: Criteria, accused: tuple[RecordFault, ...]) -> Eccentricity | None:
+    """A line in position on the readings, where a rest remains and none was subtracted yet."""
+    if at_floor(found.context, criteria, found.best):
+        return None
+    plain = [c for c in found.candidates if not c.effects]  # runs that differ leave the line bare
+    looked = (find_eccentricity(c.optimum, found.context.floor) for c in (found.best, *plain, *found.single))
+    line = next(filter(None, looked), None)
+    return line if line is not None and all(f.kind != line.fault.kind for f in accused) else None
 
 
 @takes(

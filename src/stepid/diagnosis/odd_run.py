@@ -14,7 +14,6 @@ from stepid.diagnosis.selection.candidate import Candidate
 from stepid.fitting.cross_validation import qualifying
 from stepid.fitting.deviations import with_fault
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
-from stepid.fitting.lost_counts import find_jump
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build, start_local
 from stepid.fitting.record_fault import RecordFault
@@ -65,10 +64,9 @@ def outlying_runs(context: FitContext, laws: Sequence[Optimum] = ()) -> list[int
 def fault_of(context: FitContext, run: int, shown: Candidate, floor: float) -> RecordFault | None:
     """What is wrong with a run, by the model of all others; None where that may be a law.
 
-    The plant is that of the others. A jump of the readings is told; else one label, scale or start of the run is
-    changed, from wherever such mistakes lead: what takes most of its misfit then is told. Else the run disagrees, if
-    others like it do not, where these are left with noise only. Where they are left with more, it is odd if it is by
-    far worse than the worst of them.
+    The plant is that of the others. One label, scale or start of the run is changed, from wherever such mistakes lead:
+    what takes most of its misfit then is told. Else the run disagrees, if others like it do not, where these are left
+    with noise only. Where they are left with more, it is odd if it is by far worse than the worst of them.
 
     Parameters
     ----------
@@ -84,9 +82,6 @@ def fault_of(context: FitContext, run: int, shown: Candidate, floor: float) -> R
     plain = _alone(context, run, shown)
     if plain is None or not _is_odd(plain, shown):
         return None
-    jump = find_jump(plain, floor, context.period)
-    if jump is not None:
-        return jump.fault
     alone, before = plain.problem, plain.cost
     quiet = shown.optimum.cost <= noise_cost(shown.optimum.problem.records, floor)
     unsure = _stands_alone(records, run) or len(records.runs) < _SOME

@@ -39,15 +39,6 @@ class Eccentricity(NamedTuple):
     phase: float
     fault: RecordFault
 
-    def mended(self, campaign: Campaign) -> Campaign:
-        """Subtract the line from the readings of a campaign."""
-        runs = []
-        for run in campaign.experiments:
-            position = _true(run.position, self.amplitude, self.phase, self.pitch)
-            position.setflags(write=False)
-            runs.append(run.model_copy(update={"position": position}))
-        return campaign.model_copy(update={"experiments": tuple(runs)})
-
 
 def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
     """Find a line in position, the same in all runs, that takes most of what a fit leaves above the noise.
@@ -131,6 +122,16 @@ def _true(reading: Array, amplitude: float, phase: float, pitch: float) -> Array
         off = position + amplitude * np.sin(angle) - reading
         position = position - off / np.maximum(1 + turn * amplitude * np.cos(angle), _LEAST_SLOPE)
     return position
+
+
+def without_eccentricity(campaign: Campaign, found: Eccentricity) -> Campaign:
+    """Subtract an encoder's line from the readings of a campaign."""
+    runs = []
+    for run in campaign.experiments:
+        position = _true(run.position, found.amplitude, found.phase, found.pitch)
+        position.setflags(write=False)
+        runs.append(run.model_copy(update={"position": position}))
+    return campaign.model_copy(update={"experiments": tuple(runs)})
 
 
 class _Line:
