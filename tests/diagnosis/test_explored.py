@@ -56,7 +56,7 @@ def test_an_accusation_beside_effects_that_ends_in_no_answer_is_taken_back(
     """What a run was accused beside explains nothing then: a linear plant is diagnosed with all its runs."""
     fault = RecordFault(run="case 2", kind="gain", size=1.1, unit="", words="Run 'case 2' disagrees.")
     rest = SimpleNamespace(verdict=without)
-    monkeypatch.setattr(diagnose, f"_fault_beside_{beside}", lambda *_: fault)
+    monkeypatch.setattr(diagnose, f"fault_beside_{beside}", lambda *_: fault)
     monkeypatch.setattr(diagnose, "_anew", lambda *_: rest)
     found: Any = stepid.diagnose(scattered(1))
     assert (found is rest) is left_out

@@ -106,12 +106,8 @@ def test_a_law_refutes_by_what_it_takes_beside_the_strongest(
     drag = FreeLaw("velocity", 0.9, 3 * rough, 9.0, changes=(0.0,))
     spring = FreeLaw("position", 0.6, 2 * rough, 9.0, changes=(0.0,))
     monkeypatch.setattr(refutation, "free_laws", lambda *_: (spring, drag))
-    asked = {"position": (left * rough, 0.0), "velocity": (0.0, other)}
-    monkeypatch.setattr(
-        refutation,
-        "beside",
-        lambda *of: of[2]._replace(power=asked[of[2].state][0], beyond=asked[of[2].state][1]),
-    )
+    taken = spring._replace(power=left * rough), drag._replace(beyond=other)
+    monkeypatch.setattr(refutation, "beside", lambda *of: taken if of[2:] == (spring, drag) else ())
     monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),))
     assert e.refuted(lead) == told
 
@@ -127,14 +123,15 @@ def test_beside_the_law_that_is_missing_no_other_takes_anything(drags: bool, rem
     spring, drag = laws["position"], laws["velocity"]
     whole = context.coarse_linear.cost - context.noise_cost
     assert (spring.power > 0.005 * whole, drag.power > 0.005 * whole) == (True, True)
-    assert (beside(context, fitted, spring, drag).power > 0.005 * whole) == remains
-    assert (beside(context, fitted, drag, spring).power > 0.005 * whole) != remains
+    of_spring, of_drag = beside(context, fitted, spring, drag)
+    assert (of_spring.power > 0.005 * whole) == remains
+    assert (of_drag.power > 0.005 * whole) != remains
 
 
 def test_a_law_that_is_not_asked_is_what_it_was() -> None:
     context = prepare(make_campaigns([Request(3, ("cubic_stiffness",), None, 8.0, "four")])[0][0])
     law, none = free_laws(context, context.linear)[0], FreeLaw("temperature", 0.5, 1.0)
-    assert beside(context, context.linear, law, none) == law
+    assert beside(context, context.linear, law, none) == (law, none)
 
 
 @pytest.mark.slow

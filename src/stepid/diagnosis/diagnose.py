@@ -16,23 +16,23 @@ from stepid.core.words import length
 from stepid.diagnosis.answer import report
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
-from stepid.diagnosis.explore import Found, explored, fault_beside, linear_candidate, outweighs
+from stepid.diagnosis.explore import Found, explored, linear_candidate
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.odd_run import fault_of, outlying_runs, stands_out
+from stepid.diagnosis.plain_faults import eccentricity_of, fault_beside_effects, fault_beside_the_plant, swap_of
 from stepid.diagnosis.progress import Progress, Tell, listener, telling
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.verdict import judge
 from stepid.effects import CATALOGUE, Effect, a_catalogue, among_themselves
 from stepid.errors import UndeterminedError
-from stepid.fitting.eccentricity import Eccentricity, find_eccentricity, without_eccentricity
+from stepid.fitting.eccentricity import without_eccentricity
 from stepid.fitting.fit import prepare
 from stepid.fitting.input_fault import find_input_fault
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.record_fault import RecordFault
-from stepid.fitting.run_fault import accuse, find_fault
 from stepid.fitting.screening import split_campaign
-from stepid.fitting.swapped_weights import Swap, doubt, find_swap, swap_faults, without_swap
+from stepid.fitting.swapped_weights import doubt, swap_faults, without_swap
 from stepid.simulation.threads import single_threaded
 from stepid.simulation.warm_up import warm_up
 
@@ -127,21 +127,30 @@ def _prepared(campaign: Campaign, how: _How) -> Diagnosis:
     return _diagnosed(campaign, context, how)
 
 
-def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tuple[RecordFault, ...] = ()) -> Diagnosis:
-    """Diagnose what was laid out; a run that is plainly at fault is left out, and the rest diagnosed anew."""
+def _diagnosed(
+    campaign: Campaign,
+    context: FitContext,
+    how: _How,
+    accused: tuple[RecordFault, ...] = (),
+    searched: Found | None = None,
+) -> Diagnosis:
+    """Diagnose what was laid out; a run that is plainly at fault is left out, and the rest diagnosed anew.
+
+    What was `searched` before is not searched again.
+    """
     wrong_input = find_input_fault(context)
     doubts: tuple[str, ...] = ()
     if wrong_input is not None:
         found = Found(context, (linear_candidate(context),))
     else:
-        found = explored(context, how.catalogue, how.criteria, how.effort, how.tell)
-        swap = _swap(found, how.criteria)
+        found = searched or _explored(context, how)
+        swap = swap_of(found, how.criteria)
         doubts = (doubt(swap),) if swap is not None and swap.doubtful else ()
         if swap is not None and not doubts:
             exchanged = campaign.model_copy(update={"experiments": without_swap(campaign.experiments, swap)})
             return _diagnosed(exchanged, prepare(exchanged, workers=how.workers), how, (*accused, *swap_faults(swap)))
-        alone = _fault_beside_the_plant(context, found, how.criteria)
-        fault = alone or _fault_beside_effects(context, found, how.criteria)
+        alone = fault_beside_the_plant(context, found, how.criteria)
+        fault = alone or fault_beside_effects(context, found, how.criteria)
         if fault is not None:
             others = [run for run in campaign.experiments if run.name != fault.run]
             done = _anew(campaign, others, how, (*accused, _left_out(fault)))
@@ -152,7 +161,7 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
             return _noting(without, doubts)
     how.tell(Progress("runs held out", best=found.best.names))
     faults = (*accused, *found.context.faults)
-    eccentric = None if wrong_input is not None else _eccentricity(found, how.criteria, accused)
+    eccentric = None if wrong_input is not None else eccentricity_of(found, how.criteria, accused)
     if eccentric is not None:
         corrected = without_eccentricity(campaign, eccentric).experiments
         done = _anew(campaign, corrected, how, (*accused, _and(eccentric.fault, "It is subtracted.")))
@@ -161,6 +170,10 @@ def _diagnosed(campaign: Campaign, context: FitContext, how: _How, accused: tupl
         faults += (eccentric.fault,)
     evidence = EvidenceRecord(found.context, how.criteria, found.candidates, wrong_input, faults)
     return _noting(report(campaign, evidence, judge(evidence)), doubts)
+
+
+def _explored(context: FitContext, how: _How) -> Found:
+    return explored(context, how.catalogue, how.criteria, how.effort, how.tell)
 
 
 def _noting(done: Diagnosis, more: tuple[str, ...]) -> Diagnosis:
@@ -184,7 +197,8 @@ def _without_an_odd_run(
     for run in outlying_runs(context, [c.optimum for c in found.single])[:_OUTLYING]:
         name = context.records.runs[run].name
         rest = campaign.model_copy(update={"experiments": tuple(e for e in campaign.experiments if e.name != name)})
-        fewer = explored(prepare(rest, workers=how.workers), how.catalogue, how.criteria, how.effort, how.tell)
+        laid_out = prepare(rest, workers=how.workers)
+        fewer = _explored(laid_out, how)
         if not stands_out(context, run, fewer.best):
             continue
         evidence = EvidenceRecord(fewer.context, how.criteria, fewer.candidates)
@@ -192,9 +206,11 @@ def _without_an_odd_run(
         if answer.verdict == "unexplained":
             continue
         fault = fault_of(context, run, answer.shown, fewer.context.floor)
-        done = _anew(campaign, rest.experiments, how, (*accused, _left_out(fault))) if fault is not None else None
-        if done is not None and done.verdict != "unexplained":
-            return done
+        if fault is None:
+            continue
+        done = _diagnosed(rest, laid_out, how, (*accused, _left_out(fault)), fewer)
+        if done.verdict != "unexplained":
+            return done.model_copy(update={"data": campaign})
     return None
 
 
@@ -204,48 +220,6 @@ def _left_out(fault: RecordFault) -> RecordFault:
 
 def _and(fault: RecordFault, words: str) -> RecordFault:
     return fault.model_copy(update={"words": f"{fault.words} {words}"})
-
-
-def _swap(found: Found, criteria: Criteria) -> Swap | None:
-    """Two runs whose masses are noted for each other, where that is likelier than what the search found."""
-    context, best = found.context, found.likeliest
-    if context.by_weights is not None or (at_floor(context, criteria, best) and best.complexity <= 1):
-        return None
-    swap = find_swap(context.linear, next((c.optimum for c in found.single), None), context.floor)
-    likelier = swap is not None and outweighs(swap.optimum.cost, swap.optimum, found, criteria)
-    return swap if likelier else None
-
-
-def _fault_beside_the_plant(context: FitContext, found: Found, criteria: Criteria) -> RecordFault | None:
-    """What is plainly wrong with one run of more than two, beside the linear plant.
-
-    Where errors of the weights that they may have are enough, nothing is.
-    """
-    if context.by_weights is not None:
-        return None
-    patterned = len(found.candidates) > 1 and context.colored is None
-    alone = accuse(context.linear, context.floor, sure=criteria.size, patterned=patterned)
-    return alone.fault if alone is not None and outweighs(alone.cost, context.linear, found, criteria) else None
-
-
-def _fault_beside_effects(context: FitContext, found: Found, criteria: Criteria) -> RecordFault | None:
-    """The same beside the answer, or in its rest."""
-    if len(context.records.runs) <= 2:
-        return None
-    beside = fault_beside(found, criteria)
-    if beside is not None or not found.best.effects or at_floor(found.context, criteria, found.best):
-        return beside
-    return find_fault(found.best.optimum, found.context.floor, sure=criteria.size)
-
-
-def _eccentricity(found: Found, criteria: Criteria, accused: tuple[RecordFault, ...]) -> Eccentricity | None:
-    """A line in position on the readings, where a rest remains and none was subtracted yet."""
-    if at_floor(found.context, criteria, found.best):
-        return None
-    plain = [c for c in found.candidates if not c.effects]  # runs that differ leave the line bare
-    looked = (find_eccentricity(c.optimum, found.context.floor) for c in (found.best, *plain, *found.single))
-    line = next(filter(None, looked), None)
-    return line if line is not None and all(f.kind != line.fault.kind for f in accused) else None
 
 
 @takes(

@@ -97,18 +97,24 @@ def _free_laws(context: FitContext, optimum: Optimum, records: Records) -> tuple
     return tuple(found)
 
 
-def beside(context: FitContext, optimum: Optimum, law: FreeLaw, other: FreeLaw) -> FreeLaw:
-    """What one of `free_laws` takes of what another leaves.
+def beside(context: FitContext, optimum: Optimum, one: FreeLaw, other: FreeLaw) -> tuple[FreeLaw, FreeLaw]:
+    """What each of two of `free_laws` takes of what the other leaves.
 
     A force that is missing changes the whole motion: laws of every state follow some of it.
     """
     asked = _Asked.of(context, optimum, context.decimated)
     forces = {(state, own): some for state, some, own in free_forces(context, optimum)}
-    both = [forces[one.state, one.own] for one in (law, other) if (one.state, one.own) in forces]
+    laws = one, other
+    both = [forces[law.state, law.own] for law in laws if (law.state, law.own) in forces]
     if asked is None or len(both) < 2:
-        return law
-    pushed, pushed_by_other = asked.pushed(both)
-    return asked.left(np.hstack([asked.known, pushed_by_other])).taken_by(pushed, law.state, law.own, law.changes)
+        return laws
+    pushed = asked.pushed(both)
+
+    def taken(law: FreeLaw, columns: Array, leaving: Array) -> FreeLaw:
+        left = asked.left(np.hstack([asked.known, leaving]))
+        return left.taken_by(columns, law.state, law.own, law.changes)
+
+    return taken(one, *pushed), taken(other, *reversed(pushed))
 
 
 class _Asked(NamedTuple):

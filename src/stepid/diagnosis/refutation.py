@@ -46,9 +46,8 @@ def refuted(told: EvidenceRecord, lead: Candidate) -> str:
 
 def _stands(told: EvidenceRecord, alike: Optimum, law: FreeLaw, strongest: FreeLaw, rough: float) -> bool:
     """Tell whether a law takes something beside the strongest, or that no more beside it than chance does."""
-    if beside(told.context, alike, law, strongest).power > rough:
-        return True
-    return beside(told.context, alike, strongest, law).beyond <= told.criteria.shape
+    own, needed = beside(told.context, alike, law, strongest)
+    return own.power > rough or needed.beyond <= told.criteria.shape
 
 
 def _replaces(law: FreeLaw, states: _States, criteria: Criteria) -> bool:

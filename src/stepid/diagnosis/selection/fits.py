@@ -21,8 +21,8 @@ from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.multistart import FitContext
 
 RIVALS = {move.name for move in CONFIRMING}
-_STANDING_IN = {Drop.name, Instead.name, Remain.name}
 _IN_PLACE = {Instead.name, Remain.name}
+_STANDING_IN = {Drop.name, *_IN_PLACE}
 _TOGETHER = {move.name for move in TOGETHER}
 
 

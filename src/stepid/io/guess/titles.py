@@ -110,7 +110,8 @@ def _are_names(words: Sequence[str]) -> bool:
     """Tell names of columns from words of a title, one of which may say what the other is of, or its unit."""
     titles = list(map(read_title, words))
     one = len(words) == 2 and (read_title(" ".join(words)).unit is not None or titles[0].role == titles[1].role)
-    return not one and all(_SYMBOL.fullmatch(word) or read_title(word).role in _ROLES for word in words)
+    named = zip(words, titles, strict=True)
+    return not one and all(_SYMBOL.fullmatch(word) or title.role in _ROLES for word, title in named)
 
 
 def _are_units(row: Sequence[str]) -> bool:
