@@ -8,11 +8,13 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pytest
 
 from stepid.core.estimate import Estimate
-from stepid.diagnosis import verdict
+from stepid.diagnosis import gather, refutation, verdict, vetoes
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.exchangeable import Condition
+from stepid.diagnosis.free_law import FreeLaw
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.verdict import Answer
@@ -42,6 +44,7 @@ class MadeUpRecords:
         self.weight = np.ones(position.size)
         self.trusted = np.ones(position.size, dtype=bool)
         self.size = position.size
+        self.weighed_size = float(position.size)
         self.sample_time = np.full(RUNS, 0.01)
         self.first = SAMPLES * np.arange(RUNS)
         self.runs = tuple(SimpleNamespace(name=f"case {i}", resolution=None) for i in range(RUNS))
@@ -118,6 +121,39 @@ def losing(found: Candidate, qbic: float, names: Sequence[str], *, deviations: S
 
 LINEAR = candidate(times=10.0)
 FRICTION = candidate(["coulomb_friction"])
+
+
+def all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No parameter is open, and nothing stands in for an effect."""
+    monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
+    monkeypatch.setattr(gather, "imitators", lambda *_: {})
+    monkeypatch.setattr(gather, "followed_condition", lambda *_: None)
+
+
+def law_of(state: str, parts: float, *, share: float = 0.2, beyond: float = 9.0, change: float = 0.0) -> FreeLaw:
+    """A law of any shape that takes so many times what real laws are rough by."""
+    return FreeLaw(state, share, parts * Criteria().rough * LINEAR.optimum.cost, beyond, changes=(change,))
+
+
+def leaving(
+    *laws: FreeLaw,
+    states: Sequence[str],
+    monkeypatch: pytest.MonkeyPatch,
+    names: Sequence[str] = ("cubic_stiffness",),
+    noise: float = 0.0,
+) -> EvidenceRecord:
+    """Evidence whose lead, of laws of these states, leaves what these laws of any shape take."""
+    e = evidence(candidate(names, times=3.0))
+    with_rest(e, noise)
+    all_is_determined(monkeypatch)
+    monkeypatch.setattr(refutation, "free_laws", lambda *_: laws)
+    monkeypatch.setattr(gather, "states_of_all", lambda *_: tuple(frozenset({s}) for s in states))
+    return e
+
+
+def with_rest(e: EvidenceRecord, noise: float = 0.0) -> None:
+    """Give evidence the linear plant's cost in the race, and the noise's there, m²."""
+    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, noise  # type: ignore[misc]
 
 
 @dataclass

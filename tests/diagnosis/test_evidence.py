@@ -91,13 +91,13 @@ def test_the_linear_plant_is_found_among_the_candidates() -> None:
     assert e.context.floor == FLOOR
 
 
-def test_scatter_has_its_price_and_weights_count_in_squares(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_scatter_has_its_price_and_readings_count_by_their_weight(monkeypatch: pytest.MonkeyPatch) -> None:
     counts = np.full(4, 50.0)
     plain = price(candidate().optimum, counts, 1e-10)
     monkeypatch.setattr("stepid.diagnosis.evidence.price_of_scatter", lambda *_: 7.0)
     assert price(candidate().optimum, counts, 1e-10) == pytest.approx(plain + 7.0)
     made = context()
-    made.records.weight[:] = 0.5  # 400 readings that weigh as 100
+    made.records.weighed_size = 100.0  # of 400 readings
     monkeypatch.setattr("stepid.diagnosis.evidence.is_white", lambda *_: False)
     criteria = Criteria(near=1.5)
     most = criteria.floor + 2 / math.sqrt(100)

@@ -7,82 +7,17 @@ from typing import Any
 
 import pytest
 
-from made_up_evidence import FLOOR, candidate, context, evidence, losing
-from stepid.diagnosis import free_law, gather, refutation, verdict, vetoes
+from made_up_evidence import FLOOR, FRICTION, all_is_determined, candidate, context, evidence, law_of, losing, with_rest
+from stepid.diagnosis import free_law, gather, verdict
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, is_white
-from stepid.diagnosis.free_law import FreeLaw
 
-LINEAR = candidate(times=10.0)
-FRICTION = candidate(["coulomb_friction"])
 CRITERIA = Criteria()
-ROUGH = CRITERIA.rough * LINEAR.optimum.cost
 
 
 @pytest.fixture(autouse=True)
-def _all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
-    monkeypatch.setattr(gather, "imitators", lambda *_: {})
-    monkeypatch.setattr(gather, "followed_condition", lambda *_: None)
-
-
-def told(monkeypatch: pytest.MonkeyPatch, *laws: FreeLaw, states: tuple[str, ...], noise: float = 0.0) -> Any:
-    """Evidence whose lead, of laws of these states, leaves what these laws of any shape take."""
-    e = evidence(candidate(["cubic_stiffness"], times=3.0))
-    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, noise
-    monkeypatch.setattr(refutation, "free_laws", lambda *_: laws)
-    monkeypatch.setattr(gather, "states_of_all", lambda *_: tuple(frozenset({s}) for s in states))
-    return e
-
-
-def of(state: str, parts: float, *, share: float = 0.2, beyond: float = 9.0, change: float = 0.0) -> FreeLaw:
-    return FreeLaw(state, share, parts * ROUGH, beyond, changes=(change,))
-
-
-@pytest.mark.parametrize(
-    ("law", "refuted"),
-    [
-        (of("position", 1.1), "position"),
-        (of("position", 1.0), ""),  # as rough as real laws are
-        (of("position", 2.0, beyond=CRITERIA.white), ""),  # as chance may take
-        (of("position", 2.0, share=0.5, beyond=0.0), ""),  # half is not most
-        (of("position", 2.0, share=0.51, beyond=0.0), "position"),
-        (of("velocity", 2.0, change=CRITERIA.open), ""),  # what changes by half may be there
-        (of("velocity", 2.0, change=-0.51), "velocity"),
-        (of("position and velocity", 2.0), ""),  # more than the lead is a law of
-    ],
-)
-def test_a_lead_is_refuted_beyond_its_limits_only(law: FreeLaw, refuted: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    e = told(monkeypatch, law, states=("position",))
-    assert e.refuted(e.lead) == refuted
-
-
-def test_overtones_are_the_leads_own_whatever_it_is_a_law_of(monkeypatch: pytest.MonkeyPatch) -> None:
-    law = of("time", 2.0)._replace(own=True)
-    e = told(monkeypatch, law, states=("position",))
-    assert e.refuted(e.lead) == "time"
-    e = told(monkeypatch, law._replace(own=False), states=("position",))
-    assert e.refuted(e.lead) == ""
-
-
-def test_the_law_that_takes_most_refutes(monkeypatch: pytest.MonkeyPatch) -> None:
-    laws = [of("velocity", 2.0, change=1.0), of("position", 3.0), of("input and time", 2.5, change=1.0)]
-    e = told(monkeypatch, *laws, states=("position",))
-    assert e.refuted(e.lead) == "position"
-
-
-def test_a_law_of_the_state_of_one_of_two_effects_is_no_patchwork(monkeypatch: pytest.MonkeyPatch) -> None:
-    slight = of("position", 0.1, share=0.9)._replace(changes=(0.0, 0.0))
-    for states, refuted in ((("position", "position"), "position"), (("position", "velocity"), "")):
-        e = told(monkeypatch, slight, states=states)
-        assert e.refuted(e.lead) == refuted
-
-
-def test_roughness_is_a_share_of_the_misfit_without_the_noise(monkeypatch: pytest.MonkeyPatch) -> None:
-    half = 0.5 * LINEAR.optimum.cost
-    for noise, refuted in ((half, "position"), (0.0, "")):
-        e = told(monkeypatch, of("position", 0.75), states=("position",), noise=noise)
-        assert e.refuted(e.lead) == refuted
+def _determined(monkeypatch: pytest.MonkeyPatch) -> None:
+    all_is_determined(monkeypatch)
 
 
 @pytest.mark.parametrize(("beyond", "state"), [(CRITERIA.shape, ""), (CRITERIA.shape + 0.01, "velocity")])
@@ -90,7 +25,7 @@ def test_what_is_left_may_follow_a_state_as_much_as_chance_does(
     beyond: float, state: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """However little that is of the misfit."""
-    monkeypatch.setattr(free_law, "free_laws", lambda *_: (of("velocity", 1e-9, beyond=beyond),))
+    monkeypatch.setattr(free_law, "free_laws", lambda *_: (law_of("velocity", 1e-9, beyond=beyond),))
     assert evidence(FRICTION).followed(FRICTION) == state
 
 
@@ -102,29 +37,12 @@ def test_what_is_left_may_follow_a_state_as_much_as_chance_does(
 def test_what_runs_that_differ_or_colored_noise_leave_is_not_known_as_well(
     known: str, beyond: float, parts: float, state: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(free_law, "free_laws", lambda *_: (of("velocity", parts, beyond=beyond),))
+    monkeypatch.setattr(free_law, "free_laws", lambda *_: (law_of("velocity", parts, beyond=beyond),))
     found = candidate(["coulomb_friction"], deviations=["gain"] if known == "gain" else [])
     e = evidence(found)
-    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
+    with_rest(e)
     e.context.colored = object() if known == "color" else None
     assert e.followed(found) == state
-
-
-@pytest.mark.parametrize(
-    ("law", "refuted"),
-    [
-        (of("position", 0.001, beyond=CRITERIA.shape + 0.01), "position"),  # exact laws leave only noise
-        (of("position", 0.001, beyond=CRITERIA.shape), ""),
-        (of("position", 0.001, share=0.9, beyond=0.0), ""),  # most of next to nothing
-        (of("velocity", 0.001, change=0.6), "velocity"),
-        (of("velocity", 0.001, change=0.4), ""),
-    ],
-)
-def test_a_lead_as_small_as_the_noise_has_no_room_for_roughness(
-    law: FreeLaw, refuted: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    e = told(monkeypatch, law, states=("position",))
-    assert e.refuted(candidate(["cubic_stiffness"])) == refuted
 
 
 def test_two_effects_or_two_states_are_no_patchwork(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,13 +6,14 @@ import pytest
 
 import stepid
 from hidden.campaigns import Request, make_campaigns
-from made_up_evidence import candidate, evidence
+from made_up_evidence import LINEAR, candidate, evidence, law_of, leaving, with_rest
 from stepid.diagnosis import gather, refutation
+from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.free_law import FreeLaw, beside, free_laws
 from stepid.effects import resolve
 from stepid.fitting.fit import fit_effects, prepare
 
-LINEAR = candidate(times=10.0)
+CRITERIA = Criteria()
 
 
 @pytest.mark.parametrize(
@@ -28,30 +29,8 @@ LINEAR = candidate(times=10.0)
 def test_two_laws_of_one_state_leave_no_rest_of_it(
     names: list[str], states: list[str], share: float, told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    lead = candidate(names, times=3.0)
-    e = evidence(lead)
-    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
-    slight = 0.1 * e.criteria.rough * LINEAR.optimum.cost
-    monkeypatch.setattr(refutation, "free_laws", lambda *_: (FreeLaw("position", share, slight),))
-    monkeypatch.setattr(gather, "states_of_all", lambda *_: tuple(frozenset({s}) for s in states))
-    assert e.refuted(lead) == told
-
-
-@pytest.mark.parametrize(
-    ("beyond", "state", "told"), [(9.0, "position", "position"), (3.0, "position", ""), (9.0, "velocity", "")]
-)
-def test_a_law_of_the_leads_own_state_takes_more_than_chance(
-    beyond: float, state: str, told: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    lead = candidate(["cubic_stiffness"], times=3.0)
-    e = evidence(lead)
-    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
-    much = FreeLaw(state, 0.2, 2 * e.criteria.rough * LINEAR.optimum.cost, beyond, changes=(0.0,))
-    monkeypatch.setattr(
-        refutation, "free_laws", lambda *_: (much, FreeLaw("velocity", 0.3, much.power, changes=(0.0,)))
-    )
-    monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),))
-    assert e.refuted(lead) == told
+    e = leaving(law_of("position", 0.1, share=share, beyond=0.0), names=names, states=states, monkeypatch=monkeypatch)
+    assert e.refuted(e.candidates[0]) == told
 
 
 def test_runs_that_differ_hide_no_shape(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -61,10 +40,10 @@ def test_runs_that_differ_hide_no_shape(monkeypatch: pytest.MonkeyPatch) -> None
         candidate(["cubic_stiffness"], times=4.0),
     )
     e = evidence(lead)
-    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
+    with_rest(e)
     asked = []
     monkeypatch.setattr(refutation, "free_laws", lambda _, optimum: asked.append(optimum) or ())
-    monkeypatch.setattr(refutation, "without_deviations", lambda *_: alike.optimum)
+    monkeypatch.setattr("stepid.diagnosis.selection.candidate.without_deviations", lambda *_: alike.optimum)
     monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),))
     assert e.refuted(lead) == ""
     assert asked == [alike.optimum]
@@ -83,13 +62,10 @@ def test_runs_that_differ_hide_no_shape(monkeypatch: pytest.MonkeyPatch) -> None
 def test_an_effect_stays_what_it_is_beside_a_law_of_another_state(
     change: float, parts: float, states: frozenset[str], told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    lead = candidate(["viscoelastic_spring"], times=3.0)
-    e = evidence(lead)
-    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
-    law = FreeLaw("velocity", 0.8, parts * e.criteria.rough * LINEAR.optimum.cost, 9.0, changes=(change,))
-    monkeypatch.setattr(refutation, "free_laws", lambda *_: (law,))
+    law = law_of("velocity", parts, share=0.8, change=change)
+    e = leaving(law, names=["viscoelastic_spring"], states=[""], monkeypatch=monkeypatch)
     monkeypatch.setattr(gather, "states_of_all", lambda *_: (states,))
-    assert e.refuted(lead) == told
+    assert e.refuted(e.lead) == told
 
 
 @pytest.mark.parametrize(
@@ -99,17 +75,74 @@ def test_an_effect_stays_what_it_is_beside_a_law_of_another_state(
 def test_a_law_refutes_by_what_it_takes_beside_the_strongest(
     left: float, other: float, told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    lead = candidate(["cubic_stiffness"], times=3.0)
-    e = evidence(lead)
-    e.context.coarse_linear, e.context.noise_cost = LINEAR.optimum, 0.0
-    rough = e.criteria.rough * LINEAR.optimum.cost
-    drag = FreeLaw("velocity", 0.9, 3 * rough, 9.0, changes=(0.0,))
-    spring = FreeLaw("position", 0.6, 2 * rough, 9.0, changes=(0.0,))
-    monkeypatch.setattr(refutation, "free_laws", lambda *_: (spring, drag))
-    taken = spring._replace(power=left * rough), drag._replace(beyond=other)
+    drag, spring = law_of("velocity", 3.0, share=0.9), law_of("position", 2.0, share=0.6)
+    e = leaving(spring, drag, states=["position"], monkeypatch=monkeypatch)
+    taken = law_of("position", left, share=0.6), drag._replace(beyond=other)
     monkeypatch.setattr(refutation, "beside", lambda *of: taken if of[2:] == (spring, drag) else ())
-    monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),))
-    assert e.refuted(lead) == told
+    assert e.refuted(e.lead) == told
+
+
+@pytest.mark.parametrize(
+    ("law", "refuted"),
+    [
+        (law_of("position", 1.1), "position"),
+        (law_of("position", 1.0), ""),  # as rough as real laws are
+        (law_of("position", 2.0, beyond=CRITERIA.white), ""),  # as chance may take
+        (law_of("position", 2.0, share=0.5, beyond=0.0), ""),  # half is not most
+        (law_of("position", 2.0, share=0.51, beyond=0.0), "position"),
+        (law_of("velocity", 2.0, change=CRITERIA.open), ""),  # what changes by half may be there
+        (law_of("velocity", 2.0, change=-0.51), "velocity"),
+        (law_of("position and velocity", 2.0), ""),  # more than the lead is a law of
+    ],
+)
+def test_a_lead_is_refuted_beyond_its_limits_only(law: FreeLaw, refuted: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    e = leaving(law, states=("position",), monkeypatch=monkeypatch)
+    assert e.refuted(e.lead) == refuted
+
+
+def test_overtones_are_the_leads_own_whatever_it_is_a_law_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    law = law_of("time", 2.0)._replace(own=True)
+    e = leaving(law, states=("position",), monkeypatch=monkeypatch)
+    assert e.refuted(e.lead) == "time"
+    e = leaving(law._replace(own=False), states=("position",), monkeypatch=monkeypatch)
+    assert e.refuted(e.lead) == ""
+
+
+def test_the_law_that_takes_most_refutes(monkeypatch: pytest.MonkeyPatch) -> None:
+    laws = [law_of("velocity", 2.0, change=1.0), law_of("position", 3.0), law_of("input and time", 2.5, change=1.0)]
+    e = leaving(*laws, states=("position",), monkeypatch=monkeypatch)
+    assert e.refuted(e.lead) == "position"
+
+
+def test_a_law_of_the_state_of_one_of_two_effects_is_no_patchwork(monkeypatch: pytest.MonkeyPatch) -> None:
+    slight = law_of("position", 0.1, share=0.9)._replace(changes=(0.0, 0.0))
+    for states, refuted in ((("position", "position"), "position"), (("position", "velocity"), "")):
+        e = leaving(slight, states=states, monkeypatch=monkeypatch)
+        assert e.refuted(e.lead) == refuted
+
+
+def test_roughness_is_a_share_of_the_misfit_without_the_noise(monkeypatch: pytest.MonkeyPatch) -> None:
+    half = 0.5 * LINEAR.optimum.cost
+    for noise, refuted in ((half, "position"), (0.0, "")):
+        e = leaving(law_of("position", 0.75), states=("position",), monkeypatch=monkeypatch, noise=noise)
+        assert e.refuted(e.lead) == refuted
+
+
+@pytest.mark.parametrize(
+    ("law", "refuted"),
+    [
+        (law_of("position", 0.001, beyond=CRITERIA.shape + 0.01), "position"),  # exact laws leave only noise
+        (law_of("position", 0.001, beyond=CRITERIA.shape), ""),
+        (law_of("position", 0.001, share=0.9, beyond=0.0), ""),  # most of next to nothing
+        (law_of("velocity", 0.001, change=0.6), "velocity"),
+        (law_of("velocity", 0.001, change=0.4), ""),
+    ],
+)
+def test_a_lead_as_small_as_the_noise_has_no_room_for_roughness(
+    law: FreeLaw, refuted: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    e = leaving(law, states=("position",), monkeypatch=monkeypatch)
+    assert e.refuted(candidate(["cubic_stiffness"])) == refuted
 
 
 @pytest.mark.parametrize(("drags", "remains"), [(True, False), (False, True)])

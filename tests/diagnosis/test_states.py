@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from hidden.campaigns import Request, make_campaigns
-from stepid.diagnosis.states import cancelling
+from stepid.diagnosis.states import cancelling, states_of_all
 from stepid.effects import resolve
 from stepid.fitting.fit import fit_effects, prepare
 from stepid.fitting.levenberg_marquardt import Optimum
@@ -28,6 +28,10 @@ def having(context: FitContext, *names: str, values: tuple[float, ...]) -> Optim
     return replace(fitted, shared=shared)
 
 
+def cancelled(context: FitContext, fitted: Optimum) -> str:
+    return cancelling(context, fitted, states_of_all(context, fitted))
+
+
 @pytest.mark.parametrize(
     ("part", "found"), [(1.0, "position"), (0.8, "position"), (0.4, ""), (3.0, ""), (0.0, ""), (-1.0, "")]
 )
@@ -36,11 +40,11 @@ def test_a_spring_that_hardens_cancels_one_that_softens(bent: FitContext, part: 
     curvature = 0.5 / bent.scales.displacement
     cubic = part * float(bent.motion.stiffness.mean()) * curvature**2 / 6
     fitted = having(bent, "cubic_stiffness", "sine_stiffness", values=(cubic, curvature))
-    assert cancelling(bent, fitted) == found
+    assert cancelled(bent, fitted) == found
 
 
 def test_effects_of_other_states_cancel_nothing(bent: FitContext) -> None:
     curvature = 0.5 / bent.scales.displacement
-    assert cancelling(bent, having(bent, "quadratic_damping", "sine_stiffness", values=(-9.0, curvature))) == ""
-    assert cancelling(bent, having(bent, "sine_stiffness", values=(curvature,))) == ""
-    assert cancelling(bent, bent.linear) == ""
+    assert cancelled(bent, having(bent, "quadratic_damping", "sine_stiffness", values=(-9.0, curvature))) == ""
+    assert cancelled(bent, having(bent, "sine_stiffness", values=(curvature,))) == ""
+    assert cancelled(bent, bent.linear) == ""

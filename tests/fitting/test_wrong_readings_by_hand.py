@@ -226,7 +226,7 @@ def test_an_encoder_off_its_axis_is_so_in_all_runs() -> None:
 @pytest.mark.parametrize(("apart", "accused"), [(0.9, True), (1.1, False)])
 def test_a_worse_explanation_of_a_misfit_is_none(monkeypatch: pytest.MonkeyPatch, apart: float, accused: bool) -> None:
     """Worse by χ² = 10 at the level of the noise; the cost told is the least that was reached."""
-    records = SimpleNamespace(runs=[SimpleNamespace(name=name) for name in "abc"], weight=np.full(400, 1.0))
+    records = SimpleNamespace(runs=[SimpleNamespace(name=name) for name in "abc"], weighed_size=400.0)
     held = SimpleNamespace(layout=None, records=records)
     last: Any = SimpleNamespace(problem=held, shared=None, local=None)
     level, fields = 2e-5, {"kind": "gain", "error": 0.0, "scatter": 0.0, "optimum": last}

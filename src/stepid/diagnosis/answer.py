@@ -38,7 +38,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
     context = evidence.context
     records, floor, linear = context.records, context.floor, context.linear
     told = answer.shown if answer.verdict != "unexplained" else evidence.linear
-    final, effects = linear if told is evidence.linear else told.optimum, told.effects
+    final, effects = told.optimum, told.effects
     before, after = evidence.left_out.of_two(linear, final)
     parameters = estimates(final, effects, floor)[0] | evidence.limited(told)
     scatter = scatter_of(context, told if told.deviations else answer.shown, evidence.candidates, final)

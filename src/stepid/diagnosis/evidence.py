@@ -91,7 +91,7 @@ def _qbic_by(context: FitContext, best: Optimum) -> Callable[..., float]:
     records, least = context.records, max(context.rounding_cost, np.finfo(float).tiny)
     counts = effective_samples(records, best.problem.residual(best.solved))
     samples, lowest = float(counts.sum()), max(best.cost, least)
-    variance = lowest / float((records.weight**2).sum())
+    variance = lowest / records.weighed_size
 
     def qbic(fit: Optimum, cost: float | None = None, more: int = 0) -> float:
         left = max(fit.cost if cost is None else cost, least)
@@ -137,7 +137,7 @@ def at_floor(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
     records = context.records
     if found.optimum.rms <= context.rounding:
         return True
-    samples = float((records.weight**2).sum())
+    samples = records.weighed_size
     times = found.optimum.rms / context.floor
     if context.colored is not None:  # its size is known less well, and it is not white
         return times <= criteria.near

@@ -19,7 +19,7 @@ from stepid.diagnosis.selection.proposal import Proposal
 from stepid.diagnosis.selection.search import Search
 from stepid.effects.base import Effect
 from stepid.effects.drive import acts_on_input
-from stepid.fitting.deviations import with_deviations, without_deviations
+from stepid.fitting.deviations import with_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build
@@ -95,7 +95,7 @@ def _alike(found: Found, names: tuple[str, ...]) -> Optimum | None:
     if not fitted:
         return None
     nearest = min(fitted, key=lambda c: len(c.deviations))
-    return without_deviations(nearest.optimum, found.context.tolerance) if nearest.deviations else nearest.optimum
+    return nearest.alike(found.context.tolerance)
 
 
 def linear_candidate(context: FitContext) -> Candidate:
@@ -143,6 +143,9 @@ def _fitted_again(context: FitContext, candidates: tuple[Candidate, ...]) -> tup
     """The same candidates, fitted to the readings as they are seen now."""
     out = []
     for c in candidates:
+        if not c.effects and not c.deviations:  # one fit of the plain plant for all who ask
+            out.append(linear_candidate(context))
+            continue
         if c.optimum.problem.records is context.records:  # another noise floor only
             out.append(replace(c, structure=block_means(context, c.optimum)))
             continue
@@ -151,7 +154,7 @@ def _fitted_again(context: FitContext, candidates: tuple[Candidate, ...]) -> tup
         fitted = minimize(problem, c.optimum.shared, local, tolerance=context.tolerance, iterations=_STEPS)
         if fitted is not None:
             out.append(replace(c, optimum=fitted, structure=block_means(context, fitted)))
-    return tuple(out) or (linear_candidate(context),)
+    return tuple(out)
 
 
 def _search(

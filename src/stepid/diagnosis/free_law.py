@@ -154,7 +154,7 @@ class _Asked(NamedTuple):
     def left(self, known: Array) -> _Left:
         """What the fit leaves beyond what is known to change it."""
         context, records = self.context, self.fit.problem.records
-        noise = float((records.weight**2).sum()) * context.floor**2
+        noise = records.weighed_size * context.floor**2
         noise = context.noise_cost if records is context.decimated else noise
         samples = float(effective_samples(records, self.residual).sum())
         return _Left(self.residual, known, samples, noise, context.floor)

@@ -91,8 +91,7 @@ class EvidenceRecord:
         """Tell whether a candidate leaves nothing but noise: one that is free in every run has to reach the floor."""
         if not at_floor(self.context, self.criteria, found):
             return False
-        samples = float((self.context.records.weight**2).sum())
-        strict = self.criteria.floor + 2.0 / math.sqrt(samples)
+        strict = self.criteria.floor + 2.0 / math.sqrt(self.context.records.weighed_size)
         return not is_free(found) or self.times(found) <= strict
 
     @cached_property
@@ -258,9 +257,9 @@ class EvidenceRecord:
         """
         if len(found.effects) < 2:
             return ""
-        own = set(self.states(found)) if len(found.effects) > 2 else set()
-        states = own.pop() if len(own) == 1 else frozenset()
-        return next(iter(states)) if len(states) == 1 else cancelling(self.context, found.optimum)
+        states = self.states(found)
+        shared = states[0] if len(states) > 2 and len(set(states)) == 1 else frozenset()
+        return next(iter(shared)) if len(shared) == 1 else cancelling(self.context, found.optimum, states)
 
     def weight(self, *found: Candidate) -> float:
         """Weight of all candidates that hold the effects of one of some, or effects that contain them."""

@@ -18,7 +18,7 @@ from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build, start_local
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.run_fault import is_extreme, less_than_none, told
-from stepid.fitting.run_fault_size import count_samples, noise_cost
+from stepid.fitting.run_fault_size import noise_cost
 from stepid.fitting.run_fault_words import ROUND, UNITS, fault_words
 from stepid.simulation.records import Records
 from stepid.simulation.simulator import Simulator
@@ -119,7 +119,7 @@ def _is_odd(plain: Optimum, shown: Candidate) -> bool:
 
 def _mean_square(fitted: Optimum) -> float:
     """Mean square misfit [m²]."""
-    return fitted.cost / count_samples(fitted.problem.records)
+    return fitted.cost / fitted.problem.records.weighed_size
 
 
 def _worst(fitted: Optimum) -> float:

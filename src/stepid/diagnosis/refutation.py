@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.free_law import FreeLaw, allowed, beside, free_laws
 from stepid.diagnosis.selection.candidate import Candidate
-from stepid.fitting.deviations import without_deviations
 from stepid.fitting.levenberg_marquardt import Optimum
 
 if TYPE_CHECKING:
@@ -29,7 +28,7 @@ def refuted(told: EvidenceRecord, lead: Candidate) -> str:
     states = told.states(lead)
     chance, rough = allowed(told.context, told.criteria, lead, noise=told.at_floor(lead))
     # with conditions alike in all runs: scatter hides a shape
-    alike = without_deviations(lead.optimum, told.context.tolerance) if lead.deviations else lead.optimum
+    alike = lead.alike(told.context.tolerance)
     laws = sorted(free_laws(told.context, alike), key=lambda one: -one.power)
     for law in laws:
         if not ((rough and law.share > 0.5) or law.beyond > chance):

@@ -42,20 +42,18 @@ def states_of(context: FitContext, effect: Effect, values: tuple[float, ...]) ->
     return frozenset(state for state, without in free.items() if not without)
 
 
-def cancelling(context: FitContext, optimum: Optimum) -> str:
+def cancelling(context: FitContext, optimum: Optimum, states: tuple[frozenset[str], ...]) -> str:
     """The state of two effects of a fit that cancel more than half of each other, '' where there are none.
 
-    What a linear plant follows is no part of either.
+    What a linear plant follows is no part of either. `states` are `states_of_all` its effects.
     """
     layout, motion = optimum.problem.layout, _some(context.motion)
     plain = np.linalg.qr(np.column_stack([np.ones_like(motion.x), motion.x, motion.v]))[0]
     forces: list[tuple[str, Array]] = []
-    for effect, place in zip(layout.effects, layout.values, strict=True):
-        values = tuple(map(float, optimum.shared[place]))
-        states = states_of(context, effect, values)
-        if len(states) == 1:
-            force = force_along(effect, values, motion)
-            forces.append((next(iter(states)), force - plain @ (plain.T @ force)))
+    for effect, place, of in zip(layout.effects, layout.values, states, strict=True):
+        if len(of) == 1:
+            force = force_along(effect, tuple(map(float, optimum.shared[place])), motion)
+            forces.append((next(iter(of)), force - plain @ (plain.T @ force)))
     for (state, one), (other_state, other) in combinations(forces, 2):
         smaller = min(np.linalg.norm(one), np.linalg.norm(other))
         if state == other_state and np.linalg.norm(one + other) < smaller / 2:

@@ -132,7 +132,7 @@ def _with_effect(context: FitContext, effect: Effect) -> Optimum | None:
 
 def _gain(one: Optimum, two: Optimum) -> float:
     """Evidence for the second of two fits, whatever the size of the noise."""
-    samples = float((one.problem.records.weight**2).sum())
+    samples = one.problem.records.weighed_size
     return samples * float(np.log(max(one.cost, 1e-300) / max(two.cost, 1e-300)))
 
 
@@ -140,7 +140,7 @@ def _plain(context: FitContext, fit: Optimum) -> bool:
     """Tell whether another reading of the input explains much better, and leaves next to nothing to explain."""
     if _gain(context.linear, fit) < _EVIDENCE:
         return False
-    level = float(np.sqrt(fit.cost / (fit.problem.records.weight**2).sum()))
+    level = float(np.sqrt(fit.cost / fit.problem.records.weighed_size))
 
     def left(residual: Array) -> float:
         return structure(context.records, residual, max(level, 1e-12), context.period)

@@ -103,7 +103,7 @@ class FitContext:
     @cached_property
     def rounding_cost(self) -> float:
         """Cost of all samples that rounding leaves at least, m²: less is no evidence."""
-        return float((self.records.weight**2).sum()) * self.rounding**2
+        return self.records.weighed_size * self.rounding**2
 
     @property
     def dithered(self) -> bool:
@@ -124,7 +124,7 @@ class FitContext:
     @cached_property
     def unit(self) -> float:
         """Cost in the race of one unit of χ² in all samples, m²."""
-        return float((self.decimated.weight**2).sum() / (self.records.weight**2).sum()) * self.floor**2
+        return self.decimated.weighed_size / self.records.weighed_size * self.floor**2
 
     @property
     def tolerance(self) -> float:

@@ -191,7 +191,7 @@ def bounded_floor(records: Records, floor: float, left: float, parameters: int) 
     parameters : int
         How many were fitted to the samples.
     """
-    free = max(float((records.weight**2).sum()) - parameters, 1.0)
+    free = max(records.weighed_size - parameters, 1.0)
     left *= math.sqrt(records.size / max(records.size - parameters, 1))
     if left > (1.0 - _CHANCE / math.sqrt(2.0 * free)) * floor:
         return floor

@@ -15,7 +15,6 @@ from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.run_fault_size import (
     DECIDES,
     REACHED,
-    count_samples,
     noise_cost,
     noise_level,
     scatter_of_others,
@@ -90,13 +89,13 @@ def accuse(optimum: Optimum, floor: float, *, sure: float = 5.0, patterned: bool
         says), ``"gain"`` (factor on its readings), ``"start_time"`` [s] or ``"sensor_drift"`` [m/s].
     """
     records = optimum.problem.records
-    excess = optimum.cost - (REACHED * floor) ** 2 * count_samples(records)
+    excess = optimum.cost - (REACHED * floor) ** 2 * records.weighed_size
     if patterned:
         excess = max(excess, (sure * floor) ** 2 / _HINT)
     if len(records.runs) < 3 or excess <= 0:
         return None
     found = _all_fitted(optimum, _candidates(optimum, excess), floor)
-    level = max(floor, np.sqrt(found[0].cost / count_samples(records))) if found else floor
+    level = max(floor, np.sqrt(found[0].cost / records.weighed_size)) if found else floor
     close = [f for f in found if f.cost < found[0].cost + DECIDES * level**2]  # a worse explanation is none
     for best in close:
         others = [f for f in found if f.run != best.run]
@@ -246,7 +245,7 @@ def _explains(found: _Found, optimum: Optimum, others: list[_Found], floor: floa
     A law that bends with the amplitude gives the run with the largest or smallest input a plant of its own.
     """
     records = optimum.problem.records
-    samples = count_samples(records)
+    samples = records.weighed_size
     at_floor = found.cost <= noise_cost(records, floor)
     round_ = found.kind == "gain" and any(abs((1 + found.size) / r - 1) < _NEAR for r in ROUND)
     if found.kind != DRIFT and not round_ and is_extreme(records, found.run):

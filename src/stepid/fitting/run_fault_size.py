@@ -16,21 +16,16 @@ REACHED = 1.08  # times the floor, to have explained all
 DECIDES = 10.0  # χ² by which one explanation must be the better one
 
 
-def count_samples(records: Records) -> float:
-    """Count samples by their weights."""
-    return float((records.weight**2).sum())
-
-
 def noise_cost(records: Records, floor: float) -> float:
     """Cost of a fit that leaves nothing but noise, at most [m²]."""
-    count = count_samples(records)
+    count = records.weighed_size
     return float(((REACHED + 3.0 / np.sqrt(2.0 * count)) * floor) ** 2 * count)
 
 
 def noise_level(found: Optimum, floor: float) -> float:
     """Size of the noise [m] that parameters are uncertain by: the residual's, the more so where it is correlated."""
     records, residual = found.problem.records, found.problem.residual(found.solved)
-    size = float(np.sqrt(found.cost / count_samples(records)))
+    size = float(np.sqrt(found.cost / records.weighed_size))
     if size <= REACHED * floor:
         return max(size, floor)
     most = max(int(np.diff(records.bounds).min()) // 3, 1)

@@ -66,6 +66,11 @@ class Records:
         """Number of samples."""
         return int(self.bounds[-1])
 
+    @cached_property
+    def weighed_size(self) -> float:
+        """Number of samples, each counted by its weight."""
+        return float((self.weight**2).sum())
+
     @property
     def first(self) -> Index:
         """Index of each run's first sample."""

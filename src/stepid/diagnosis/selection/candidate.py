@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from stepid.effects.base import Effect
-from stepid.fitting.deviations import conditions
+from stepid.fitting.deviations import conditions, without_deviations
 from stepid.fitting.levenberg_marquardt import Optimum
 
 LEADING = 2  # effects at most in what is named where a rest remains
@@ -37,6 +37,10 @@ class Candidate:
     def complexity(self) -> int:
         """Number of effects and of conditions that differ from run to run: offset and velocity of a start are one."""
         return len(self.effects) + conditions(self.deviations)
+
+    def alike(self, tolerance: float) -> Optimum:
+        """The fit with conditions alike in all runs, its cost within a tolerance, m²."""
+        return without_deviations(self.optimum, tolerance) if self.deviations else self.optimum
 
 
 def is_free(found: Candidate) -> bool:

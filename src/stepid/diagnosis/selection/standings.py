@@ -88,7 +88,7 @@ class Standings:
     def _qbic(self, optimum: Optimum) -> float:
         """QBIC by the samples that are effective in what the best candidate leaves, but for a constant."""
         best = min(self.candidates.values(), key=lambda c: c.optimum.cost)
-        least, square = self.fit.rounding_cost, float((self.fit.records.weight**2).sum())
+        least, square = self.fit.rounding_cost, self.fit.records.weighed_size
         counts, variance = self._counts(best), max(best.optimum.cost, least) / square
         return float(counts.sum()) * math.log(max(optimum.cost, least)) + price(optimum, counts, variance)
 
