@@ -11,6 +11,7 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key, includes
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves.exchange import Exchange
+from stepid.diagnosis.selection.moves.generalize import Generalize
 from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, is_mode
 from stepid.diagnosis.vetoes import imitators
@@ -98,6 +99,16 @@ def exchanges(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: No
         if (others is None or p.left < others.cost / 2) and (known is None or p.left < known.cost):
             out.append(p)
     return sorted(out, key=lambda p: p.rank)[:count]
+
+
+def generals(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: Node) -> list[Proposal]:
+    """A more general law in the place of one of a base's effects: of sets that are new, or left more than the base.
+
+    What contains a law leaves no more than it does: a set that did had ended elsewhere.
+    """
+    able = [p for p in proposals if p.move == Generalize.name and p.base == base.key]
+    newest = {p.key: p for p in able}  # from where the base stands now
+    return [p for p in newest.values() if p.key not in nodes or nodes[p.key].cost > base.cost]
 
 
 def larger(
