@@ -94,6 +94,22 @@ def test_runs_that_differ_are_told() -> None:
     assert stepid.Diagnosis.model_validate_json(d.model_dump_json()) == d
 
 
+def test_what_runs_differ_by_is_no_part_of_what_effects_explain() -> None:
+    """On runs left out the linear plant may differ likewise: it would leave as much as the answer does."""
+    d = stepid.diagnose(scattered(1, gain=(0.05, -0.04, 0.03, -0.05, 0.02, -0.01)))
+    assert (d.verdict, d.effects) == ("adequate", ())
+    assert d.gap.after < 0.5 * d.gap.before
+    assert d.explained == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_copy_of_a_run_at_fault_does_not_take_its_place() -> None:
+    whole = campaign(2, true_masses=(0, 0.5, 2.0, 2.0))
+    copy = whole.experiments[2].model_copy(update={"name": "copy"})
+    d = stepid.diagnose(whole.model_copy(update={"experiments": (*whole.experiments, copy)}))
+    assert [(fault.run, fault.kind) for fault in d.faults] == [("case 3", "added_mass")]
+    assert [r.name for r in d.runs] == ["case 1", "case 2", "case 4"]
+
+
 def test_a_fault_is_told_with_its_size_and_the_run_left_out() -> None:
     whole = campaign(2, true_masses=(0, 0.5, 2.0, 2.0))
     d = stepid.diagnose(whole)

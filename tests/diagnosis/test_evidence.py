@@ -106,6 +106,26 @@ def test_scatter_has_its_price_and_readings_count_by_their_weight(monkeypatch: p
     assert not at_floor(made, criteria, candidate(times=1.001 * most))
 
 
+def test_readings_that_weigh_less_are_fewer_and_a_mean_is_one() -> None:
+    """A cart that rests reads the same count over and over: an eighth of a reading each; means of ten weigh ten."""
+    rests = np.arange(RUNS * SAMPLES) % SAMPLES >= SAMPLES // 2
+    for weight, each in ((1 / 8, (SAMPLES + SAMPLES / 8) / 2), (10.0, SAMPLES)):
+        records = context().records
+        records.weight = np.sqrt(np.where(rests, weight, 1.0))
+        counts = np.mean([effective_samples(records, records.weight * white(seed)) for seed in range(40)], axis=0)
+        if weight < 1:
+            assert counts == pytest.approx(each, rel=0.15)
+        assert (effective_samples(records, np.zeros(RUNS * SAMPLES)) == each).all()
+
+
+def test_what_is_free_in_every_run_has_to_reach_the_floor() -> None:
+    """1.05 and 2/√400; what has no such freedom may leave more, within `near`."""
+    for times, there in ((1.14, True), (1.16, False)):
+        found = candidate(["periodic_disturbance"], times=times)
+        assert at_floor(context(), Criteria(near=1.5), found) is there
+        assert at_floor(context(), Criteria(near=1.5), candidate(["coulomb_friction"], times=times))
+
+
 def test_a_rest_is_no_correlation_and_two_samples_are_the_least() -> None:
     residual = white(3)
     moved = residual + np.repeat([0.0, 1e-3, -2e-3, 5e-4], SAMPLES)

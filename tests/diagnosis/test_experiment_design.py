@@ -55,6 +55,18 @@ def test_weights_and_time_are_those_of_the_plant() -> None:
     assert half.added_mass == alone.added_mass[0] + 0.6
 
 
+def test_steps_are_as_large_as_those_from_the_input_before() -> None:
+    plain = example.campaign().experiments
+    runs = [run.model_copy(update={"input": run.input + 2.0, "input_before": 2.0}) for run in plain]
+    pushed = max((float(run.input[np.argmax(np.abs(run.input))]) for run in plain), key=abs)
+    proposed = _proposals(lay_out(stepid.Campaign(name="bias", experiments=tuple(runs))), 0.0, 1.2)
+    (half,) = [one for one in proposed if "half the size" in one.words]
+    assert half.run.input_before == half.run.input[0] == 2.0
+    assert f"a step of {pushed / 2:g} V" in half.words
+    assert float(np.ptp(half.run.input)) == pytest.approx(abs(pushed) / 2)
+    assert any("with the step back to 2 V" in one.words for one in proposed)
+
+
 def test_a_weight_tells_friction_by_weight_from_coulomb_friction_where_there_is_none() -> None:
     records = lay_out(
         stepid.Campaign(

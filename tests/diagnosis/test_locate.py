@@ -184,7 +184,7 @@ def test_coulomb_is_a_step_and_a_cubic_a_cubic(
 
 
 def test_a_linear_plant_disagrees_nowhere() -> None:
-    where = locate(*fitted(steps(noise=2e-5)))
+    where = locate(*fitted(steps(noise=2e-5)), enough=True)
     assert len(where.sentences) == 1
     assert where.sentences[0].startswith("nowhere")
 

@@ -143,6 +143,13 @@ def test_friction_is_taken_away_with_the_starts_that_it_frees_and_without() -> N
     assert Drop().propose(node(fit, {"quadratic_damping": {"coefficient": 1.0}}), context(fit)) == []
 
 
+def test_a_start_that_is_free_anyway_makes_no_second_set() -> None:
+    fit = prepared("friction")
+    fitted = CandidateFit(fit, resolve(("coulomb_friction", "quadratic_damping")), frozenset({"start_offset"}))
+    fitted.begin([Start(fit.coarse_linear.shared, ((0.2,), (1.0,)))], like=fit.coarse_linear)
+    sound(Drop(), Node(fitted), Drop().propose(Node(fitted), context(fit)))
+
+
 def test_what_cannot_be_foreseen_without_an_effect_may_cost_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """An effect that the data leave open had kept the others at an end that no plant without it has."""
     fit = prepared("friction")
@@ -256,6 +263,19 @@ def test_split_offers_two_laws_for_a_curved_one() -> None:
     assert Split().propose(power, context(fit, effects=1)) == []
     assert Split().propose(node(fit, FRICTION), context(fit)) == []
     assert Split().propose(node(fit), context(fit)) == []
+
+
+def test_split_keeps_what_stands_beside() -> None:
+    fit = prepared("power")
+    pair = node(fit, {"cubic_stiffness": {"coefficient": 1.0}, "power_damping": {"coefficient": 2.0, "exponent": 1.5}})
+    found = Split().propose(pair, context(fit, alike=1.0))
+    sound(Split(), pair, found)
+    kept = standing(pair).values[0]
+    for p in found:
+        assert [p.effects[0].name, len(p.effects)] == ["cubic_stiffness", 3]
+        assert p.effects[1].name in pair.effects[1].contains
+        assert [start.values[0] for start in p.starts] == [kept]
+    assert Split().propose(pair, context(fit, effects=2)) == []
 
 
 def test_split_knows_friction_and_damping_in_stribeck_friction() -> None:

@@ -14,6 +14,7 @@ from stepid.diagnosis.selection.order import (
     apart,
     beside,
     exchanges,
+    generals,
     inside,
     larger,
     largest_beyond,
@@ -211,6 +212,20 @@ def test_exchanges_of_an_effect_are_of_those_that_its_absence_needs() -> None:
     ]
     assert exchanges(given, nodes, base, 9) == [second, first, unknown]
     assert exchanges(given, nodes, base, 2) == [second, first]
+
+
+def test_a_set_with_a_more_general_law_that_left_more_had_ended_elsewhere() -> None:
+    base = beyond(2.0)
+    base.key = frozenset(THREE), frozenset()
+
+    def grown(name: str, *, of: Any = base.key, move: str = "generalize") -> Any:
+        return SimpleNamespace(key=(frozenset({*THREE[:2], name}), frozenset[str]()), base=of, move=move)
+
+    earlier, newest, stuck = grown("stribeck_friction"), grown("stribeck_friction"), grown("power_damping")
+    done = grown("presliding_hysteresis")
+    nodes: Any = {base.key: base, stuck.key: beyond(2.1), done.key: beyond(1.9)}
+    others = [grown("end_stop", move="add"), grown("asymmetric_friction", of=stuck.key)]
+    assert generals([earlier, stuck, done, newest, *others], nodes, base) == [newest, stuck]
 
 
 def test_the_best_sets_of_a_size_are_apart_where_none_is_another_by_a_law_inside() -> None:

@@ -12,6 +12,7 @@ from made_up_search import PAIR, a_search, node, nothing_imitates, proposed
 from stepid.diagnosis.selection.fits import Fits
 from stepid.diagnosis.selection.moves import TOGETHER, UNFORESEEN
 from stepid.diagnosis.selection.moves.exchange import Exchange
+from stepid.diagnosis.selection.moves.generalize import Generalize
 from stepid.diagnosis.selection.search import Search
 from stepid.diagnosis.selection.standings import Standings
 
@@ -145,6 +146,7 @@ def test_from_what_an_exchange_led_to_the_search_goes_on_but_not_from_other_sets
     asked: list[Any] = []
     monkeypatch.setattr(Exchange, "propose", lambda self, base, context: asked.append(base) or [one])
     fitting_by(lambda *_: found.nodes.update({led.key: led}), found, monkeypatch)
+    monkeypatch.setattr(Generalize, "propose", lambda *_: [])
     found._try_exchanges()
     assert asked == [best, led]
 
@@ -162,8 +164,10 @@ def test_exchanges_of_the_best_larger_set_are_fitted_until_one_leaves_noise(monk
         found.nodes[proposal.key] = node(*PAIR, "end_stop", cost=1.0)
 
     fitting_by(fit, found, monkeypatch)
+    general = proposed(three, "cogging", "stribeck_friction", "free_play", move="generalize", left=7.9)
+    monkeypatch.setattr(Generalize, "propose", lambda *_: [general])
     found._try_exchanges()
-    assert fitted == [better]
+    assert fitted == [general, better]
     fitted.clear()
     del found.nodes[better.key]
     monkeypatch.setattr(found, "_complete", lambda best: True)

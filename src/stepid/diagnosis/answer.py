@@ -37,9 +37,10 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
     """Make a diagnosis's result."""
     context = evidence.context
     records, floor, linear = context.records, context.floor, context.linear
+    adequate = answer.verdict == "adequate"
     told = answer.shown if answer.verdict != "unexplained" else evidence.linear
     final, effects = told.optimum, told.effects
-    before, after = evidence.left_out.of_two(linear, final)
+    before, after = evidence.left_out.residuals(told)
     parameters = estimates(final, effects, floor)[0] | evidence.limited(told)
     scatter = scatter_of(context, told if told.deviations else answer.shown, evidence.candidates, final)
     pooled = _pooled(before), _pooled(after)
@@ -51,14 +52,14 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         gap=Gap(before=linear.rms, after=final.rms, noise=floor, held_out_before=pooled[0], held_out_after=pooled[1]),
         parameters=parameters,
         linear_parameters=estimates(linear, (), floor)[0],
-        where=locate(records, linear, floor, context.measured),
+        where=locate(records, linear, floor, context.measured, enough=adequate and told is evidence.linear),
         next_experiment=_next(evidence, answer),
         advice={e.name: e.advice for e in effects if e.advice},
         reasons=(*answer.reasons, *_rest(evidence, answer)),
         notes=_each_once(
             *(fault.words for fault in evidence.faults),
             *((evidence.input_fault.words,) if evidence.input_fault else ()),
-            *scatter_words(scatter, rest=answer.verdict != "adequate" and not evidence.at_floor(answer.shown)),
+            *scatter_words(scatter, rest=not adequate and not evidence.at_floor(answer.shown)),
             *notes_on(context, final, effects, parameters, evidence.criteria.open),
         ),
         ranking=_ranking(evidence),

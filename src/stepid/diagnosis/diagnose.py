@@ -149,10 +149,10 @@ def _diagnosed(
         if swap is not None and not doubts:
             exchanged = campaign.model_copy(update={"experiments": without_swap(campaign.experiments, swap)})
             return _diagnosed(exchanged, prepare(exchanged, workers=how.workers), how, (*accused, *swap_faults(swap)))
-        alone = fault_beside_the_plant(context, found, how.criteria)
-        fault = alone or fault_beside_effects(context, found, how.criteria)
+        alone = fault_beside_the_plant(found, how.criteria)
+        fault = alone or fault_beside_effects(found, how.criteria)
         if fault is not None:
-            others = [run for run in campaign.experiments if run.name != fault.run]
+            others = [run for run in _usable(campaign, context) if run.name != fault.run]
             done = _anew(campaign, others, how, (*accused, _left_out(fault)))
             if alone or done.verdict != "unexplained":  # else what it was accused beside explains nothing
                 return _noting(done, doubts)
@@ -196,7 +196,8 @@ def _without_an_odd_run(
         return None
     for run in outlying_runs(context, [c.optimum for c in found.single])[:_OUTLYING]:
         name = context.records.runs[run].name
-        rest = campaign.model_copy(update={"experiments": tuple(e for e in campaign.experiments if e.name != name)})
+        others = tuple(e for e in _usable(campaign, context) if e.name != name)
+        rest = campaign.model_copy(update={"experiments": others})
         laid_out = prepare(rest, workers=how.workers)
         fewer = _explored(laid_out, how)
         if not stands_out(context, run, fewer.best):
@@ -212,6 +213,12 @@ def _without_an_odd_run(
         if done.verdict != "unexplained":
             return done.model_copy(update={"data": campaign})
     return None
+
+
+def _usable(campaign: Campaign, context: FitContext) -> list[Experiment]:
+    """A campaign's runs but for those that were left out: the copy of a run must not take its place."""
+    used = {run.name for run in context.records.runs}
+    return [run for run in campaign.experiments if run.name in used]
 
 
 def _left_out(fault: RecordFault) -> RecordFault:

@@ -11,7 +11,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.samples import lagged_products
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.selection.candidate import Candidate
+from stepid.diagnosis.selection.candidate import Candidate, is_free
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import starts_late
 from stepid.fitting.multistart import FitContext
@@ -23,23 +23,24 @@ from stepid.simulation.records import Records
 def effective_samples(records: Records, residual: Array) -> Array:
     """Effective number of independent samples of each run's residual, shape (R,).
 
-    n/(1 + 2 Σρ²) over the lags below n/3 (Bartlett 1946), less what white noise shows by chance, 1/n a lag.
+    n/(1 + 2 Σρ²) over the lags below a third of the samples (Bartlett 1946), less what white noise shows by chance, 1/n
+    a lag. Of a sample that weighs less than one n counts its weight; the mean of several is one.
 
     Parameters
     ----------
     records : Records
     residual : array, shape (S,)
-        m.
+        Weighted, m.
     """
-    out = np.empty(len(records.runs))
+    out, counted = np.empty(len(records.runs)), np.minimum(records.weight**2, 1.0)
     for r, piece in enumerate(records.pieces()):
         y = residual[piece] - residual[piece].mean()
-        n = y.size
+        n = float(counted[piece].sum())
         power = float(y @ y)
         if power <= 0 or n < 2:
             out[r] = n
             continue
-        lags = lagged_products(y, max(2, n // 3)) / power
+        lags = lagged_products(y, max(2, y.size // 3)) / power
         out[r] = n / (1.0 + 2.0 * max(0.0, float(np.sum(lags**2 - 1.0 / n))))
     return np.maximum(out, 2.0)
 
@@ -78,11 +79,11 @@ def less_likely_by(
     more : int
         Such parameters.
     """
-    qbic = _qbic_by(context, best)
+    qbic = qbic_by(context, best)
     return qbic(other, cost, more) - qbic(best)
 
 
-def _qbic_by(context: FitContext, best: Optimum) -> Callable[..., float]:
+def qbic_by(context: FitContext, best: Optimum) -> Callable[..., float]:
     """QBIC of a fit above the best's cost, of what it leaves [m²] and with more parameters where these are given.
 
     N ln cost + price, N the effective samples of the best's residual. What is less than the sensor's rounding leaves is
@@ -116,7 +117,7 @@ def weigh(context: FitContext, candidates: Sequence[Candidate]) -> list[Weighed]
     than the sensor's rounding leaves is no evidence.
     """
     best = min(candidates, key=lambda c: c.optimum.cost)
-    scores = list(map(_qbic_by(context, best.optimum), (c.optimum for c in candidates)))
+    scores = list(map(qbic_by(context, best.optimum), (c.optimum for c in candidates)))
     lowest = min(scores)
     raw = [math.exp(-0.5 * min(s - lowest, 1400.0)) for s in scores]
     found = [Weighed(c, s - lowest, w / math.fsum(raw)) for c, s, w in zip(candidates, scores, raw, strict=True)]
@@ -133,15 +134,17 @@ def chosen_at(criteria: Criteria, found: Candidate) -> float:
 
 
 def at_floor(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
-    """Tell whether a fit leaves nothing but noise, whose size is known to some per cent only."""
-    records = context.records
+    """Tell whether a fit leaves nothing but noise, whose size is known to some per cent only.
+
+    One with an effect that is free in every run has to reach the floor.
+    """
+    times, chance = found.optimum.rms / context.floor, 2.0 / math.sqrt(context.records.weighed_size)
+    if is_free(found) and times > criteria.floor + chance:
+        return False
     if found.optimum.rms <= context.rounding:
         return True
-    samples = records.weighed_size
-    times = found.optimum.rms / context.floor
     if context.colored is not None:  # its size is known less well, and it is not white
         return times <= criteria.near
-    chance = 2.0 / math.sqrt(samples)
     if found.structure >= criteria.white or times > criteria.near + chance:
         return False
     return times <= criteria.floor + chance or is_white(context, found, 2.0)

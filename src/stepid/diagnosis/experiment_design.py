@@ -11,6 +11,7 @@ import numpy as np
 from stepid.core.experiment import Experiment
 from stepid.core.noise import rms
 from stepid.core.words import digits, length
+from stepid.diagnosis.exchangeable import push
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import build
 from stepid.simulation.records import Records
@@ -32,23 +33,23 @@ class Proposal(NamedTuple):
 
 
 def _proposals(records: Records, displacement: float, mass: float) -> list[Proposal]:
-    """Runs like the one of the largest input, as long as it; like the widest release, `displacement`, without any.
+    """Runs like the one of the largest step, as long as it; like the widest release, `displacement`, without any.
 
     `mass` is the moving mass of the first run [kg].
     """
-    most = [float(np.abs(run.input).max()) for run in records.runs]
-    first = records.runs[int(np.argmax(most))]
-    level = float(first.input[np.argmax(np.abs(first.input))])
+    first = max(records.runs, key=lambda run: abs(push(run)))
+    level, begin = push(first), first.input_before
     h, n = first.sample_time, first.time.size
 
     def run(levels: tuple[float, float] = (0.0, 0.0), added: float = first.added_mass, step: float = h) -> Experiment:
-        volts = np.where(np.arange(n) < n // 2, *levels)
-        volts[:_WAIT] = 0.0
+        volts = begin + np.where(np.arange(n) < n // 2, *levels)
+        volts[:_WAIT] = begin
         return Experiment(
             name="proposed",
             time=np.arange(n, dtype=np.float64) * step,
             position=np.zeros(n),
             input=volts,
+            input_before=begin,
             added_mass=added,
             spring=first.spring,
             damper=first.damper,
@@ -67,7 +68,7 @@ def _proposals(records: Records, displacement: float, mass: float) -> list[Propo
         ]
     steps = [
         (f"a step of {-level:g} V, the other way, and back", run((-level, 0.0))),
-        (f"a step of {level:g} V with the step back to 0 V in the record", run((level, 0.0))),
+        (f"a step of {level:g} V with the step back to {begin:g} V in the record", run((level, 0.0))),
         (f"a step of {_HALF * level:g} V, half the size, and back", run((_HALF * level, 0.0))),
         (f"a step of {_LARGER * level:.3g} V, a larger one, if the travel allows", run((_LARGER * level, 0.0))),
         (f"a step of {level:g} V {weighs}", run((level, 0.0), heavier)),

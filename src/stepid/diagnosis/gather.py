@@ -19,7 +19,7 @@ from stepid.diagnosis.free_law import followed
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.left_out import LeftOut
 from stepid.diagnosis.refutation import refuted
-from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
+from stepid.diagnosis.selection.candidate import Candidate, includes
 from stepid.diagnosis.states import cancelling, states_of_all
 from stepid.diagnosis.vetoes import effects_of, imitators, undetermined, unseen
 from stepid.fitting.input_fault import InputFault
@@ -88,11 +88,8 @@ class EvidenceRecord:
         return min(weighed, key=lambda w: w.loss + chosen_at(self.criteria, w.candidate))
 
     def at_floor(self, found: Candidate) -> bool:
-        """Tell whether a candidate leaves nothing but noise: one that is free in every run has to reach the floor."""
-        if not at_floor(self.context, self.criteria, found):
-            return False
-        strict = self.criteria.floor + 2.0 / math.sqrt(self.context.records.weighed_size)
-        return not is_free(found) or self.times(found) <= strict
+        """Tell whether a candidate leaves nothing but noise."""
+        return at_floor(self.context, self.criteria, found)
 
     @cached_property
     def white(self) -> bool:

@@ -22,7 +22,9 @@ _VARIES = 0.02  # relative spread of what differs between runs
 _LEAST = 6  # samples that make a bin
 
 
-def locate(records: Records, linear: Optimum, floor: float, motion: Motion | None = None) -> Where:
+def locate(
+    records: Records, linear: Optimum, floor: float, motion: Motion | None = None, *, enough: bool = False
+) -> Where:
     """Say where the linear joint fit and the measurement disagree.
 
     Parameters
@@ -34,6 +36,8 @@ def locate(records: Records, linear: Optimum, floor: float, motion: Motion | Non
         m, noise floor.
     motion : Motion, optional
         As measured, where it is known already.
+    enough : bool
+        Whether the linear plant is the answer: it then disagrees nowhere.
 
     Returns
     -------
@@ -64,7 +68,7 @@ def locate(records: Records, linear: Optimum, floor: float, motion: Motion | Non
         runs=runs,
         trends=trends,
         sentences=sentences(
-            _rms(square[trusted]), floor, phases, runs, trends, kind, driven=bool(records.driven.any())
+            _rms(square[trusted]), floor, phases, runs, trends, kind, driven=bool(records.driven.any()), enough=enough
         ),
         jump=2 * clear.coefficient if clear is not None and clear.name == "sign of velocity" else None,
     )

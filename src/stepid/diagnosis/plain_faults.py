@@ -6,7 +6,6 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.explore import Found, fault_beside, outweighs
 from stepid.fitting.eccentricity import Eccentricity, find_eccentricity
-from stepid.fitting.multistart import FitContext
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.run_fault import accuse, find_fault
 from stepid.fitting.swapped_weights import Swap, find_swap
@@ -22,11 +21,12 @@ def swap_of(found: Found, criteria: Criteria) -> Swap | None:
     return swap if likelier else None
 
 
-def fault_beside_the_plant(context: FitContext, found: Found, criteria: Criteria) -> RecordFault | None:
+def fault_beside_the_plant(found: Found, criteria: Criteria) -> RecordFault | None:
     """What is plainly wrong with one run of more than two, beside the linear plant.
 
     Where errors of the weights that they may have are enough, nothing is.
     """
+    context = found.context
     if context.by_weights is not None:
         return None
     patterned = len(found.candidates) > 1 and context.colored is None
@@ -34,9 +34,9 @@ def fault_beside_the_plant(context: FitContext, found: Found, criteria: Criteria
     return alone.fault if alone is not None and outweighs(alone.cost, context.linear, found, criteria) else None
 
 
-def fault_beside_effects(context: FitContext, found: Found, criteria: Criteria) -> RecordFault | None:
+def fault_beside_effects(found: Found, criteria: Criteria) -> RecordFault | None:
     """The same beside the answer, or in its rest."""
-    if len(context.records.runs) <= 2:
+    if len(found.context.records.runs) <= 2:
         return None
     beside = fault_beside(found, criteria)
     if beside is not None or not found.best.effects or at_floor(found.context, criteria, found.best):

@@ -34,11 +34,14 @@ class Gap(Model):
     before : float
         Joint fit of the linear plant.
     after : float
-        With the effects of the diagnosis added (equal to `before` where none was).
+        With the effects of the diagnosis added, and the conditions that differ from run to run (`Diagnosis.scatter`)
+        free; equal to `before` where there are neither.
     noise : float
         Noise floor: what a perfect model would leave.
     held_out_before, held_out_after : float or None
-        On runs that the fit did not see; None where no run qualifies.
+        On runs that the fit did not see, the linear plant with the same conditions free: these, and freedoms that an
+        effect has in every run, are estimated on the first part of the run, and the rest is judged. None where no run
+        qualifies.
     """
 
     before: NonNegative

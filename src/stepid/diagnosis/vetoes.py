@@ -23,14 +23,15 @@ def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
     """How the campaign's runs swing under a fit."""
     of, shared = found.optimum.problem.layout, found.optimum.shared
     rates, decays = of.rates(shared), shared[of.damping][context.records.damper] / (2 * of.mass(shared))
-    shortest = min(float(np.ptp(context.records.time[piece])) for piece in context.records.pieces())
-    slowest = float(rates.min(initial=np.inf))
+    durations = np.array([np.ptp(context.records.time[piece]) for piece in context.records.pieces()])
+    with np.errstate(divide="ignore"):
+        told = 2 * math.tau / (durations * rates)
     return Swing(
         rates=tuple(map(float, rates)),
         decays=tuple(map(float, decays)),
         displacement=context.scales.displacement,
         duration=context.scales.duration,
-        resolution=max(criteria.resolution, 2 * math.tau / (shortest * slowest)),
+        resolution=tuple(float(max(criteria.resolution, least)) for least in told),
         pitch=criteria.pitch,
         fast=criteria.fast,
         slow=criteria.slow,

@@ -11,7 +11,6 @@ from stepid.diagnosis.residual_force import CLEAR, Shape
 
 _CLEAR_TREND = 0.7  # correlation
 _DIFFER = 1.5  # ratio of two RMS values that differ
-_AT_FLOOR = 1.1  # times the noise floor
 _WORTH = 0.01  # share of the misfit, below which a promise is not told
 _NEARLY = 0.95  # share, from which it is nearly all
 
@@ -106,6 +105,7 @@ def sentences(
     shape: Shape | None,
     *,
     driven: bool = True,
+    enough: bool = False,
 ) -> tuple[str, ...]:
     """Say where a linear fit disagrees.
 
@@ -121,8 +121,10 @@ def sentences(
         What the residual force follows.
     driven : bool
         Whether any run has an input.
+    enough : bool
+        Whether the linear plant is the answer.
     """
-    if rms <= _AT_FLOOR * floor:
+    if enough:
         return (f"nowhere: the linear model leaves {length(rms)} RMS, the noise alone {length(floor)}",)
     said = [_about_phases(phases, floor)]
     if len(runs) > 1:

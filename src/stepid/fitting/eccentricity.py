@@ -55,8 +55,8 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
     Eccentricity or None
     """
     problem, records = fit.problem, fit.problem.records
-    residual, use = problem.residual(fit.solved), records.weight > 1e-3
-    excess = float(residual @ residual) - floor**2 * int(use.sum())
+    residual, size = problem.residual(fit.solved), records.weighed_size
+    excess = float(residual @ residual) - floor**2 * size
     line = _Line(problem.jacobian(fit.solved), residual, records)
     if excess <= 0 or line.travel <= 0 or not line.finite:
         return None
@@ -76,10 +76,10 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
     if 2 * np.pi * amplitude >= pitch:  # such a reading would turn back while the cart goes on
         return None
     left = float(residual @ residual) - gained
-    evidence = use.sum() * np.log((left + gained) / max(left, 1e-30))
+    evidence = size * np.log((left + gained) / max(left, 1e-30))
     if evidence < _EVIDENCE or gained < _MOST * excess:
         return None
-    noise = np.sqrt(left / use.sum())
+    noise = np.sqrt(left / size)
     for piece in records.pieces():
         own, _ = _fitted(waves[:, piece], residual[piece])
         error = noise * np.sqrt(2.0 / max(float(np.sum(waves[:, piece] ** 2)) / 2, 1e-30))

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 
-from stepid.core.base import Array
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import at_floor, chosen_at, effective_samples, is_white, least_share, price
+from stepid.diagnosis.evidence import at_floor, chosen_at, is_white, least_share, qbic_by
 from stepid.diagnosis.free_law import followed
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, LINEAR, Candidate, Deviations, Key, includes
@@ -35,7 +33,7 @@ class Standings:
         self.fit, self.criteria, self.effort = fit, criteria, effort
         self.nodes: dict[Key, Node] = {}
         self.candidates: dict[Key, Candidate] = {}
-        self._counted: tuple[Candidate, Array] | None = None
+        self._by_least: tuple[Optimum, Callable[[Optimum], float]] | None = None
         self.noise_limit = fit.noise_limit  # cost in the race below which nothing but noise is left, m²
 
     @cached_property
@@ -77,20 +75,12 @@ class Standings:
         found = of([c for c in every if not imitators(self.fit, self.criteria, c)] or every)
         return found if at_floor(self.fit, self.criteria, found) else of(every)
 
-    def _counts(self, found: Candidate) -> Array:
-        """Effective samples of each run in a candidate's residual, of the last one asked for kept."""
-        if self._counted is None or self._counted[0] is not found:
-            optimum = found.optimum
-            counts = effective_samples(self.fit.records, optimum.problem.residual(optimum.solved))
-            self._counted = found, counts
-        return self._counted[1]
-
     def _qbic(self, optimum: Optimum) -> float:
-        """QBIC by the samples that are effective in what the best candidate leaves, but for a constant."""
-        best = min(self.candidates.values(), key=lambda c: c.optimum.cost)
-        least, square = self.fit.rounding_cost, self.fit.records.weighed_size
-        counts, variance = self._counts(best), max(best.optimum.cost, least) / square
-        return float(counts.sum()) * math.log(max(optimum.cost, least)) + price(optimum, counts, variance)
+        """QBIC by the samples that are effective in what the candidate of least cost leaves."""
+        least = min((c.optimum for c in self.candidates.values()), key=lambda o: o.cost)
+        if self._by_least is None or self._by_least[0] is not least:
+            self._by_least = least, qbic_by(self.fit, least)
+        return self._by_least[1](optimum)
 
     def _needed(self, effects: tuple[Effect, ...], deviations: Deviations) -> float:
         """Cost in the race at which a set is an answer, m²: the noise, or as little of a misfit as a lead may leave.

@@ -39,7 +39,7 @@ class Drop:
                 Start(shared[of.linear], tuple(tuple(map(float, shared[of.values[i]])) for i in rest))
                 for shared in (moved, node.best.shared)
             )
-            if begun:
+            if begun - node.deviations:
                 kept = node.deviations | begun
                 out.append(Proposal(effects, kept, starts, node.key, node.best, left, 1.0, self.name))
             if not rest:
