@@ -11,6 +11,7 @@ from made_up_evidence import FLOOR, FRICTION, all_is_determined, candidate, cont
 from stepid.diagnosis import free_law, gather, verdict
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, is_white
+from stepid.diagnosis.exchangeable import Condition
 
 CRITERIA = Criteria()
 
@@ -110,6 +111,33 @@ def test_a_general_law_is_no_rival_of_a_faint_one_that_is_open_or_beside_runs_th
 def test_rivals_are_within_a_tie(qbic: float, near: bool) -> None:
     other = losing(FRICTION, qbic, ["free_play"])
     assert evidence(FRICTION, other).rivals == ((other,) if near else ())
+
+
+@pytest.mark.parametrize(
+    ("qbic", "law", "times", "simpler"),
+    [
+        (9.9, "", 1.0, True),
+        (10.1, "", 1.0, False),  # told apart
+        (9.9, "gain", 1.0, False),  # what goes with a condition is no scatter
+        (9.9, "", 1.2, False),  # nor is it what leaves a rest
+    ],
+)
+def test_a_linear_plant_whose_runs_differ_is_simpler_than_a_law_in_the_place_of_that(
+    qbic: float, law: str, times: float, simpler: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(gather, "followed_condition", lambda *_: Condition("gain", "the size", 9.0) if law else None)
+    monkeypatch.setattr(gather, "sizes_of_scatter", lambda one: {} if one is FRICTION.optimum else {"gain": 0.02})
+    scattered = losing(FRICTION, qbic, (), deviations=["gain"])
+    if times > 1:
+        scattered = candidate(deviations=["gain"], times=times)
+    e = evidence(FRICTION, scattered)
+    assert (e.best is scattered) == simpler
+    if simpler:
+        assert e.rivals == (FRICTION,)
+        said = verdict.runs_differ(e)
+        assert said is not None
+        assert said.verdict == "adequate"
+        assert "do not tell that from Coulomb friction and runs that are alike" in " ".join(said.reasons)
 
 
 @pytest.mark.parametrize(("times", "found"), [(2.2, True), (2.31, False)])

@@ -140,6 +140,29 @@ def test_an_effect_from_outside_is_simulated_and_fitted(kind: type[Effect]) -> N
     assert found.rms == pytest.approx(1e-5, rel=0.1)
 
 
+class OneWay(Effect):
+    """A damper of one way: linear between reversals, its slope another after each."""
+
+    name = "one_way"
+    parameters = (Parameter("coefficient", "N·s/m"),)
+    reverses = True
+
+    @staticmethod
+    def force(p: Values, m: Moment) -> float:
+        return -p[0] * m.v if m.sign > 0 else 0.0
+
+
+class OneWayInLeaps(OneWay):
+    name = "one_way_in_leaps"
+    affine = True
+
+
+def test_an_affine_law_whose_slope_turns_with_the_motion_is_simulated_as_any_other() -> None:
+    plain, affine = simulated(OneWay(), 5.0), simulated(OneWayInLeaps(), 5.0)
+    assert np.ptp(plain - simulated(OneWay(), 0.0)) > 1e-3
+    assert affine == pytest.approx(plain, abs=1e-9)
+
+
 def test_two_classes_of_one_name_have_laws_of_their_own() -> None:
     def kind(factor: float) -> Effect:
         def force(p: Values, m: Moment) -> float:

@@ -68,6 +68,7 @@ class EvidenceRecord:
         """The simplest of the best: a further effect must earn more than chance does, and imitators stand back.
 
         So does one whose scatter is `systematic`, a law, where another is better by more than a tie: two things say so.
+        A linear plant whose runs differ, and no worse than a tie, is simpler than a law that takes the place of that.
         """
         able = tuple(w for w in self.weighed if not self.imitators(w.candidate)) or self.weighed
         found = self.simplest(able)
@@ -76,7 +77,13 @@ class EvidenceRecord:
         if self.systematic(found.candidate):
             better = [w for w in able if w.loss < found.loss - self.criteria.tie and self.at_floor(w.candidate)]
             found = self.simplest(tuple(w for w in better if not self.systematic(w.candidate)) or (found,))
-        return found.candidate
+        near = tuple(w for w in able if w.loss < found.loss + self.criteria.tie and self._scatters(w.candidate))
+        return self.simplest(near or (found,)).candidate
+
+    def _scatters(self, found: Candidate) -> bool:
+        """Tell whether a linear plant is enough whose runs differ, by no law."""
+        plain = bool(found.deviations) and not found.effects
+        return plain and self.at_floor(found) and not self.systematic(found)
 
     @property
     def likeliest(self) -> Candidate:

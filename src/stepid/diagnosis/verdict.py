@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from stepid.core.words import capitalized, length
-from stepid.diagnosis.constancy import CONDITIONS
 from stepid.diagnosis.evidence import least_share, predicts
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.result import Verdict
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
+from stepid.diagnosis.verdict_words import OUTDONE, WEIGHTS, better, follows, title, what_leaves
 from stepid.diagnosis.wording import effect_names, parameter_words, per_cent, taken_in_words, whole_percent
 
 
@@ -50,7 +50,8 @@ def runs_differ(e: EvidenceRecord) -> Answer | None:
         return Answer("adequate", e.linear, (), ("No effect earns what its parameters cost.",))
     what = effect_names(sorted(e.best.deviations))
     said: tuple[str, ...] = (f"The runs differ in {what}. With that, a linear model leaves only noise.",)
-    said += tuple(f"These data do not tell that from {_title(c)} and runs that differ by less." for c in e.rivals)
+    others = [f"{title(c)} and runs that {'differ by less' if c.deviations else 'are alike'}" for c in e.rivals]
+    said += tuple(f"These data do not tell that from {other}." for other in others)
     return Answer("adequate", e.best, (), said)
 
 
@@ -61,7 +62,7 @@ def weights_are_enough(e: EvidenceRecord) -> Answer | None:
     one = e.best.effects and e.best.complexity == 1 and e.at_floor(e.best) and not is_free(e.best)
     if one and not e.barred(e.best) and not e.followed(e.best):
         return None
-    return Answer("adequate", e.linear, (), (_WEIGHTS,))
+    return Answer("adequate", e.linear, (), (WEIGHTS,))
 
 
 def scatter_is_a_law(e: EvidenceRecord) -> Answer | None:
@@ -70,7 +71,7 @@ def scatter_is_a_law(e: EvidenceRecord) -> Answer | None:
     if found is None:
         return None
     said = (
-        f"{_leaves(e.best)} only noise where the {effect_names((found.kind,))} differs from "
+        f"{what_leaves(e.best)} only noise where the {effect_names((found.kind,))} differs from "
         f"run to run, but that goes with {found.words}: it is a law, no scatter, and none of the catalogue's."
     )
     return _only_a_lead(e, said)
@@ -87,7 +88,7 @@ def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
     if inside is not None:
         return inside
     said = (
-        f"{_leaves(e.best)} only noise, but that is no prediction: fitted to the first part of a run that was left "
+        f"{what_leaves(e.best)} only noise, but that is no prediction: fitted to the first part of a run that was left "
         f"out, it takes {whole_percent(max(share, 0.0))} of the misfit's power in the rest."
     )
     return Answer("unexplained", e.best, (), (said, "No effect is named."))
@@ -99,7 +100,7 @@ def shape_is_patched(e: EvidenceRecord) -> Answer | None:
     if not state:
         return None
     said = (
-        f"{_leaves(e.best)} only noise, but together such forces of {state} can follow a law of any shape.",
+        f"{what_leaves(e.best)} only noise, but together such forces of {state} can follow a law of any shape.",
         f"A force of {state} is missing, whose law is none of the catalogue's.",
     )
     return Answer("unexplained", e.best, (), said)
@@ -111,8 +112,8 @@ def rest_follows_the_motion(e: EvidenceRecord) -> Answer | None:
     if not state:
         return None
     said = (
-        f"{_leaves(e.best)} {length(e.best.optimum.rms)}, {e.times(e.best):.3g} times the noise floor, "
-        f"but what it leaves {_follows(state)}: its law is another, or more is missing."
+        f"{what_leaves(e.best)} {length(e.best.optimum.rms)}, {e.times(e.best):.3g} times the noise floor, "
+        f"but what it leaves {follows(state)}: its law is another, or more is missing."
     )
     return _only_a_lead(e, said)
 
@@ -126,14 +127,14 @@ def complete_but_open(e: EvidenceRecord) -> Answer | None:
     sure = [c for c in sure if not e.followed(c) and not e.barred(c)]
     but = ["the data do not determine " + ", ".join(map(parameter_words, e.undetermined))] if e.undetermined else []
     but += [f"{effect_names((name,))} cannot be told from {what} here" for name, what in unseen.items()]
-    said = f"{_leaves(e.best)} only noise, but {', and '.join(but)}."
+    said = f"{what_leaves(e.best)} only noise, but {', and '.join(but)}."
     if not sure:
         inside = _inside(e)
         if inside is None:
             return Answer("unexplained", e.best, (), (said, "No effect is named."))
         return replace(inside, reasons=(*inside.reasons, said))
     if unseen:
-        words = (said, f"{_leaves(sure[0])} {length(sure[0].optimum.rms)}.")
+        words = (said, f"{what_leaves(sure[0])} {length(sure[0].optimum.rms)}.")
         return _with_rivals(e, sure[0], tuple(sure[1:]), words) or Answer("named", sure[0], (), words)
     return Answer("ambiguous", sure[0], (*sure[1:], e.best), (said,))
 
@@ -143,7 +144,7 @@ def complete(e: EvidenceRecord) -> Answer | None:
     if not e.at_floor(e.best):
         return None
     said: tuple[str, ...] = (
-        f"With {_title(e.best)} the model leaves {length(e.best.optimum.rms)}, as much as the noise.",
+        f"With {title(e.best)} the model leaves {length(e.best.optimum.rms)}, as much as the noise.",
     )
     sized = e.limited(e.best).items()
     said += tuple(f"The data limit {parameter_words(name)} on one side only: {size}." for name, size in sized)
@@ -158,7 +159,7 @@ def _with_rivals(
     """The answer where others are as good: a more general law that is open as a whole does not dispute the name."""
     if not rivals:
         return None
-    others = " or ".join(_title(c) for c in rivals)
+    others = " or ".join(title(c) for c in rivals)
     undisputed = all(e.stands_for(found, c) for c in rivals)
     words = f"These data do not tell it from {others}, a more general law." if undisputed else ""
     words = words or f"These data do not tell it from {others}."
@@ -200,9 +201,9 @@ def leads(e: EvidenceRecord, part: Candidate | None = None) -> Answer | None:
     said: tuple[str, ...] = (f"{taken_in_words(lead.names, taken[0])}.",)
     state = e.refuted(lead)
     if state:
-        return Answer("unexplained", lead, (), (*said, _better(state)))
+        return Answer("unexplained", lead, (), (*said, better(state)))
     if e.outdone(lead):
-        return Answer("unexplained", lead, (), (*said, _OUTDONE))
+        return Answer("unexplained", lead, (), (*said, OUTDONE))
     more = "" if e.at_floor(lead) else ": more is missing"
     said += (f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor{more}.",)
     return _with_rivals(e, lead, beside, said) or Answer("named", lead, (), said)
@@ -217,7 +218,7 @@ def unexplained(e: EvidenceRecord) -> Answer | None:
     left = f"leaves {length(nearest.optimum.rms)}, {e.times(nearest):.3g} times the noise floor"
     if e.times(nearest) <= e.criteria.near:
         left += ", but no white noise"
-    said: tuple[str, ...] = (f"The {'best' if best.effects else 'likeliest'} candidate, {_title(nearest)}, {left}.",)
+    said: tuple[str, ...] = (f"The {'best' if best.effects else 'likeliest'} candidate, {title(nearest)}, {left}.",)
     imitated = e.imitators(e.likeliest)
     said += tuple(
         f"{capitalized(effect_names((name,)))} cannot be told from {what} here." for name, what in imitated.items()
@@ -250,11 +251,6 @@ RULES: tuple[Rule, ...] = (
     leads,
     unexplained,
 )
-_OUTDONE = (
-    "A second oscillation beside the plant's own halves what is left, but these data do not show one. "
-    "The own oscillation changes as no law of the catalogue lets it: no effect is named."
-)
-_WEIGHTS = "Errors of the added masses within their uncertainty explain what the linear model leaves."
 
 
 def judge(evidence: EvidenceRecord, rules: tuple[Rule, ...] = RULES) -> Answer:
@@ -276,25 +272,5 @@ def _beside_weights(e: EvidenceRecord, answer: Answer) -> Answer:
     """A name is in doubt where errors of the weights within their uncertainty would do as well."""
     if e.context.by_weights is None or answer.verdict != "named":
         return answer
-    reasons = (*answer.reasons, _WEIGHTS)
+    reasons = (*answer.reasons, WEIGHTS)
     return replace(answer, verdict="ambiguous", reasons=reasons, rule=complete_but_open.__name__)
-
-
-def _follows(state: str) -> str:
-    return f"changes with {state}" if state == CONDITIONS else f"follows {state}"
-
-
-def _better(state: str) -> str:
-    if state == CONDITIONS:
-        return "Its parameters would have to change with the added mass or the input: no effect is named."
-    return f"A force of {state} whose law is none of the catalogue's does as well or better: no effect is named."
-
-
-def _title(found: Candidate, plain: str = "nothing") -> str:
-    return effect_names(found.names) or plain
-
-
-def _leaves(found: Candidate) -> str:
-    """The begin of a sentence on what a candidate leaves."""
-    verb = "leave" if len(found.names) > 1 else "leaves"
-    return f"{capitalized(_title(found, 'a linear model'))} {verb}"

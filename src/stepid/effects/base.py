@@ -175,7 +175,7 @@ class Effect:
     advice: ClassVar[str] = ""  # what to do about it
 
     linear: ClassVar[bool] = False  # the plant stays linear: solved exactly
-    affine: ClassVar[bool] = False  # linear with constant forces between its events
+    affine: ClassVar[bool] = False  # linear with constant forces between its events: exact steps, where no slope turns
     dry: ClassVar[bool] = False  # holds the cart at rest within its breakaway force
     reverses: ClassVar[bool] = False  # its law changes where the velocity changes sign
     rests_anywhere: ClassVar[bool] = False  # the cart may start off the spring's rest position

@@ -65,8 +65,14 @@ class ForceAlong:
         return None if values is None else values[0]
 
     def by(self, regressors: Sequence[Regressor]) -> Likeness | None:
-        """What some effects can do in its place; None where a law cannot have such a strength."""
+        """What some effects can do in its place; None where a law cannot have such a strength, or is linear there.
+
+        A damper of one way is the damper where all runs move that way.
+        """
         own = np.column_stack([f[self._seen] for one in regressors for f in one.forces])
+        bent = own - self._plain @ _least_squares(self._plain, own)
+        if np.any(np.sum(bent**2, axis=0) <= np.sqrt(np.finfo(float).eps) * np.sum(own**2, axis=0)):
+            return None
         plain = self._beside_effects.shape[1]
         found = _least_squares(np.column_stack([self._beside_effects, own]), self._force)
         left = self._force - own @ found[plain:]
@@ -95,10 +101,11 @@ class ForceAlong:
 
 
 def _least_squares(forces: Array, sought: Array) -> Array:
-    """Coefficients of forces, one a column, that come nearest to one; none of what rounding decides."""
+    """Coefficients of forces, one a column, that come nearest to others; none of what rounding decides."""
     size = np.linalg.norm(forces, axis=0)
     size[size == 0] = np.inf
-    out: Array = np.linalg.lstsq(forces / size, sought, rcond=np.sqrt(np.finfo(float).eps))[0] / size
+    scaled = np.linalg.lstsq(forces / size, sought, rcond=np.sqrt(np.finfo(float).eps))[0]
+    out: Array = (scaled.T / size).T
     return out
 
 
