@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
@@ -17,7 +18,7 @@ import stepid
 from stepid.diagnosis.locate import locate
 from stepid.diagnosis.result import Where
 from stepid.diagnosis.wording import effect_names, length
-from stepid.effects import CATALOGUE, Effect
+from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.fitting.fit import prepare
 from stepid.plot.layout import new_figure, stacked_axes
 from stepid.plot.style import MODEL, OTHER, SERIES, styled
@@ -237,13 +238,15 @@ def words(shown: Shown) -> str:
 
 def main() -> None:
     mpl.use("Agg")
-    residuals = {}
-    for effect in CATALOGUE:
+    text = PAGE.read_text(encoding="utf-8")
+    named = resolve(sys.argv[1:])
+    residuals = residuals_on(text) if named else {}
+    for effect in named or CATALOGUE:
         shown = show(effect)
         draw(effect, shown)
         residuals[effect.name] = words(shown)
         print(f"{effect.name}: {residuals[effect.name]}")
-    PAGE.write_text(page(PAGE.read_text(encoding="utf-8"), residuals), encoding="utf-8")
+    PAGE.write_text(page(text, residuals), encoding="utf-8")
 
 
 if __name__ == "__main__":

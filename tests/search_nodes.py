@@ -42,7 +42,11 @@ def prepared(which: str) -> FitContext:
 
 
 def node(fit: FitContext, effects: Values | None = None) -> Node:
-    """A node a few steps on from these values; without effects the linear plant."""
+    """A node a few steps on from these values; without effects the linear plant.
+
+    The plant starts from the linear fit, whose damper holds what an effect does: from the true values it may end there
+    again, from smaller ones it does not.
+    """
     if not effects:
         root = CandidateFit(fit, ())
         root.best, root.polished = fit.coarse_linear, fit.linear

@@ -71,8 +71,7 @@ def test_the_floor_of_a_residual_is_its_spread(size: float) -> None:
     assert floor_from_residual(residual) == pytest.approx(size, rel=0.03)
 
 
-def test_parameters_and_resolution_raise_the_floor_of_a_residual() -> None:
+def test_parameters_raise_the_floor_of_a_residual() -> None:
     residual = np.random.default_rng(3).standard_normal(100)
     assert floor_from_residual(residual, parameters=75) == pytest.approx(2 * floor_from_residual(residual))
-    assert floor_from_residual(1e-9 * residual, resolution=np.sqrt(12)) == pytest.approx(1.0)
     assert floor_from_residual(np.zeros(100)) == 0.0

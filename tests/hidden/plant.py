@@ -41,7 +41,8 @@ NAMES = (
     "sensor_drift",
 )
 NEW = ("sine_stiffness", "power_damping", "actuator_rate_limit")  # of the second round, with a set of their own
-EVERY = (*NAMES, *NEW)
+DRAWN = (*NAMES, *NEW)  # frozen: the sets draw from these by their number, another name would make other campaigns
+EVERY = DRAWN
 DRY = NAMES[:4]
 SLOWEST = 1e-6  # m/s, below which a power law of damping is viscous
 SHORTEST = 1e-9  # s, below which a lag of the drive is none: it would move the cart by less than a nanometer

@@ -21,7 +21,7 @@ from .draw import choose_kind
 from .outside import DRIVEN_OUTSIDE, EVERY_OUTSIDE, NEW_OUTSIDE, OUTSIDE, SEEN_OUTSIDE
 from .perturb import DRIVEN, HOLDS, choose
 from .perturbed import CLEAREST, FAINTEST
-from .plant import DRY, EVERY, NAMES, NEW
+from .plant import DRAWN, DRY, NAMES, NEW
 
 PAIRS = (
     ("coulomb_friction", "cubic_stiffness"),
@@ -88,7 +88,7 @@ def requests(which: str, count: int, *, skip: int = 0, salt: str = "") -> list[R
 
 
 def _plain(which: str, i: int, seed: int) -> Request:
-    turns = {"single": NAMES, "new": NEW, "single-all": EVERY}.get(which)
+    turns = {"single": NAMES, "new": NEW, "single-all": DRAWN}.get(which)
     if turns is not None:
         return Request(seed, (turns[i % len(turns)],), r0=_visibility(seed, i // len(turns)))
     if which in _OUTSIDE:
@@ -105,7 +105,7 @@ def _several(seed: int, count: int) -> tuple[str, ...]:
     """Different effects of the whole catalogue, at most one of them plain dry friction: two would be one."""
     rng = np.random.default_rng([seed, 10])
     while True:
-        some = tuple(str(name) for name in rng.choice(EVERY, size=count, replace=False))
+        some = tuple(str(name) for name in rng.choice(DRAWN, size=count, replace=False))
         if len(set(some) & set(DRY)) < 2:
             return some
 
@@ -114,7 +114,7 @@ def _perturbed(which: str, i: int, seed: int) -> Request:
     """A perturbed campaign; protocols without what its kinds need are drawn anew."""
     rng = np.random.default_rng([seed, 11])
     what, seen = which.removeprefix("perturbed-").removesuffix("-seen"), which.endswith("-seen")
-    effects = (EVERY[i % len(EVERY)],) if what == "single" else ()
+    effects = (DRAWN[i % len(DRAWN)],) if what == "single" else ()
     laws = SEEN_OUTSIDE if seen else EVERY_OUTSIDE
     outside = laws[i % len(laws)] if what == "outside" else None
     kinds = choose(rng, i, effects, outside, seen=seen)

@@ -76,7 +76,7 @@ def clipped_spread(values: Array) -> float:
     return spread
 
 
-def floor_from_residual(residual: Array, *, parameters: int = 0, resolution: float | None = None) -> float:
+def floor_from_residual(residual: Array, *, parameters: int = 0) -> float:
     """Noise floor by the residual of a good fit, for where that lies below the floor read off the records.
 
     Parameters
@@ -85,8 +85,6 @@ def floor_from_residual(residual: Array, *, parameters: int = 0, resolution: flo
         m, measured minus simulated.
     parameters : int
         How many were fitted; each takes one degree of freedom.
-    resolution : float or None
-        m per count; the result is not below resolution/√12, the spread of rounding.
 
     Returns
     -------
@@ -97,9 +95,8 @@ def floor_from_residual(residual: Array, *, parameters: int = 0, resolution: flo
     -----
     A fit that leaves less than the floor shows that the floor was too high: what it leaves is noise and misfit.
     """
-    floor = 0.0 if resolution is None else resolution / math.sqrt(12)
     free = max(residual.size - parameters, 1)
-    return max(clipped_spread(residual) * math.sqrt(residual.size / free), floor)
+    return clipped_spread(residual) * math.sqrt(residual.size / free)
 
 
 def predicted_noise(position: Array, volts: Array, *, resolution: float | None = None) -> float | None:

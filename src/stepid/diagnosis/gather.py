@@ -290,5 +290,8 @@ class EvidenceRecord:
         return LeftOut(self)
 
     def share(self, found: Candidate) -> tuple[float, float]:
-        """Share of the misfit's repeatable power that a candidate takes on runs left out, and its steadiness."""
+        """Share of the misfit's repeatable power that a candidate takes on runs left out, and its steadiness.
+
+        None of it where no run can be left out: what is not shown to predict is not named for that.
+        """
         return self.left_out.share(found)

@@ -54,7 +54,10 @@ class LeftOut:
         return minimize(problem, linear.shared, linear.local, tolerance=self._told.context.tolerance) or linear
 
     def share(self, found: Candidate) -> tuple[float, float]:
-        """Share of the misfit's repeatable power that a candidate takes on runs left out, and its steadiness."""
+        """Share of the misfit's repeatable power that a candidate takes on runs left out, and its steadiness.
+
+        Zero where no run can be left out.
+        """
         before, after = self.residuals(found)
         if not before:
             return 0.0, 0.0

@@ -14,7 +14,7 @@ from stepid.diagnosis.selection.candidate import Candidate
 from stepid.fitting.covariance import by_weights
 from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.multistart import FitContext
-from stepid.fitting.noise_color import colored_floor
+from stepid.fitting.noise_color import NoiseColor, colored_floor
 from stepid.fitting.noise_floor import least_floor
 from stepid.fitting.problem import build
 from stepid.fitting.reading_faults import outliers_of
@@ -63,7 +63,12 @@ def _with_weights(context: FitContext, likeliest: Candidate, simpler: Iterable[C
 
 
 def _again(
-    context: FitContext, floor: float, records: Records, faults: tuple[RecordFault, ...] = ()
+    context: FitContext,
+    floor: float,
+    records: Records,
+    *,
+    faults: tuple[RecordFault, ...] = (),
+    colored: NoiseColor | None = None,
 ) -> FitContext | None:
     linear = context.linear
     if records is not context.records:
@@ -77,7 +82,7 @@ def _again(
         floor,
         workers=context.workers,
         faults=(*context.faults, *faults),
-        colored=context.colored,
+        colored=colored or context.colored,
         first=context.first,
         notes=context.notes,
     )
@@ -100,7 +105,7 @@ def _without_outliers(context: FitContext, best: Candidate) -> FitContext | None
     standing = float(np.sum(residual[weight < records.weight] ** 2))
     if not faults or not (noise or standing > 0.5 * best.optimum.cost):
         return None  # what stands out of a misfit, and is not most of it, is a part of it
-    return _again(context, context.floor, context.records.reweighted(weight), tuple(faults))
+    return _again(context, context.floor, context.records.reweighted(weight), faults=tuple(faults))
 
 
 def _with_color(context: FitContext, best: Candidate) -> FitContext | None:
@@ -109,10 +114,7 @@ def _with_color(context: FitContext, best: Candidate) -> FitContext | None:
     floor, colored = colored_floor(context.records, best.optimum.residual)
     if colored is None or floor <= context.floor:
         return None
-    found = _again(context, floor, context.records)
-    if found is not None:
-        found.colored = colored
-    return found
+    return _again(context, floor, context.records, colored=colored)
 
 
 def _with_lower_floor(context: FitContext, best: Candidate) -> FitContext | None:

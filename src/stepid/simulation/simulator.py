@@ -52,11 +52,6 @@ class Solved:
         return self.derive()
 
 
-def _turns(effect: Effect) -> bool:
-    """Tell whether a law's slopes may change where the velocity changes sign: exact steps hold on to them there."""
-    return effect.reverses and type(effect).force is not Effect.force
-
-
 class Simulator:
     """Simulates all records of a campaign for one structure of plant.
 
@@ -88,7 +83,7 @@ class Simulator:
         workers: int = 1,
         patience: int | None = None,
     ) -> None:
-        from stepid.simulation.work import check_size
+        from stepid.simulation.work import check_size, leaps
 
         check_size(effects)
         self.records, self.effects, self.tolerance = records, effects, tolerance
@@ -96,8 +91,7 @@ class Simulator:
         self.patience = patience or (SEEN if tolerance < COARSE else HASTY)
         self.layout = ParameterLayout(records, effects)
         self.linear = all(e.linear for e in effects)
-        affine = all((e.linear or e.affine) and not (e.n_extra or _turns(e)) for e in effects)
-        self._leaps = 2 if self.linear else int(affine)  # see `stepid.simulation.kernel.simulate`
+        self._leaps = leaps(effects)
         self.taken = 0
         self.scale = max(records.extent, _STILL)
         self.moves = self.scale > _STILL  # whether anything does in the records

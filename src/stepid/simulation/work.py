@@ -47,6 +47,17 @@ def _structure(effects: tuple[Effect, ...]) -> Any:
     return room
 
 
+def leaps(effects: tuple[Effect, ...]) -> int:
+    """Whether steps can be exact, as `stepid.simulation.kernel.simulate` asks: 2 linear, 1 affine between events, 0 not.
+
+    A force that changes where the velocity changes sign may have another slope there: exact steps hold on to the old.
+    """
+    if all(e.linear for e in effects):
+        return 2
+    turns = any(e.reverses and changes(e, "force") for e in effects)
+    return int(not turns and all((e.linear or e.affine) and not e.n_extra for e in effects))
+
+
 def check_size(effects: tuple[Effect, ...]) -> None:
     """Refuse more than the kernel has room for.
 
