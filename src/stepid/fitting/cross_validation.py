@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array
+from stepid.core.once import once
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.problem import build, fixes_mass
 from stepid.simulation.records import Records
@@ -17,7 +17,6 @@ from stepid.simulation.records import Records
 _RUNS = 3  # left out in turn
 _UNSEEN = 1e-9  # square-root weight of samples that judge
 _TOLD = 1e-3  # share of what a parameter moves, in power, by which a part of the records tells it
-_KNOWN: WeakKeyDictionary[Optimum, dict[tuple[int, float], Array | None]] = WeakKeyDictionary()  # see `_without`
 
 
 def qualifying(records: Records) -> list[int]:
@@ -123,8 +122,9 @@ def _own(optimum: Optimum, runs: list[int]) -> dict[str, Any]:
     return {"active": active[:, runs], "most": None if most is None else most[:, runs]}
 
 
+@once
 def _without(optimum: Optimum, run: int, tolerance: float) -> Array | None:
-    """Global parameters of the fit to all runs but one, kept while the fit to all of them is: they are asked for again.
+    """Global parameters of the fit to all runs but one: they are asked for again.
 
     Parameters
     ----------
@@ -134,12 +134,9 @@ def _without(optimum: Optimum, run: int, tolerance: float) -> Array | None:
     tolerance : float
         m².
     """
-    known = _KNOWN.setdefault(optimum, {})
-    if (run, tolerance) not in known:
-        records = optimum.problem.records
-        others = [j for j in range(len(records.runs)) if j != run]
-        problem = build(records.subset(others), optimum.problem.simulator.effects)
-        problem = replace(problem, free=problem.free & optimum.problem.free, **_own(optimum, others))
-        fitted = minimize(problem, optimum.shared, optimum.local[:, others], tolerance=tolerance, iterations=15)
-        known[run, tolerance] = None if fitted is None else fitted.shared
-    return known[run, tolerance]
+    records = optimum.problem.records
+    others = [j for j in range(len(records.runs)) if j != run]
+    problem = build(records.subset(others), optimum.problem.simulator.effects)
+    problem = replace(problem, free=problem.free & optimum.problem.free, **_own(optimum, others))
+    fitted = minimize(problem, optimum.shared, optimum.local[:, others], tolerance=tolerance, iterations=15)
+    return None if fitted is None else fitted.shared

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.core.once import once
 from stepid.fitting.deviations import SCATTER
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import centered
-
-_known: WeakKeyDictionary[Optimum, tuple[Array, Array]] = WeakKeyDictionary()
 
 
 def price_of_scatter(optimum: Optimum, counts: Array, variance: float) -> float:
@@ -31,13 +29,10 @@ def price_of_scatter(optimum: Optimum, counts: Array, variance: float) -> float:
     variance : float
         m², of what the best fit leaves.
     """
-    rows = optimum.problem.layout.deviations
-    active = optimum.problem.active[rows]
+    active = optimum.problem.active[optimum.problem.layout.deviations]
     if not active.any():
         return 0.0
-    if optimum not in _known:
-        _known[optimum] = centered(optimum).local[rows], _information(optimum)[rows]
-    deviations, information = _known[optimum]
+    deviations, information = _priced(optimum)
     effective = information * counts / max(variance, np.finfo(float).tiny)
     out = 0.0
     for own, values, told in zip(active, deviations, effective, strict=True):
@@ -46,6 +41,13 @@ def price_of_scatter(optimum: Optimum, counts: Array, variance: float) -> float:
             square = float(np.sum(values**2)) / m
             out += float(np.sum(np.log1p(square * told[own]))) + m + math.log(m)
     return out
+
+
+@once
+def _priced(optimum: Optimum) -> tuple[Array, Array]:
+    """Deviations about the plant, and the mean square of what one of each changes, shapes (D, R)."""
+    rows = optimum.problem.layout.deviations
+    return centered(optimum).local[rows], _information(optimum)[rows]
 
 
 def sizes_of_scatter(optimum: Optimum) -> dict[str, float]:

@@ -48,7 +48,7 @@ def _structure(effects: tuple[Effect, ...]) -> Any:
 
 
 def leaps(effects: tuple[Effect, ...]) -> int:
-    """Whether steps can be exact, as `stepid.simulation.kernel.simulate` asks: 2 linear, 1 affine between events, 0 not.
+    """Whether steps can be exact, as `stepid.simulation.kernel.simulate` asks: 2 linear, 1 affine between events, 0 no.
 
     A force that changes where the velocity changes sign may have another slope there: exact steps hold on to the old.
     """
