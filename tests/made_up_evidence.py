@@ -184,8 +184,16 @@ class Told:
     other_shape: str = ""
     still_followed: str = ""
     goes_with: Condition | None = None
+    rest_follows: str = ""
+    taken_by_free: float = 0.9
     criteria: Criteria = field(default_factory=Criteria)
     context: object = field(default_factory=context)
+
+    without: Told | None = None
+
+    @property
+    def without_free(self) -> Told:
+        return self.without or Told(best=LINEAR, likeliest=LINEAR, lead=LINEAR)
 
     @property
     def faint(self) -> float:
@@ -217,6 +225,12 @@ class Told:
 
     def systematic(self, found: Candidate) -> Condition | None:
         return self.goes_with
+
+    def trace(self, found: Candidate) -> str:
+        return self.rest_follows
+
+    def share_of_free(self, found: Candidate) -> float:
+        return self.taken_by_free
 
     def patchwork(self, found: Candidate) -> str:
         return self.other_shape if len(found.effects) > 2 else ""

@@ -23,6 +23,7 @@ PLAY = candidate(["free_play"])
 def _all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
     monkeypatch.setattr(gather, "imitators", lambda *_: {})
+    monkeypatch.setattr(left_out, "starts_kept", lambda *_: frozenset())
     monkeypatch.setattr(left_out, "held_out_residuals", as_much_as_is_left)
     monkeypatch.setattr(left_out, "repeatability", lambda _: None)
 
@@ -179,6 +180,7 @@ def predicting(monkeypatch: pytest.MonkeyPatch, *those: Candidate) -> None:
         known = any(optimum is one for one in optima)
         return as_much_as_is_left(optimum if known else LINEAR.optimum)
 
+    monkeypatch.setattr(left_out, "starts_kept", lambda *_: frozenset())
     monkeypatch.setattr(left_out, "held_out_residuals", left)
 
 
@@ -198,7 +200,7 @@ def test_conditions_that_differ_lead_only_if_they_predict(names: list[str], monk
     alike, free = candidate(names, times=2.0), candidate(names, times=1.5, deviations=["damping"])
     for able, leading in (((alike, free), free), ((alike,), alike), ((), free)):
         predicting(monkeypatch, *able)
-        monkeypatch.setattr(left_out.LeftOut, "_plain", lambda *_: LINEAR.optimum)
+        monkeypatch.setattr(left_out.LeftOut, "_with", lambda *_: LINEAR.optimum)
         assert evidence(alike, free, LINEAR).lead is leading
 
 
@@ -209,6 +211,6 @@ def test_conditions_stand_in_for_an_effect_unless_all_runs_start_late(
     pair = candidate(["free_play", "cogging"], times=2.0)
     alone = candidate(["free_play"], times=2.1, deviations=["start_time"])
     predicting(monkeypatch, alone, pair)
-    monkeypatch.setattr(left_out.LeftOut, "_plain", lambda *_: alone.optimum)
+    monkeypatch.setattr(left_out.LeftOut, "_with", lambda *_: alone.optimum)
     monkeypatch.setattr(lead, "starts_late", lambda optimum: late and optimum is alone.optimum)
     assert evidence(alone, pair, LINEAR).lead is (pair if late else alone)

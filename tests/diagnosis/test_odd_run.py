@@ -28,7 +28,7 @@ def fault(whole: stepid.Campaign, run: int, *names: str) -> RecordFault | None:
     context = prepare(rest)
     fitted = fit_effects(context, resolve(names))
     assert fitted is not None
-    return fault_of(prepare(whole), run, Candidate(resolve(names), frozenset(), fitted, 0.0), context.floor)
+    return fault_of(prepare(whole), run, Candidate(resolve(names), frozenset(), fitted, 0.0), context.floor, sure=5.0)
 
 
 @pytest.mark.parametrize("effects", [{}, FRICTION, BENT], ids=["none", "friction", "bent"])
@@ -38,6 +38,15 @@ def test_a_law_makes_no_run_outlying(effects: dict[str, dict[str, float]]) -> No
 
 def test_the_run_that_takes_the_misfit_with_it_is_outlying() -> None:
     assert outlying_runs(prepare(scaled(carts(2, FRICTION), 3, -1.0)))[0] == 3
+
+
+def test_an_error_that_a_weight_may_have_is_no_fault() -> None:
+    """0.5 kg of six runs, or 0.12 kg a weight."""
+    whole = carts(2, FRICTION, true_masses=(0, 0, 0.5, 1.0, 1.5, 1.5))
+    told = fault(whole, 3, "coulomb_friction")
+    assert told is not None
+    assert told.kind == "added_mass"
+    assert fault(whole.model_copy(update={"weight_uncertainty": 0.12}), 3, "coulomb_friction") is None
 
 
 def test_beside_a_strong_law_a_run_is_outlying_that_the_linear_plant_hides() -> None:

@@ -20,7 +20,10 @@ from stepid.effects import CATALOGUE
 DIAGNOSIS = Path(__file__).resolve().parents[2] / "src" / "stepid" / "diagnosis"
 NUMBERS_LIVE_IN = DIAGNOSIS / "selection" / "effort.py"
 SEARCH = sorted(p for p in (DIAGNOSIS / "selection").rglob("*.py") if p != NUMBERS_LIVE_IN)
-DECIDING = [*SEARCH, *(DIAGNOSIS / f"{name}.py" for name in ("verdict", "gather", "lead", "left_out", "vetoes"))]
+DECIDING = [
+    *SEARCH,
+    *(DIAGNOSIS / f"{name}.py" for name in ("verdict", "rules_linear", "gather", "lead", "left_out", "vetoes")),
+]
 TESTS = Path(__file__).resolve().parents[1] / "diagnosis"
 OF_MOVES, OF_RULES = (sorted(TESTS.glob(f"test_{of}*.py")) for of in ("moves", "verdict"))
 PLAIN = {0, 1, 2, 0.5}

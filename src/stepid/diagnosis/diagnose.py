@@ -206,7 +206,7 @@ def _without_an_odd_run(
         answer = judge(evidence)
         if answer.verdict == "unexplained":
             continue
-        fault = fault_of(context, run, answer.shown, fewer.context.floor)
+        fault = fault_of(context, run, answer.shown, fewer.context.floor, sure=how.criteria.size)
         if fault is None:
             continue
         done = _diagnosed(rest, laid_out, how, (*accused, _left_out(fault)), fewer)

@@ -201,6 +201,13 @@ def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeL
     return law if _strongest(context, found, context.records).beyond > beyond else None
 
 
+def trace(context: FitContext, criteria: Criteria, found: Candidate) -> str:
+    """The state of a law that takes more of a rest than chance does, and than real laws are rough; '' without any."""
+    beyond, rough = allowed(context, criteria, found, noise=False)
+    laws = free_laws(context, found.optimum)
+    return next((law.state for law in laws if law.beyond > beyond and law.power > rough), "")
+
+
 def _strongest(context: FitContext, found: Candidate, records: Records) -> FreeLaw:
     return max(free_laws(context, found.optimum, records), key=lambda one: one.beyond)
 

@@ -5,8 +5,7 @@ What a rule asks for that is not here yet becomes a method here; the tests' `mad
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -15,13 +14,14 @@ from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, chosen_at, is_white, weigh
 from stepid.diagnosis.exchangeable import Condition, followed_condition
-from stepid.diagnosis.free_law import followed
+from stepid.diagnosis.free_law import followed, trace
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.left_out import LeftOut
 from stepid.diagnosis.refutation import refuted
-from stepid.diagnosis.selection.candidate import Candidate, includes
+from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
+from stepid.diagnosis.shared_weight import weight_of
 from stepid.diagnosis.states import cancelling, states_of_all
-from stepid.diagnosis.vetoes import effects_of, imitators, undetermined, unseen
+from stepid.diagnosis.vetoes import imitators, undetermined, unseen
 from stepid.fitting.input_fault import InputFault
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.profile import limited, present
@@ -77,13 +77,19 @@ class EvidenceRecord:
         if self.systematic(found.candidate):
             better = [w for w in able if w.loss < found.loss - self.criteria.tie and self.at_floor(w.candidate)]
             found = self.simplest(tuple(w for w in better if not self.systematic(w.candidate)) or (found,))
-        near = tuple(w for w in able if w.loss < found.loss + self.criteria.tie and self._scatters(w.candidate))
+        near = tuple(w for w in self._scattered if w in able and w.loss < found.loss + self.criteria.tie)
         return self.simplest(near or (found,)).candidate
 
-    def _scatters(self, found: Candidate) -> bool:
-        """Tell whether a linear plant is enough whose runs differ, by no law."""
-        plain = bool(found.deviations) and not found.effects
-        return plain and self.at_floor(found) and not self.systematic(found)
+    @cached_property
+    def without_free(self) -> EvidenceRecord:
+        """The same without candidates that have a freedom of their own in every run."""
+        return replace(self, candidates=tuple(c for c in self.candidates if not is_free(c)))
+
+    @cached_property
+    def _scattered(self) -> tuple[Weighed, ...]:
+        """Linear plants that are enough where runs differ, by no law."""
+        plain = (w for w in self.weighed if w.candidate.deviations and not w.candidate.effects)
+        return tuple(w for w in plain if self.at_floor(w.candidate) and not self.systematic(w.candidate))
 
     @property
     def likeliest(self) -> Candidate:
@@ -249,6 +255,10 @@ class EvidenceRecord:
         """The state that what is as small as the noise follows by more than chance, '' where there is none."""
         return law.state if (law := followed(self.context, self.criteria, found)) else ""
 
+    def trace(self, found: Candidate) -> str:
+        """The state of a law of any shape that takes some of a rest, '' where none does."""
+        return trace(self.context, self.criteria, found)
+
     def systematic(self, found: Candidate) -> Condition | None:
         """Condition that what runs differ by under a candidate goes with, more than drawn runs would."""
         one = followed_condition(found.optimum, self.context.floor) if found.deviations else None
@@ -267,22 +277,7 @@ class EvidenceRecord:
 
     def weight(self, *found: Candidate) -> float:
         """Weight of all candidates that hold the effects of one of some, or effects that contain them."""
-        able: list[Weighed] = []  # beside those that may not be named, which can outweigh by far, others would be alike
-        for w in self.weighed:
-            if able and math.exp(-0.5 * (w.loss - able[0].loss)) < (1.0 - self.criteria.sure) / len(self.weighed):
-                break  # all of them together cannot dispute
-            if self._counts(w.candidate, found):
-                able.append(w)
-        raw = [(math.exp(-0.5 * (w.loss - able[0].loss)), w.candidate.effects) for w in able]
-        held = (one for one, effects in raw if any(includes(effects, c.effects) for c in found))
-        return math.fsum(held) / math.fsum(one for one, _ in raw)
-
-    def _counts(self, other: Candidate, found: tuple[Candidate, ...]) -> bool:
-        """Tell whether a candidate counts beside some: one with an open effect only for what it holds besides that."""
-        if self.imitators(other):
-            return False
-        open_ = effects_of(self.open(other))
-        return not open_ or any(includes(other.effects, c.effects) and not open_ & set(c.names) for c in found)
+        return weight_of(self, found)
 
     @cached_property
     def left_out(self) -> LeftOut:
@@ -295,3 +290,7 @@ class EvidenceRecord:
         None of it where no run can be left out: what is not shown to predict is not named for that.
         """
         return self.left_out.share(found)
+
+    def share_of_free(self, found: Candidate) -> float:
+        """Share of what its other effects leave that a candidate's effects with a freedom in every run take there."""
+        return self.left_out.share_of_free(found)

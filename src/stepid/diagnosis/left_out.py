@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.diagnosis.selection.candidate import Candidate, Deviations, is_free
+from stepid.diagnosis.selection.candidate import Candidate, is_free
+from stepid.effects.base import Effect
 from stepid.fitting.cross_validation import held_out_residuals
-from stepid.fitting.deviations import with_deviations
+from stepid.fitting.deviations import starts_kept, with_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.noise_floor import repeatability
+from stepid.fitting.problem import build, start_local
 
 if TYPE_CHECKING:
     from stepid.diagnosis.gather import EvidenceRecord
@@ -31,10 +33,11 @@ class LeftOut:
     def residuals(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
         """Residuals of runs left out, linear plant with the same conditions free and candidate.
 
-        The whole run judges a candidate that has no freedom in it but its start: most motion follows a step at once.
+        Starts that are free with an effect are among them: what that freedom does is no sign of the effect. The whole
+        run judges a candidate that has no freedom in it but its start: most motion follows a step at once.
         """
         first = self._told.criteria.first if is_free(found) or found.deviations else 1.0
-        return self.of_two(self._plain(found.deviations), found.optimum, first)
+        return self.of_two(self._with((), found), found.optimum, first)
 
     def of_two(self, one: Optimum, other: Optimum, first: float = 1.0) -> tuple[dict[int, Array], dict[int, Array]]:
         """Residuals of the runs that two fits can both be held against; see `held_out_residuals`."""
@@ -44,14 +47,26 @@ class LeftOut:
         both = sorted(before.keys() & after.keys())
         return {i: before[i] for i in both}, {i: after[i] for i in both}
 
-    def _plain(self, deviations: Deviations) -> Optimum:
-        """The linear plant with some conditions that differ from run to run: what they explain, no effect does."""
-        known = [c for c in self._told.candidates if not c.effects and c.deviations == deviations]
+    def _with(self, effects: tuple[Effect, ...], found: Candidate) -> Optimum:
+        """Some of a candidate's effects, or none, with the conditions and starts free that are so under the candidate.
+
+        What these explain, the effects that are left out of it do not.
+        """
+        conditions = found.deviations | starts_kept(found.optimum.problem, effects)
+        key = frozenset(e.name for e in effects), conditions
+        known = [c.optimum for c in self._told.candidates if c.key == key]
         if known:
-            return known[0].optimum
-        linear = self._told.linear.optimum
-        problem = with_deviations(linear.problem, deviations)
-        return minimize(problem, linear.shared, linear.local, tolerance=self._told.context.tolerance) or linear
+            return known[0]
+        linear, whole = self._told.linear.optimum, found.optimum
+        if not effects:
+            problem, shared, like = linear.problem, linear.shared, linear
+        else:
+            of, problem, like = whole.problem.layout, build(linear.problem.records, effects), whole
+            values = [whole.shared[v] for e, v in zip(of.effects, of.values, strict=True) if e in effects]
+            shared = np.concatenate([whole.shared[of.linear], *values])
+        problem = with_deviations(problem, conditions)
+        tolerance = self._told.context.tolerance
+        return minimize(problem, shared, start_local(problem, like), tolerance=tolerance) or linear
 
     def share(self, found: Candidate) -> tuple[float, float]:
         """Share of the misfit's repeatable power that a candidate takes on runs left out, and its steadiness.
@@ -61,12 +76,17 @@ class LeftOut:
         before, after = self.residuals(found)
         if not before:
             return 0.0, 0.0
-        noise = max(self._told.context.floor, repeatability(self._told.context.records) or 0.0) ** 2
-
-        def taken(runs: list[int]) -> float:
-            power = [sum(float(np.sum(seen[i] ** 2)) - noise * seen[i].size for i in runs) for seen in (before, after)]
-            return 1.0 - max(power[1], 0.0) / power[0] if power[0] > 0 else 0.0
-
-        single = [taken([i]) for i in before]
+        single = [self._taken({i: before[i]}, after) for i in before]
         steady = min(single) / max(single) if max(single) > 0 else 0.0
-        return taken(list(before)), max(steady, 0.0)
+        return self._taken(before, after), max(steady, 0.0)
+
+    def share_of_free(self, found: Candidate) -> float:
+        """Share of what a candidate's other effects leave that those with a freedom in every run take."""
+        others = tuple(e for e in found.effects if not e.run_parameters)
+        return self._taken(*self.of_two(self._with(others, found), found.optimum, self._told.criteria.first))
+
+    def _taken(self, before: dict[int, Array], after: dict[int, Array]) -> float:
+        """Share of a residual's repeatable power that is gone, in the runs of the first; 0 where there was none."""
+        noise = max(self._told.context.floor, repeatability(self._told.context.records) or 0.0) ** 2
+        power = [sum(float(np.sum(seen[i] ** 2)) - noise * seen[i].size for i in before) for seen in (before, after)]
+        return 1.0 - max(power[1], 0.0) / power[0] if before and power[0] > 0 else 0.0

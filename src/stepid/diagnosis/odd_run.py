@@ -61,7 +61,7 @@ def outlying_runs(context: FitContext, laws: Sequence[Optimum] = ()) -> list[int
     return sorted((run for run, left in found.items() if left <= _STANDS_OUT), key=lambda run: found[run])
 
 
-def fault_of(context: FitContext, run: int, shown: Candidate, floor: float) -> RecordFault | None:
+def fault_of(context: FitContext, run: int, shown: Candidate, floor: float, *, sure: float) -> RecordFault | None:
     """What is wrong with a run, by the model of all others; None where that may be a law.
 
     The plant is that of the others. One label, scale or start of the run is changed, from wherever such mistakes lead:
@@ -77,6 +77,8 @@ def fault_of(context: FitContext, run: int, shown: Candidate, floor: float) -> R
         Fitted to the others.
     floor : float
         m, noise floor of the others.
+    sure : float
+        Times its uncertainty, that a weight must be wrong by.
     """
     records, shared = context.records, shown.optimum.shared
     plain = _alone(context, run, shown)
@@ -90,6 +92,8 @@ def fault_of(context: FitContext, run: int, shown: Candidate, floor: float) -> R
     name = records.runs[run].name
     if found is not None and found[2] <= (_NEARLY_ALL if unsure else _STANDS_OUT) * before:
         kind, size, _, optimum = found
+        if kind == "added_mass" and abs(size) < sure * records.weight_uncertainty:
+            return None  # an error that a weight may have is none
         words = fault_words(optimum, 0, kind, size, (), agree=quiet)
         return RecordFault(run=name, kind=kind, size=told(optimum, 0, kind, size), unit=UNITS[kind], words=words)
     if unsure or not quiet:

@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from stepid.core.words import capitalized, length
 from stepid.diagnosis.evidence import least_share, predicts
 from stepid.diagnosis.gather import EvidenceRecord
-from stepid.diagnosis.result import Verdict
+from stepid.diagnosis.rule import Answer as Answer
+from stepid.diagnosis.rule import Rule
+from stepid.diagnosis.rules_linear import (
+    linear_is_enough,
+    rest_follows_nothing,
+    runs_differ,
+    weights_are_enough,
+)
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
 from stepid.diagnosis.verdict_words import OUTDONE, WEIGHTS, better, follows, title, what_leaves
 from stepid.diagnosis.wording import effect_names, parameter_words, per_cent, taken_in_words, whole_percent
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What a rule says: `shown` is the candidate whose effects are named, or the nearest where none is."""
-
-    verdict: Verdict
-    shown: Candidate
-    alternatives: tuple[Candidate, ...]
-    reasons: tuple[str, ...]
-    rule: str = ""
-
-
-Rule = Callable[[EvidenceRecord], Answer | None]
 
 
 def input_is_wrong(e: EvidenceRecord) -> Answer | None:
@@ -33,36 +25,6 @@ def input_is_wrong(e: EvidenceRecord) -> Answer | None:
     if e.input_fault is None:
         return None
     return Answer("unexplained", e.linear, (), (e.input_fault.words,))
-
-
-def linear_is_enough(e: EvidenceRecord) -> Answer | None:
-    """The linear plant leaves nothing but noise."""
-    if not e.white or (e.best.effects and e.times(e.linear) > e.faint):
-        return None
-    return Answer("adequate", e.linear, (), ("The residual of the linear model is as white as the readings' noise.",))
-
-
-def runs_differ(e: EvidenceRecord) -> Answer | None:
-    """A linear plant is enough whose conditions differ from run to run."""
-    if e.best.effects or not e.at_floor(e.best):
-        return None
-    if not e.best.deviations:
-        return Answer("adequate", e.linear, (), ("No effect earns what its parameters cost.",))
-    what = effect_names(sorted(e.best.deviations))
-    said: tuple[str, ...] = (f"The runs differ in {what}. With that, a linear model leaves only noise.",)
-    others = [f"{title(c)} and runs that {'differ by less' if c.deviations else 'are alike'}" for c in e.rivals]
-    said += tuple(f"These data do not tell that from {other}." for other in others)
-    return Answer("adequate", e.best, (), said)
-
-
-def weights_are_enough(e: EvidenceRecord) -> Answer | None:
-    """Errors of the added masses within their uncertainty are enough, and no single effect is."""
-    if e.context.by_weights is None:
-        return None
-    one = e.best.effects and e.best.complexity == 1 and e.at_floor(e.best) and not is_free(e.best)
-    if one and not e.barred(e.best) and not e.followed(e.best):
-        return None
-    return Answer("adequate", e.linear, (), (WEIGHTS,))
 
 
 def scatter_is_a_law(e: EvidenceRecord) -> Answer | None:
@@ -78,18 +40,28 @@ def scatter_is_a_law(e: EvidenceRecord) -> Answer | None:
 
 
 def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
-    """The best has a freedom in every run and, with it estimated on a first part, does not predict the rest."""
+    """The best has a freedom in every run and, with it estimated on a first part, does not predict the rest.
+
+    As a whole, or half of what its other effects leave. What is as good without such freedoms is the answer then, if it
+    is a part of the best.
+    """
     if not is_free(e.best) or not e.at_floor(e.best):
         return None
-    share, _ = e.share(e.best)
-    if share >= e.criteria.lead:
-        return None
+    whole, _ = e.share(e.best)
+    share, of = whole, "the misfit's power"
+    if whole >= e.criteria.lead:
+        share, of = e.share_of_free(e.best), "what its other effects leave"
+        if share > 1 / 2:
+            return None
     inside = _inside(e)
     if inside is not None:
         return inside
+    without = _first(e.without_free, RULES)
+    if without.verdict == "adequate" or (without.verdict != "unexplained" and _is_part(without.shown, e.best)):
+        return without
     said = (
         f"{what_leaves(e.best)} only noise, but that is no prediction: fitted to the first part of a run that was left "
-        f"out, it takes {whole_percent(max(share, 0.0))} of the misfit's power in the rest."
+        f"out, it takes {whole_percent(max(share, 0.0))} of {of} in the rest."
     )
     return Answer("unexplained", e.best, (), (said, "No effect is named."))
 
@@ -249,6 +221,7 @@ RULES: tuple[Rule, ...] = (
     complete_but_open,
     complete,
     leads,
+    rest_follows_nothing,
     unexplained,
 )
 
@@ -260,11 +233,16 @@ def judge(evidence: EvidenceRecord, rules: tuple[Rule, ...] = RULES) -> Answer:
         f"The linear model leaves {length(linear)}, {evidence.times(evidence.linear):.3g} times the noise floor of "
         f"{length(evidence.context.floor)}."
     )
+    answer = _first(evidence, rules)
+    return _beside_weights(evidence, replace(answer, reasons=(times, *answer.reasons)))
+
+
+def _first(e: EvidenceRecord, rules: tuple[Rule, ...]) -> Answer:
+    """The answer of the first rule that has one."""
     for rule in rules:
-        answer = rule(evidence)
+        answer = rule(e)
         if answer is not None:
-            answer = replace(answer, reasons=(times, *answer.reasons), rule=answer.rule or rule.__name__)
-            return _beside_weights(evidence, answer)
+            return replace(answer, rule=answer.rule or rule.__name__)
     raise AssertionError("the last rule answers always")
 
 

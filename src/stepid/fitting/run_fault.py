@@ -228,15 +228,12 @@ def _has_size(found: _Found, sure: float) -> bool:
         return False
     if found.kind == DRIFT:
         return True
-    of, records = found.optimum.problem.layout, found.optimum.problem.records
-    if found.kind == "added_mass" and less_than_none(found.optimum, found.run, found.size):
-        return False
-    unit = {
-        "added_mass": float(of.mass(found.optimum.shared)[found.run]),
-        "start_time": float(records.sample_time[found.run]),
-    }.get(found.kind, 1.0)
-    known = sure * records.weight_uncertainty if found.kind == "added_mass" else np.inf  # one weight
-    return size >= min(_WORTH[found.kind] * unit, known)
+    records = found.optimum.problem.records
+    if found.kind == "added_mass":  # an error that a weight may have is none
+        known = sure * records.weight_uncertainty
+        return size >= known and not less_than_none(found.optimum, found.run, found.size)
+    unit = float(records.sample_time[found.run]) if found.kind == "start_time" else 1.0
+    return size >= _WORTH[found.kind] * unit
 
 
 def _explains(found: _Found, optimum: Optimum, others: list[_Found], floor: float) -> bool:
