@@ -189,6 +189,7 @@ class Told:
     criteria: Criteria = field(default_factory=Criteria)
     context: object = field(default_factory=context)
 
+    plain: Candidate = LINEAR
     without: Told | None = None
 
     @property

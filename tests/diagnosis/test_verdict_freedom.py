@@ -10,6 +10,8 @@ from made_up_evidence import LINEAR, Told, ask, candidate
 from stepid.diagnosis.exchangeable import Condition
 from stepid.diagnosis.selection.candidate import Candidate
 
+FITTED = candidate(["free_play"], times=1.4)
+
 
 def test_a_freedom_beside_effects_that_predict_has_to_take_half_of_what_they_leave() -> None:
     both = candidate(["coulomb_friction", "periodic_disturbance"])
@@ -46,13 +48,13 @@ def test_what_is_as_good_without_a_freedom_is_the_answer_if_it_is_a_part(
         (candidate(deviations=["gain"], times=2.1), {}, False),  # too much for noise
         (candidate(deviations=["gain"], times=1.5), {"rest_follows": "velocity"}, False),
         (candidate(deviations=["gain"], times=1.5), {"goes_with": Condition("gain", "the size", 9.0)}, False),
-        (candidate(deviations=["gain"], times=1.5), {"linear": candidate(times=3.0)}, False),  # takes three quarters
-        (candidate(["free_play"], times=1.5), {}, False),
+        (candidate(deviations=["gain"], times=1.5), {"best": FITTED, "share_taken": (0.4, 0.9)}, True),
+        (candidate(deviations=["gain"], times=1.5), {"best": FITTED, "share_taken": (0.5, 0.9)}, False),  # predicted
     ],
 )
 def test_a_rest_that_follows_nothing_is_noise(found: Candidate, told: dict[str, Any], enough: bool) -> None:
-    linear = LINEAR if found.deviations or found.effects else found
-    answer = ask("rest_follows_nothing", **({"best": found, "linear": linear} | told))
+    linear = LINEAR if found.deviations else found
+    answer = ask("rest_follows_nothing", **({"best": found, "lead": LINEAR, "plain": found, "linear": linear} | told))
     assert (answer is not None) is enough
     if answer is not None:
         assert (answer.verdict, answer.shown) == ("adequate", found)

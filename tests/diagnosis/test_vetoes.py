@@ -27,7 +27,7 @@ SWING = Swing(
     decays=(2.0, 3.0),
     displacement=0.02,
     duration=4.0,
-    resolution=(0.1, 0.1),
+    resolution=0.1,
     pitch=1.0,
     fast=0.05,
     slow=20.0,
@@ -151,17 +151,29 @@ def test_a_campaigns_swing() -> None:
     how = swing(context, Criteria(), linear_candidate(context))
     assert how.rates == pytest.approx([math.sqrt(216 / (0.95 + m)) for m in (0.0, 0.5, 1.5)], rel=0.01)
     assert how.displacement == pytest.approx(0.03, rel=0.3)
-    assert how.resolution == pytest.approx([4 * math.pi / (how.duration * rate) for rate in how.rates], rel=0.01)
+    assert how.resolution == pytest.approx(4 * math.pi / (how.duration * min(how.rates)), rel=0.01)
     assert how.near(how.rates[0])
     assert not how.near(10 * how.rates[0])
 
 
 def test_a_record_of_less_than_two_periods_tells_no_rate_unless_all_are_as_short() -> None:
-    short = SWING._replace(resolution=(0.1, 1.5))
-    assert short.near(10.9)
-    assert not short.near(12.0)
-    assert not short.near(14.0)
-    assert short._replace(resolution=(1.2, 1.5)).near(20.0)
+    whole = campaign(1, masses=(0.0, 0.5, 1.5))
+    context = prepare(whole)
+    how = swing(context, Criteria(), linear_candidate(context))
+
+    def cut(periods: float, runs: int) -> float:
+        end = periods * 2 * math.pi / how.rates[0] + 0.2
+        some = []
+        for i, run in enumerate(whole.experiments):
+            part = slice(int(np.searchsorted(run.time, end)) if i < runs else None)
+            own = {name: getattr(run, name)[part] for name in ("time", "position", "input")}
+            some.append(run.model_copy(update=own))
+        fit = prepare(stepid.Campaign(name="cut", experiments=tuple(some)))
+        return swing(fit, Criteria(), linear_candidate(fit)).resolution
+
+    assert cut(1.5, 1) == pytest.approx(how.resolution, rel=0.05)
+    assert cut(2.5, 1) > 1.1 * how.resolution
+    assert cut(1.2, 3) > 1
 
 
 def test_a_fitted_friction_imitates_nothing_and_is_determined() -> None:

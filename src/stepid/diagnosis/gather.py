@@ -80,6 +80,11 @@ class EvidenceRecord:
         near = tuple(w for w in self._scattered if w in able and w.loss < found.loss + self.criteria.tie)
         return self.simplest(near or (found,)).candidate
 
+    @property
+    def plain(self) -> Candidate:
+        """The simplest of the best linear plants, whose runs may differ."""
+        return self.simplest(tuple(w for w in self.weighed if not w.candidate.effects)).candidate
+
     @cached_property
     def without_free(self) -> EvidenceRecord:
         """The same without candidates that have a freedom of their own in every run."""
@@ -285,10 +290,7 @@ class EvidenceRecord:
         return LeftOut(self)
 
     def share(self, found: Candidate) -> tuple[float, float]:
-        """Share of the misfit's repeatable power that a candidate takes on runs left out, and its steadiness.
-
-        None of it where no run can be left out: what is not shown to predict is not named for that.
-        """
+        """Share of the misfit's repeatable power that a candidate takes on runs left out, 0 without any; steadiness."""
         return self.left_out.share(found)
 
     def share_of_free(self, found: Candidate) -> float:

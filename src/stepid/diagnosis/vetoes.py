@@ -24,14 +24,15 @@ def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
     of, shared = found.optimum.problem.layout, found.optimum.shared
     rates, decays = of.rates(shared), shared[of.damping][context.records.damper] / (2 * of.mass(shared))
     durations = np.array([np.ptp(context.records.time[piece]) for piece in context.records.pieces()])
-    with np.errstate(divide="ignore"):
-        told = 2 * math.tau / (durations * rates)
+    able = durations * rates > 2 * math.tau  # a record of less than two periods tells no rate
+    able = able if able.any() else np.ones_like(able)
+    shortest, slowest = durations[able].min(), rates[able].min(initial=np.inf)
     return Swing(
         rates=tuple(map(float, rates)),
         decays=tuple(map(float, decays)),
         displacement=context.scales.displacement,
         duration=context.scales.duration,
-        resolution=tuple(float(max(criteria.resolution, least)) for least in told),
+        resolution=max(criteria.resolution, float(2 * math.tau / (shortest * slowest))),
         pitch=criteria.pitch,
         fast=criteria.fast,
         slow=criteria.slow,

@@ -19,8 +19,8 @@ class Swing(NamedTuple):
         m, largest excursion from rest.
     duration : float
         s, longest record.
-    resolution : tuple of float
-        Relative difference of two rates that the record of each run tells apart.
+    resolution : float
+        Relative difference of two rates that the records tell apart.
     pitch : float
         Largest pitch of a force periodic in position, over `displacement`, that does not just bend the spring.
     fast, slow : float
@@ -33,17 +33,15 @@ class Swing(NamedTuple):
     decays: tuple[float, ...]
     displacement: float
     duration: float
-    resolution: tuple[float, ...]
+    resolution: float
     pitch: float
     fast: float
     slow: float
     swings: float
 
     def near(self, rate: float) -> bool:
-        """Tell whether a rate [rad/s] cannot be told from that of a run, of those long enough to tell one if any is."""
-        own = list(zip(self.rates, self.resolution, strict=True))
-        able = [(swing, least) for swing, least in own if least < 1] or own
-        return any(abs(rate - swing) < least * swing for swing, least in able)
+        """Tell whether a rate [rad/s] cannot be told from that of a run."""
+        return any(abs(rate - own) < self.resolution * own for own in self.rates)
 
     def unseen(self, frequency: float) -> str:
         """Say what a frequency [Hz] of too few periods in the longest record cannot be told from, or nothing."""

@@ -89,10 +89,18 @@ class Fits(Standings):
         return CandidateFit(self.fit, proposal.effects, proposal.deviations)
 
     def _keep(self, fitted: CandidateFit, key: Key) -> None:
-        """Keep a fit that is the first or the best of its set."""
+        """Keep a fit that is the first or the best of its set.
+
+        Moves from where it leaves less than half of what it did are made anew: what they promised was of another end.
+        """
         known = self.nodes.get(key)
-        if fitted.best is not None and (known is None or fitted.cost < known.cost):
-            self.nodes[key] = Node(fitted, known.moves_made if known else set())
+        if fitted.best is None or (known is not None and fitted.cost >= known.cost):
+            return
+        near = known is not None and fitted.cost >= known.cost / 2
+        self.nodes[key] = Node(fitted, known.moves_made if known and near else set())
+        if known and not near:
+            self.proposals = [p for p in self.proposals if p.base != key]
+            self._tried = {(base, other) for base, other in self._tried if base != key}
 
     def _polish_best(self) -> Candidate:
         """Fit the best nodes to all samples."""
