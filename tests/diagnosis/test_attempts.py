@@ -40,6 +40,25 @@ def tried(
     return search._try_beside(), bases
 
 
+@pytest.mark.parametrize(("cost", "anew"), [(4.4, True), (4.6, False), (9.1, None)])
+def test_moves_are_made_anew_from_an_end_that_leaves_less_than_half(cost: float, anew: bool | None) -> None:
+    """What was proposed from the other end, and what was tried of that, no longer counts."""
+    search: Any = a_search(lead=9.0)
+    key = frozenset(PAIR), frozenset[str]()
+    pair, other = search.nodes[key], proposed(search.root, *PAIR, move="add", left=1.0)
+    pair.moves_made = {"generalize"}
+    search.proposals.append(other)
+    search._tried = {(p.base, p.key) for p in search.proposals}
+    before = len(search.proposals), len(search._tried)
+    search._keep(SimpleNamespace(best=object(), cost=cost, effects=pair.effects, deviations=frozenset()), key)
+    assert (search.nodes[key] is pair) == (anew is None)
+    if anew is not None:
+        assert search.nodes[key].moves_made == (set() if anew else {"generalize"})
+    left = len(search.proposals), len(search._tried)
+    assert left == ((1, 1) if anew else before)
+    assert other in search.proposals
+
+
 def test_effects_are_fitted_beside_the_best_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
     assert tried(monkeypatch, lead=9.0) == (False, [set(PAIR)])
 

@@ -202,10 +202,10 @@ def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeL
 
 
 def trace(context: FitContext, criteria: Criteria, found: Candidate) -> str:
-    """The state of a law that takes more of a rest than chance does, and than real laws are rough; '' without any."""
+    """The state of a law that takes most of a rest, or more than chance does, and than real laws are rough; or ''."""
     beyond, rough = allowed(context, criteria, found, noise=False)
-    laws = free_laws(context, found.optimum)
-    return next((law.state for law in laws if law.beyond > beyond and law.power > rough), "")
+    seen = (law for law in free_laws(context, found.optimum) if law.share > 0.5 or law.beyond > beyond)
+    return next((law.state for law in seen if law.power > rough), "")
 
 
 def _strongest(context: FitContext, found: Candidate, records: Records) -> FreeLaw:

@@ -1,0 +1,53 @@
+"""What candidates take on runs left out, beside the linear plant with the same conditions and starts free."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hidden.campaigns import Request, make_campaigns
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.evidence import block_means
+from stepid.diagnosis.explore import linear_candidate
+from stepid.diagnosis.gather import EvidenceRecord
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.effects import resolve
+from stepid.fitting.deviations import starts_kept
+from stepid.fitting.fit import fit_effects, prepare
+
+
+def told(hidden: tuple[str, ...], *names: str) -> tuple[EvidenceRecord, Candidate]:
+    """Evidence of a campaign with hidden effects, the linear plant and one candidate in it."""
+    context = prepare(make_campaigns([Request(3, hidden, None, 8.0, "four")])[0][0])
+    fitted = fit_effects(context, resolve(names))
+    assert fitted is not None
+    found = Candidate(resolve(names), frozenset(), fitted, block_means(context, fitted))
+    return EvidenceRecord(context, Criteria(), (linear_candidate(context), found)), found
+
+
+def test_a_shaker_takes_what_the_starts_that_it_frees_do_not() -> None:
+    e, found = told(("periodic_disturbance",), "periodic_disturbance")
+    assert starts_kept(found.optimum.problem, ()) == {"start_offset", "start_velocity"}
+    plain = e.left_out._with((), found)
+    assert plain.problem.active[:2].sum() == found.optimum.problem.active[:2].sum()
+    assert plain.cost < e.linear.optimum.cost
+    assert e.share(found)[0] > 0.9
+    assert e.share_of_free(found) == pytest.approx(e.share(found)[0], abs=1e-9)  # no other effect stands beside it
+
+
+def test_a_shaker_that_is_not_there_takes_nothing_for_itself() -> None:
+    """Beside the friction that is: together they take most of the misfit."""
+    e, found = told(("coulomb_friction",), "coulomb_friction", "periodic_disturbance")
+    assert e.share(found)[0] > 0.9
+    assert e.share_of_free(found) < 0.5
+    alone = e.left_out._with(found.effects[:1], found)
+    assert [effect.name for effect in alone.problem.simulator.effects] == ["coulomb_friction"]
+    assert np.isfinite(alone.cost)
+    assert alone.cost < 1.1 * found.optimum.cost
+
+
+def test_what_is_known_is_not_fitted_again() -> None:
+    e, found = told(("coulomb_friction",), "coulomb_friction")
+    conditions = starts_kept(found.optimum.problem, ())
+    known = Candidate((), conditions, found.optimum, 0.0)
+    assert EvidenceRecord(e.context, e.criteria, (*e.candidates, known)).left_out._with((), found) is known.optimum

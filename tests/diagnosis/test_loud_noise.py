@@ -1,0 +1,43 @@
+"""Noise that is slower, and so larger, than the readings tell: the linear plant is enough where nothing follows it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+import stepid
+from hidden.campaigns import Request, make_campaigns
+from scattered_campaigns import scattered
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.explore import linear_candidate
+from stepid.diagnosis.free_law import trace
+from stepid.fitting.fit import prepare
+
+LATE = (0.6, -0.5, 0.3, -0.7, 0.4, -0.1)  # samples
+
+
+def wandering(seed: int, size: float) -> stepid.Campaign:
+    """Runs that start late by chance, with first-order noise of 25 samples and so many m on their readings."""
+    rng, stays = np.random.default_rng(seed), np.exp(-1 / 25)
+    whole, runs = scattered(seed, late=LATE), []
+    for run in whole.experiments:
+        noise = lfilter([np.sqrt(1 - stays**2)], [1.0, -stays], rng.standard_normal(run.time.size))
+        runs.append(run.model_copy(update={"position": run.position + size * noise}))
+    return whole.model_copy(update={"experiments": tuple(runs)})
+
+
+def test_runs_that_start_late_beside_slow_noise_leave_nothing_unexplained() -> None:
+    d = stepid.diagnose(wandering(1, 1.2e-5))
+    assert (d.verdict, d.effects) == ("adequate", ())
+    assert 1.1 < d.gap.after / d.gap.noise < 1.5
+    assert d.gap.after < 0.1 * d.gap.before
+    assert "the noise may be larger than it looks" in d.reasons[-1]
+    assert "start_time" in d.scatter
+
+
+@pytest.mark.parametrize(("effects", "state"), [((), ""), (("cubic_stiffness",), "position")])
+def test_a_law_leaves_a_trace_and_noise_none(effects: tuple[str, ...], state: str) -> None:
+    context = prepare(make_campaigns([Request(3, effects, None, 8.0 if effects else None, "four")])[0][0])
+    found = trace(context, Criteria(), linear_candidate(context))
+    assert bool(found) == bool(state)
