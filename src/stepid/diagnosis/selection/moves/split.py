@@ -41,9 +41,10 @@ class Split:
 def _parts(node: Node, place: int, force: ForceAlong, context: SearchContext) -> list[tuple[_Pair, Likeness]]:
     """Pairs of a simple law inside the effect at a place and each other one, how near they come to its force."""
     effect, scales = node.effects[place], context.fit.scales
-    inside = [e for e in context.catalogue if e.name in effect.contains]
-    beside = [*inside, *(e for e in node.effects if e is not effect)]
-    others = [e for e in context.catalogue if not (e.contains or e.dry or any(related(e, b) for b in beside))]
+    kept = [e for e in node.effects if e is not effect]
+    able = [e for e in context.catalogue if not any(related(e, other) for other in kept)]
+    inside = [e for e in able if e.name in effect.contains]
+    others = [e for e in able if not (e.contains or e.dry or any(related(e, i) for i in inside))]
     nearest: dict[str, tuple[_Pair, Likeness]] = {}
     for one, other in product(inside, others):
         pairs = product(one.regressors(scales, force.motion), other.regressors(scales, force.motion))
