@@ -184,7 +184,8 @@ class Told:
     other_shape: str = ""
     still_followed: str = ""
     goes_with: Condition | None = None
-    rest_follows: str = ""
+    noisy: bool = True
+    judged: bool = True
     taken_by_free: float = 0.9
     criteria: Criteria = field(default_factory=Criteria)
     context: object = field(default_factory=context)
@@ -227,8 +228,11 @@ class Told:
     def systematic(self, found: Candidate) -> Condition | None:
         return self.goes_with
 
-    def trace(self, found: Candidate) -> str:
-        return self.rest_follows
+    def is_noise(self, found: Candidate) -> bool:
+        return self.noisy
+
+    def judges(self, found: Candidate) -> bool:
+        return self.judged
 
     def share_of_free(self, found: Candidate) -> float:
         return self.taken_by_free

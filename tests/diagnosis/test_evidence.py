@@ -118,6 +118,20 @@ def test_readings_that_weigh_less_are_fewer_and_a_mean_is_one() -> None:
         assert (effective_samples(records, np.zeros(RUNS * SAMPLES)) == each).all()
 
 
+def test_a_rest_that_hardly_weighs_makes_no_more_of_what_follows_itself() -> None:
+    """Nine tenths at rest: what is correlated while the cart moves tells as little as without that rest."""
+    records, whole = context().records, []
+    moving = np.arange(RUNS * SAMPLES) % SAMPLES < SAMPLES // 5
+    for seed in range(40):
+        noise = lfilter([1.0], [1.0, -0.8], white(seed))
+        for weight in (np.where(moving, 1.0, 1e-3), moving.astype(float)):
+            records.weight = weight
+            whole.append(effective_samples(records, weight * noise).mean())
+    with_rest, alone = np.mean(whole[::2]), np.mean(whole[1::2])
+    assert with_rest == pytest.approx(alone, rel=0.05)
+    assert with_rest < 0.6 * SAMPLES / 5
+
+
 def test_what_is_free_in_every_run_has_to_reach_the_floor() -> None:
     """1.05 and 2/√400; what has no such freedom may leave more, within `near`."""
     for times, there in ((1.14, True), (1.16, False)):

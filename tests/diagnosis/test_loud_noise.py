@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -11,8 +13,12 @@ from hidden.campaigns import Request, make_campaigns
 from scattered_campaigns import scattered
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.explore import linear_candidate
-from stepid.diagnosis.free_law import trace
+from stepid.diagnosis.loud_noise import trace
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.fitting.deviations import with_deviations
 from stepid.fitting.fit import prepare
+from stepid.fitting.levenberg_marquardt import minimize
+from stepid.fitting.multistart import FitContext
 
 LATE = (0.6, -0.5, 0.3, -0.7, 0.4, -0.1)  # samples
 
@@ -27,13 +33,36 @@ def wandering(seed: int, size: float) -> stepid.Campaign:
     return whole.model_copy(update={"experiments": tuple(runs)})
 
 
+def explored_starts(context: FitContext) -> list[Candidate]:
+    """The linear plant with start times that are alike, and that differ."""
+    plain = linear_candidate(context)
+    problem = with_deviations(plain.optimum.problem, ("start_time",))
+    fitted = minimize(problem, plain.optimum.shared, plain.optimum.local)
+    assert fitted is not None
+    return [plain, replace(plain, deviations=frozenset({"start_time"}), optimum=fitted)]
+
+
 def test_runs_that_start_late_beside_slow_noise_leave_nothing_unexplained() -> None:
     d = stepid.diagnose(wandering(1, 1.2e-5))
     assert (d.verdict, d.effects) == ("adequate", ())
     assert 1.1 < d.gap.after / d.gap.noise < 1.5
     assert d.gap.after < 0.1 * d.gap.before
-    assert "the noise may be larger than it looks" in d.reasons[-1]
+    assert "the noise is larger than it looks" in d.reasons[-1]
     assert "start_time" in d.scatter
+
+
+def test_a_hand_that_touches_the_cart_is_no_noise() -> None:
+    """It is not there while the cart rests."""
+    d = stepid.diagnose(make_campaigns([Request(11, (), "bump", 1.7)])[0][0])
+    assert (d.verdict, d.effects) == ("unexplained", ())
+    assert d.gap.before / d.gap.noise < 2
+
+
+def test_noise_is_as_large_while_the_cart_rests() -> None:
+    context = prepare(wandering(2, 1.2e-5))
+    late = next(c for c in explored_starts(context) if c.deviations)
+    assert moving_over_resting(context, late) == pytest.approx(1.0, abs=0.8)
+    assert moving_over_resting(context, linear_candidate(context)) > 2
 
 
 @pytest.mark.parametrize(("effects", "state"), [((), ""), (("cubic_stiffness",), "position")])

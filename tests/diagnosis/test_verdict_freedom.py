@@ -46,10 +46,15 @@ def test_what_is_as_good_without_a_freedom_is_the_answer_if_it_is_a_part(
         (candidate(deviations=["gain"], times=1.5), {}, True),
         (candidate(times=1.5), {}, True),
         (candidate(deviations=["gain"], times=2.1), {}, False),  # too much for noise
-        (candidate(deviations=["gain"], times=1.5), {"rest_follows": "velocity"}, False),
+        (candidate(deviations=["gain"], times=1.5), {"noisy": False}, False),
         (candidate(deviations=["gain"], times=1.5), {"goes_with": Condition("gain", "the size", 9.0)}, False),
         (candidate(deviations=["gain"], times=1.5), {"best": FITTED, "share_taken": (0.4, 0.9)}, True),
         (candidate(deviations=["gain"], times=1.5), {"best": FITTED, "share_taken": (0.5, 0.9)}, False),  # predicted
+        (
+            candidate(deviations=["gain"], times=1.5),
+            {"best": FITTED, "share_taken": (0, 0), "judged": False},
+            False,
+        ),
     ],
 )
 def test_a_rest_that_follows_nothing_is_noise(found: Candidate, told: dict[str, Any], enough: bool) -> None:

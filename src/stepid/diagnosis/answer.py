@@ -52,7 +52,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         gap=Gap(before=linear.rms, after=final.rms, noise=floor, held_out_before=pooled[0], held_out_after=pooled[1]),
         parameters=parameters,
         linear_parameters=estimates(linear, (), floor)[0],
-        where=locate(records, linear, floor, context.measured, enough=adequate and told is evidence.linear),
+        where=locate(records, linear, floor, context.measured, enough=adequate and evidence.at_floor(evidence.linear)),
         next_experiment=_next(evidence, answer),
         advice={e.name: e.advice for e in effects if e.advice},
         reasons=(*answer.reasons, *_rest(evidence, answer)),

@@ -155,10 +155,10 @@ def _diagnosed(
             others = [run for run in _usable(campaign, context) if run.name != fault.run]
             done = _anew(campaign, others, how, (*accused, _left_out(fault)))
             if alone or done.verdict != "unexplained":  # else what it was accused beside explains nothing
-                return _noting(done, doubts)
+                return _noting(done, (*context.notes, *doubts))
         without = _without_an_odd_run(campaign, found, how, accused)
         if without is not None:
-            return _noting(without, doubts)
+            return _noting(without, (*context.notes, *doubts))
     how.tell(Progress("runs held out", best=found.best.names))
     faults = (*accused, *found.context.faults)
     eccentric = None if wrong_input is not None else eccentricity_of(found, how.criteria, accused)
@@ -177,7 +177,7 @@ def _explored(context: FitContext, how: _How) -> Found:
 
 
 def _noting(done: Diagnosis, more: tuple[str, ...]) -> Diagnosis:
-    return done.model_copy(update={"notes": (*done.notes, *more)}) if more else done
+    return done.model_copy(update={"notes": tuple(dict.fromkeys((*done.notes, *more)))}) if more else done
 
 
 def _anew(campaign: Campaign, runs: Sequence[Experiment], how: _How, accused: tuple[RecordFault, ...]) -> Diagnosis:

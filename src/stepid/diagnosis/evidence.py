@@ -23,8 +23,8 @@ from stepid.simulation.records import Records
 def effective_samples(records: Records, residual: Array) -> Array:
     """Effective number of independent samples of each run's residual, shape (R,).
 
-    n/(1 + 2 Σρ²) over the lags below a third of the samples (Bartlett 1946), less what white noise shows by chance, 1/n
-    a lag. Of a sample that weighs less than one n counts its weight; the mean of several is one.
+    n/(1 + 2 Σρ²) over the lags below a third of the samples (Bartlett 1946), less what white noise shows by chance.
+    Of a sample that weighs less than one n counts its weight; the mean of several is one.
 
     Parameters
     ----------
@@ -34,14 +34,16 @@ def effective_samples(records: Records, residual: Array) -> Array:
     """
     out, counted = np.empty(len(records.runs)), np.minimum(records.weight**2, 1.0)
     for r, piece in enumerate(records.pieces()):
-        y = residual[piece] - residual[piece].mean()
-        n = float(counted[piece].sum())
+        y, counts = residual[piece] - residual[piece].mean(), counted[piece]
+        n = float(counts.sum())
         power = float(y @ y)
         if power <= 0 or n < 2:
             out[r] = n
             continue
-        lags = lagged_products(y, max(2, y.size // 3)) / power
-        out[r] = n / (1.0 + 2.0 * max(0.0, float(np.sum(lags**2 - 1.0 / n))))
+        most = max(2, y.size // 3)
+        lags = lagged_products(y, most) / power
+        chance = lagged_products(counts, most) / n**2 / (1.0 - np.arange(1, most) / y.size)  # 1/n of equal weights
+        out[r] = n / (1.0 + 2.0 * max(0.0, float(np.sum(lags**2 - chance))))
     return np.maximum(out, 2.0)
 
 

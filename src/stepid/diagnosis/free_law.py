@@ -201,13 +201,6 @@ def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeL
     return law if _strongest(context, found, context.records).beyond > beyond else None
 
 
-def trace(context: FitContext, criteria: Criteria, found: Candidate) -> str:
-    """The state of a law that takes most of a rest, or more than chance does, and than real laws are rough; or ''."""
-    beyond, rough = allowed(context, criteria, found, noise=False)
-    seen = (law for law in free_laws(context, found.optimum) if law.share > 0.5 or law.beyond > beyond)
-    return next((law.state for law in seen if law.power > rough), "")
-
-
 def _strongest(context: FitContext, found: Candidate, records: Records) -> FreeLaw:
     return max(free_laws(context, found.optimum, records), key=lambda one: one.beyond)
 

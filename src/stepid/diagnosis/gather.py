@@ -14,9 +14,10 @@ from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import Weighed, at_floor, chosen_at, is_white, weigh
 from stepid.diagnosis.exchangeable import Condition, followed_condition
-from stepid.diagnosis.free_law import followed, trace
+from stepid.diagnosis.free_law import followed
 from stepid.diagnosis.lead import Leads
 from stepid.diagnosis.left_out import LeftOut
+from stepid.diagnosis.loud_noise import is_noise
 from stepid.diagnosis.refutation import refuted
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
 from stepid.diagnosis.shared_weight import weight_of
@@ -77,8 +78,8 @@ class EvidenceRecord:
         if self.systematic(found.candidate):
             better = [w for w in able if w.loss < found.loss - self.criteria.tie and self.at_floor(w.candidate)]
             found = self.simplest(tuple(w for w in better if not self.systematic(w.candidate)) or (found,))
-        near = tuple(w for w in self._scattered if w in able and w.loss < found.loss + self.criteria.tie)
-        return self.simplest(near or (found,)).candidate
+        near = (w for w in self._scattered if w in able and w.loss < found.loss + self.criteria.tie)
+        return self.simplest((tuple(near) if found.candidate.effects else ()) or (found,)).candidate
 
     @property
     def plain(self) -> Candidate:
@@ -155,16 +156,11 @@ class EvidenceRecord:
         if len(other.effects) <= len(best.effects) and includes(other.effects, best.effects):
             # more general: a rival only where its freedom buys some fit, or where nothing fixes it
             bought = (best.optimum.cost - other.optimum.cost) / self.context.floor**2
-            near = loss < 2 * criteria.tie
-            return (near and (bought > criteria.rival or self._is_open(other, best))) or (
-                self._faint and loss < criteria.tie
-            )
+            if loss < 2 * criteria.tie and (bought > criteria.rival or self._is_open(other, best)):
+                return True
+            # of the noise's size: what sets the laws apart is below it
+            return loss < criteria.tie and not (self.undetermined or best.deviations) and self.times(self.linear) < 2
         return loss < criteria.tie
-
-    @property
-    def _faint(self) -> bool:
-        """Tell whether the best's effects are of the noise's size: what sets their laws apart is then below it."""
-        return not (self.undetermined or self.best.deviations) and self.times(self.linear) < 2
 
     @cached_property
     def simpler(self) -> tuple[Candidate, ...]:
@@ -260,9 +256,13 @@ class EvidenceRecord:
         """The state that what is as small as the noise follows by more than chance, '' where there is none."""
         return law.state if (law := followed(self.context, self.criteria, found)) else ""
 
-    def trace(self, found: Candidate) -> str:
-        """The state of a law of any shape that takes some of a rest, '' where none does."""
-        return trace(self.context, self.criteria, found)
+    def is_noise(self, found: Candidate) -> bool:
+        """Tell whether a rest is noise: there where the cart rests, too, and no part of it follows a law."""
+        return is_noise(self.context, self.criteria, found)
+
+    def judges(self, found: Candidate) -> bool:
+        """Tell whether what a candidate takes on runs left out says anything."""
+        return self.left_out.judges(found)
 
     def systematic(self, found: Candidate) -> Condition | None:
         """Condition that what runs differ by under a candidate goes with, more than drawn runs would."""

@@ -29,6 +29,7 @@ class LeftOut:
 
     def __init__(self, evidence: EvidenceRecord) -> None:
         self._told = evidence
+        self._fitted: dict[tuple[tuple[str, ...], Optimum], Optimum | None] = {}
 
     def residuals(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
         """Residuals of runs left out, linear plant with the same conditions free and candidate.
@@ -37,7 +38,7 @@ class LeftOut:
         run judges a candidate that has no freedom in it but its start: most motion follows a step at once.
         """
         first = self._told.criteria.first if is_free(found) or found.deviations else 1.0
-        return self.of_two(self._with((), found), found.optimum, first)
+        return self.of_two(self._with((), found) or self._told.linear.optimum, found.optimum, first)
 
     def of_two(self, one: Optimum, other: Optimum, first: float = 1.0) -> tuple[dict[int, Array], dict[int, Array]]:
         """Residuals of the runs that two fits can both be held against; see `held_out_residuals`."""
@@ -47,11 +48,17 @@ class LeftOut:
         both = sorted(before.keys() & after.keys())
         return {i: before[i] for i in both}, {i: after[i] for i in both}
 
-    def _with(self, effects: tuple[Effect, ...], found: Candidate) -> Optimum:
+    def _with(self, effects: tuple[Effect, ...], found: Candidate) -> Optimum | None:
         """Some of a candidate's effects, or none, with the conditions and starts free that are so under the candidate.
 
-        What these explain, the effects that are left out of it do not.
+        What these explain, the effects that are left out of it do not. None where that cannot be fitted.
         """
+        key = tuple(e.name for e in effects), found.optimum
+        if key not in self._fitted:
+            self._fitted[key] = self._fitted_with(effects, found)
+        return self._fitted[key]
+
+    def _fitted_with(self, effects: tuple[Effect, ...], found: Candidate) -> Optimum | None:
         conditions = found.deviations | starts_kept(found.optimum.problem, effects)
         key = frozenset(e.name for e in effects), conditions
         known = [c.optimum for c in self._told.candidates if c.key == key]
@@ -66,7 +73,7 @@ class LeftOut:
             shared = np.concatenate([whole.shared[of.linear], *values])
         problem = with_deviations(problem, conditions)
         tolerance = self._told.context.tolerance
-        return minimize(problem, shared, start_local(problem, like), tolerance=tolerance) or linear
+        return minimize(problem, shared, start_local(problem, like), tolerance=tolerance)
 
     def share(self, found: Candidate) -> tuple[float, float]:
         """Share of the misfit's repeatable power that a candidate takes on runs left out, and its steadiness.
@@ -82,11 +89,20 @@ class LeftOut:
 
     def share_of_free(self, found: Candidate) -> float:
         """Share of what a candidate's other effects leave that those with a freedom in every run take."""
-        others = tuple(e for e in found.effects if not e.run_parameters)
-        return self._taken(*self.of_two(self._with(others, found), found.optimum, self._told.criteria.first))
+        others = self._with(tuple(e for e in found.effects if not e.run_parameters), found)
+        return self._taken(*self.of_two(others, found.optimum, self._told.criteria.first)) if others else 0.0
+
+    def judges(self, found: Candidate) -> bool:
+        """Tell whether some run left out has power that a candidate could take: else its share says nothing."""
+        before, _ = self.residuals(found)
+        return self._power(before, before) > 0
 
     def _taken(self, before: dict[int, Array], after: dict[int, Array]) -> float:
         """Share of a residual's repeatable power that is gone, in the runs of the first; 0 where there was none."""
+        power = self._power(before, before)
+        return 1.0 - max(self._power(after, before), 0.0) / power if power > 0 else 0.0
+
+    def _power(self, seen: dict[int, Array], runs: dict[int, Array]) -> float:
+        """Power of residuals in some runs beyond what repeats differ by, m²."""
         noise = max(self._told.context.floor, repeatability(self._told.context.records) or 0.0) ** 2
-        power = [sum(float(np.sum(seen[i] ** 2)) - noise * seen[i].size for i in before) for seen in (before, after)]
-        return 1.0 - max(power[1], 0.0) / power[0] if before and power[0] > 0 else 0.0
+        return sum(float(np.sum(seen[i] ** 2)) - noise * seen[i].size for i in runs)

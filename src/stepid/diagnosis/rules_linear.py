@@ -41,15 +41,16 @@ def weights_are_enough(e: EvidenceRecord) -> Answer | None:
 
 
 def rest_follows_nothing(e: EvidenceRecord) -> Answer | None:
-    """A linear plant, whose runs may differ, leaves little more than noise, and that follows nothing: it is noise.
+    """A linear plant, whose runs may differ, leaves little more than noise, as much where the cart rests: it is noise.
 
-    Effects that are fitted to it take less than half of it on runs left out.
+    No law of any shape takes a part of it, and effects that are fitted to it less than half on runs left out.
     """
     found = e.plain
     differs = bool(found.deviations)
-    if e.times(found) >= 2 or (differs and e.systematic(found)) or e.trace(found):
+    if e.times(found) >= 2 or (differs and e.systematic(found)) or not e.is_noise(found):
         return None
-    if any(e.share(c)[0] >= 1 / 2 for c in {id(c): c for c in (e.best, e.lead)}.values() if c.effects):
+    fitted = {id(c): c for c in (e.best, e.lead) if c.effects}.values()
+    if any(e.share(c)[0] >= 1 / 2 or not e.judges(c) for c in fitted):
         return None
     taken = 1 - found.optimum.cost / e.linear.optimum.cost
     what = effect_names(sorted(found.deviations))
@@ -57,7 +58,7 @@ def rest_follows_nothing(e: EvidenceRecord) -> Answer | None:
     if differs:
         said = (f"The runs differ in {what}, which takes {whole_percent(taken)} of the misfit's power.",)
     said += (
-        f"What is left, {length(found.optimum.rms)}, is {e.times(found):.3g} times the noise floor. It follows neither "
-        "the motion nor time, and no effect predicts it: the noise may be larger than it looks.",
+        f"What is left, {length(found.optimum.rms)}, is {e.times(found):.3g} times the noise floor. It is there where "
+        "the cart rests, too, follows no law, and no effect predicts it: the noise is larger than it looks.",
     )
     return Answer("adequate", found, (), said)

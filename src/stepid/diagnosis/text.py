@@ -150,7 +150,7 @@ def next_steps(d: Diagnosis) -> tuple[str, ...]:
     """What to measure next, and what to do about the effects that were named."""
     steps = () if d.next_experiment is None else (d.next_experiment,)
     if d.verdict == "adequate" and not steps:
-        return ("Nothing is missing at this noise. Less noise or larger steps would show smaller effects.",)
+        return ("Nothing more shows at this noise. Less noise or larger steps would show smaller effects.",)
     if d.verdict != "named":
         return steps
     advice = tuple(f"{effect_names((name,))}: {said}." for name, said in d.advice.items())

@@ -42,8 +42,8 @@ def scatter_is_a_law(e: EvidenceRecord) -> Answer | None:
 def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
     """The best has a freedom in every run and, with it estimated on a first part, does not predict the rest.
 
-    As a whole, or half of what its other effects leave. What is as good without such freedoms is the answer then, if it
-    is a part of the best.
+    As a whole, or half of what its other effects leave. What leaves only noise without such freedoms is the answer
+    then, if it is a part of the best.
     """
     if not is_free(e.best) or not e.at_floor(e.best):
         return None
@@ -57,8 +57,11 @@ def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
     if inside is not None:
         return inside
     without = _first(e.without_free, RULES)
-    if without.verdict == "adequate" or (without.verdict != "unexplained" and _is_part(without.shown, e.best)):
+    if e.at_floor(without.shown) and _is_part(without.shown, e.best) and without.verdict != "unexplained":
         return without
+    noise = rest_follows_nothing(e)
+    if noise is not None:
+        return replace(noise, rule=rest_follows_nothing.__name__)
     said = (
         f"{what_leaves(e.best)} only noise, but that is no prediction: fitted to the first part of a run that was left "
         f"out, it takes {whole_percent(max(share, 0.0))} of {of} in the rest."

@@ -101,6 +101,7 @@ class Fits(Standings):
         if known and not near:
             self.proposals = [p for p in self.proposals if p.base != key]
             self._tried = {(base, other) for base, other in self._tried if base != key}
+            self._failed = {(base, other, move) for base, other, move in self._failed if base != key}
 
     def _polish_best(self) -> Candidate:
         """Fit the best nodes to all samples."""
