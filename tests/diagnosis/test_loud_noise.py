@@ -13,7 +13,7 @@ from hidden.campaigns import Request, make_campaigns
 from scattered_campaigns import scattered
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.explore import linear_candidate
-from stepid.diagnosis.loud_noise import trace
+from stepid.diagnosis.loud_noise import moving_over_resting, trace
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.fitting.deviations import with_deviations
 from stepid.fitting.fit import prepare
