@@ -192,8 +192,8 @@ class Diagnosis(Written):
     runs : tuple of RunGap
     model, linear_model : PlantModel
     explained : float or None
-        Share of the linear model's misfit that the answer takes on runs left out of the fit, in power; None where no
-        run can be left out.
+        Share of the linear model's misfit that the answer takes on runs left out of the fit, in power, the conditions
+        and starts that are free in the answer free in both; None where no run can be left out.
     left : float
         Per cent: what the answer leaves over the motion about rest, RMS.
     probability : float or None

@@ -25,8 +25,8 @@ from stepid.simulation.records import Records
 from stepid.simulation.simulator import Simulator
 
 _WORTH = {"added_mass": 0.02, "stiffness": 0.05, "damping": 0.05, "gain": 0.03, "start_time": 1.0}
-# worth mentioning, as a share of the run's moving mass, stiffness, damping and gain, and in samples; a mass also where
-# one weight is known better
+# worth mentioning, as a share of the run's stiffness, damping and gain, and in samples; of the moving mass, by which a
+# run would have to weigh less than none
 _HINT = 0.15  # share of the misfit that a linearized step must promise: a fault takes 0.7, a step tells a quarter of it
 _TRIED = 6  # fits
 _STANDS_OUT = 0.3  # share of the cost left, by far less than by any other run's fault, where more is missing
