@@ -56,7 +56,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         next_experiment=_next(evidence, answer),
         advice={e.name: e.advice for e in effects if e.advice},
         reasons=(*answer.reasons, *_rest(evidence, answer)),
-        notes=_each_once(
+        notes=each_once(
             *(fault.words for fault in evidence.faults),
             *((evidence.input_fault.words,) if evidence.input_fault else ()),
             *scatter_words(scatter, rest=not adequate and not evidence.at_floor(answer.shown)),
@@ -83,8 +83,8 @@ def _rest(evidence: EvidenceRecord, answer: Answer) -> tuple[str, ...]:
     return remainder(evidence.context, answer.shown) if answer.verdict in ("named", "unexplained") else ()
 
 
-def _each_once(*notes: str) -> tuple[str, ...]:
-    """Notes without those said before: what was left out of a record may also be told as its fault."""
+def each_once(*notes: str) -> tuple[str, ...]:
+    """Notes without those said before: what was left out of a record may also be told as its fault, or by two looks."""
     return tuple(dict.fromkeys(notes))
 
 

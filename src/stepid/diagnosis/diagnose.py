@@ -13,7 +13,7 @@ from stepid.core.quantities import in_own_quantities, spoken_now
 from stepid.core.recorded import recorded
 from stepid.core.takes import a, able, each, optional, takes
 from stepid.core.words import length
-from stepid.diagnosis.answer import report
+from stepid.diagnosis.answer import each_once, report
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.explore import Found, explored, linear_candidate
@@ -177,7 +177,7 @@ def _explored(context: FitContext, how: _How) -> Found:
 
 
 def _noting(done: Diagnosis, more: tuple[str, ...]) -> Diagnosis:
-    return done.model_copy(update={"notes": tuple(dict.fromkeys((*done.notes, *more)))}) if more else done
+    return done.model_copy(update={"notes": each_once(*done.notes, *more)}) if more else done
 
 
 def _anew(campaign: Campaign, runs: Sequence[Experiment], how: _How, accused: tuple[RecordFault, ...]) -> Diagnosis:

@@ -40,6 +40,10 @@ class FreeLaw(NamedTuple):
     own: bool = False
     changes: tuple[float, ...] = ()
 
+    def is_seen(self, beyond: float, rough: float) -> bool:
+        """Tell whether it takes most of a rest that may be rough, or more than chance does; see `allowed`."""
+        return bool(rough and self.share > 0.5) or self.beyond > beyond
+
     @property
     def states(self) -> frozenset[str]:
         """As `stepid.diagnosis.states.states_of` an effect has them."""

@@ -78,8 +78,10 @@ class EvidenceRecord:
         if self.systematic(found.candidate):
             better = [w for w in able if w.loss < found.loss - self.criteria.tie and self.at_floor(w.candidate)]
             found = self.simplest(tuple(w for w in better if not self.systematic(w.candidate)) or (found,))
-        near = (w for w in self._scattered if w in able and w.loss < found.loss + self.criteria.tie)
-        return self.simplest((tuple(near) if found.candidate.effects else ()) or (found,)).candidate
+        if not found.candidate.effects:
+            return found.candidate
+        near = tuple(w for w in self._scattered if w in able and w.loss < found.loss + self.criteria.tie)
+        return self.simplest(near or (found,)).candidate
 
     @property
     def plain(self) -> Candidate:

@@ -29,7 +29,7 @@ class LeftOut:
 
     def __init__(self, evidence: EvidenceRecord) -> None:
         self._told = evidence
-        self._fitted: dict[tuple[tuple[str, ...], Optimum], Optimum | None] = {}
+        self._seen: dict[Optimum, tuple[dict[int, Array], dict[int, Array]]] = {}  # `residuals`, by a candidate's fit
 
     def residuals(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
         """Residuals of runs left out, linear plant with the same conditions free and candidate.
@@ -37,8 +37,11 @@ class LeftOut:
         Starts that are free with an effect are among them: what that freedom does is no sign of the effect. The whole
         run judges a candidate that has no freedom in it but its start: most motion follows a step at once.
         """
-        first = self._told.criteria.first if is_free(found) or found.deviations else 1.0
-        return self.of_two(self._with((), found) or self._told.linear.optimum, found.optimum, first)
+        if found.optimum not in self._seen:
+            first = self._told.criteria.first if is_free(found) or found.deviations else 1.0
+            plain = self._with((), found) or self._told.linear.optimum
+            self._seen[found.optimum] = self.of_two(plain, found.optimum, first)
+        return self._seen[found.optimum]
 
     def of_two(self, one: Optimum, other: Optimum, first: float = 1.0) -> tuple[dict[int, Array], dict[int, Array]]:
         """Residuals of the runs that two fits can both be held against; see `held_out_residuals`."""
@@ -53,12 +56,6 @@ class LeftOut:
 
         What these explain, the effects that are left out of it do not. None where that cannot be fitted.
         """
-        key = tuple(e.name for e in effects), found.optimum
-        if key not in self._fitted:
-            self._fitted[key] = self._fitted_with(effects, found)
-        return self._fitted[key]
-
-    def _fitted_with(self, effects: tuple[Effect, ...], found: Candidate) -> Optimum | None:
         conditions = found.deviations | starts_kept(found.optimum.problem, effects)
         key = frozenset(e.name for e in effects), conditions
         known = [c.optimum for c in self._told.candidates if c.key == key]
@@ -89,8 +86,11 @@ class LeftOut:
 
     def share_of_free(self, found: Candidate) -> float:
         """Share of what a candidate's other effects leave that those with a freedom in every run take."""
-        others = self._with(tuple(e for e in found.effects if not e.run_parameters), found)
-        return self._taken(*self.of_two(others, found.optimum, self._told.criteria.first)) if others else 0.0
+        others = tuple(e for e in found.effects if not e.run_parameters)
+        if not others:
+            return self.share(found)[0]
+        beside = self._with(others, found)
+        return self._taken(*self.of_two(beside, found.optimum, self._told.criteria.first)) if beside else 0.0
 
     def judges(self, found: Candidate) -> bool:
         """Tell whether some run left out has power that a candidate could take: else its share says nothing."""

@@ -44,5 +44,5 @@ def trace(context: FitContext, criteria: Criteria, found: Candidate) -> str:
     """
     beyond, rough = allowed(context, criteria, found, noise=False)
     laws = free_laws(context, found.optimum)
-    seen = (law for law in laws if law.share > 0.5 or law.beyond > beyond)
-    return laws[0].state if len(laws) == 1 else next((law.state for law in seen if law.power > rough), "")
+    seen = (law.state for law in laws if law.is_seen(beyond, rough) and law.power > rough)
+    return laws[0].state if len(laws) == 1 else next(seen, "")

@@ -17,7 +17,7 @@ from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build, start_local
 from stepid.fitting.record_fault import RecordFault
-from stepid.fitting.run_fault import is_extreme, less_than_none, told
+from stepid.fitting.run_fault import is_extreme, less_than_none, may_be_weights, told
 from stepid.fitting.run_fault_size import noise_cost
 from stepid.fitting.run_fault_words import ROUND, UNITS, fault_words
 from stepid.simulation.records import Records
@@ -92,8 +92,8 @@ def fault_of(context: FitContext, run: int, shown: Candidate, floor: float, *, s
     name = records.runs[run].name
     if found is not None and found[2] <= (_NEARLY_ALL if unsure else _STANDS_OUT) * before:
         kind, size, _, optimum = found
-        if kind == "added_mass" and abs(size) < sure * records.weight_uncertainty:
-            return None  # an error that a weight may have is none
+        if kind == "added_mass" and may_be_weights(records, size, sure):
+            return None
         words = fault_words(optimum, 0, kind, size, (), agree=quiet)
         return RecordFault(run=name, kind=kind, size=told(optimum, 0, kind, size), unit=UNITS[kind], words=words)
     if unsure or not quiet:

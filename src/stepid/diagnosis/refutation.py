@@ -31,7 +31,7 @@ def refuted(told: EvidenceRecord, lead: Candidate) -> str:
     alike = lead.alike(told.context.tolerance)
     laws = sorted(free_laws(told.context, alike), key=lambda one: -one.power)
     for law in laws:
-        if not ((rough and law.share > 0.5) or law.beyond > chance):
+        if not law.is_seen(chance, rough):
             continue
         own = law.own or any(law.states <= state for state in states)
         if own and len(states) > 1 and set(states) == {law.states}:

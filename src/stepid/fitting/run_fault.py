@@ -229,9 +229,8 @@ def _has_size(found: _Found, sure: float) -> bool:
     if found.kind == DRIFT:
         return True
     records = found.optimum.problem.records
-    if found.kind == "added_mass":  # an error that a weight may have is none
-        known = sure * records.weight_uncertainty
-        return size >= known and not less_than_none(found.optimum, found.run, found.size)
+    if found.kind == "added_mass":
+        return not (may_be_weights(records, size, sure) or less_than_none(found.optimum, found.run, found.size))
     unit = float(records.sample_time[found.run]) if found.kind == "start_time" else 1.0
     return size >= _WORTH[found.kind] * unit
 
@@ -250,6 +249,11 @@ def _explains(found: _Found, optimum: Optimum, others: list[_Found], floor: floa
         return at_floor and hard
     second = min((f.cost for f in others), default=np.inf)
     return at_floor or found.cost <= _STANDS_OUT * min(optimum.cost, second)
+
+
+def may_be_weights(records: Records, size: float, sure: float) -> bool:
+    """Tell whether an added mass is off by no more than its weights may be [kg], which is no fault."""
+    return abs(size) < sure * records.weight_uncertainty
 
 
 def less_than_none(optimum: Optimum, run: int, size: float) -> bool:

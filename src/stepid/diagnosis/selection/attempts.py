@@ -90,7 +90,7 @@ class Attempts(Fits):
     def _try_exchanges(self) -> None:
         """Where the best larger set leaves a rest, exchange its effects, and those of what that leads to.
 
-        For others, and for more general laws from where it stands by now.
+        Others take their place, or more general laws from where they stand by now.
         """
         aside: set[Key] = set()
         for _ in range(self.effort.beam):
