@@ -150,7 +150,6 @@ class Simulator:
 
         def some(replicas: slice) -> int:
             work = structure(self.effects)
-            work["kinked"] &= int(self.tolerance < COARSE)  # what is looked for need not know its derivatives so well
             kernel.simulate(
                 work, values[replicas], start[replicas], run[replicas],
                 r.bounds, r.time, r.coefficients, r.before, r.moving,
