@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -160,6 +161,23 @@ def test_a_law_among_decimated_samples_is_one_of_all_samples(
 
     monkeypatch.setattr(free_law, "free_laws", laws)
     assert e.followed(FRICTION) == told
+
+
+@pytest.mark.parametrize(("every", "own", "told"), [(4.0, True, "time"), (3.0, True, ""), (4.0, False, "")])
+def test_overtones_are_among_all_samples_whatever_the_decimated_ones_tell(
+    every: float, own: bool, told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Their power is on the scale of the decimated ones."""
+    e = evidence(FRICTION)
+    e.context.decimated = SimpleNamespace(weighed_size=e.context.records.weighed_size / 10)
+
+    def laws(context: Any, _: Any, records: Any) -> tuple[FreeLaw, ...]:
+        return (FreeLaw("time", 0.1, 1e-12, 1.0 if records is context.decimated else every, own),)
+
+    monkeypatch.setattr(free_law, "free_laws", laws)
+    assert e.followed(FRICTION) == told
+    found = free_law.followed(e.context, e.criteria, FRICTION)
+    assert found is None if not told else found is not None and found.power == pytest.approx(1e-13)
 
 
 @pytest.mark.parametrize(("beyond", "told"), [(4.0, "velocity"), (3.0, "")])

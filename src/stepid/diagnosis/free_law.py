@@ -45,6 +45,11 @@ class FreeLaw(NamedTuple):
         return bool(rough and self.share > 0.5) or self.beyond > beyond
 
     @property
+    def is_overtone(self) -> bool:
+        """Whether it is of the overtones of an effect of the fit."""
+        return self.own and self.state != CONDITIONS
+
+    @property
     def states(self) -> frozenset[str]:
         """As `stepid.diagnosis.states.states_of` an effect has them."""
         return frozenset(self.state.split(" and "))
@@ -193,20 +198,28 @@ class _Left:
 def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeLaw | None:
     """Law that what is as small as the noise follows by more than `allowed`, None where there is none.
 
-    Among the decimated samples, which are means of neighbors, it may be chance; then all of them do not tell it. What
-    is less than rounding leaves follows the steps of the sensor.
+    Among the decimated samples, which are means of neighbors, it may be chance; then all of them do not tell it.
+    Overtones are too fast for these: all samples tell them. What is less than rounding leaves follows the steps of the
+    sensor.
     """
     if found.optimum.rms <= context.rounding:
         return None
-    law = _strongest(context, found, context.decimated)
     beyond, power = allowed(context, criteria, found, noise=True)
-    if law.beyond <= beyond or law.power <= power:
+    few = free_laws(context, found.optimum, context.decimated)
+    law = _strongest(few)
+    if law.beyond > beyond and law.power > power:
+        every = free_laws(context, found.optimum, context.records)
+        return law if _strongest(every).beyond > beyond else None
+    if not any(one.is_overtone for one in few):
         return None
-    return law if _strongest(context, found, context.records).beyond > beyond else None
+    every = free_laws(context, found.optimum, context.records)
+    law = _strongest([one for one in every if one.is_overtone])
+    law = law._replace(power=law.power * context.decimated.weighed_size / context.records.weighed_size)
+    return law if law.beyond > beyond and law.power > power else None
 
 
-def _strongest(context: FitContext, found: Candidate, records: Records) -> FreeLaw:
-    return max(free_laws(context, found.optimum, records), key=lambda one: one.beyond)
+def _strongest(laws: Sequence[FreeLaw]) -> FreeLaw:
+    return max(laws, key=lambda one: one.beyond)
 
 
 def allowed(context: FitContext, criteria: Criteria, found: Candidate, *, noise: bool) -> tuple[float, float]:
