@@ -62,6 +62,19 @@ def test_specialize_offers_what_is_inside_at_the_same_level() -> None:
     assert Specialize().propose(node(fit, FRICTION), context(fit)) == []
 
 
+def test_specialize_starts_runs_where_the_plant_rests_without_what_the_simple_law_does_not() -> None:
+    """Of two levels half the difference is a constant force, and moves every rest position by that over the spring."""
+    fit = prepared("friction")
+    uneven = node(fit, {"asymmetric_friction": {"level_forward": 0.15, "level_backward": 0.25}})
+    forward, backward = standing(uneven).values[0]
+    _, beside = Specialize().propose(uneven, context(fit))[0].starts
+    assert beside.values[0][0] == pytest.approx((forward + backward) / 2, rel=0.1)
+    stiffness = standing(uneven).linear[uneven.best.problem.layout.stiffness][fit.records.spring]
+    assert beside.displacement is not None
+    moved = beside.displacement - uneven.best.local[0]
+    np.testing.assert_allclose(moved, (forward - backward) / 2 / stiffness, rtol=1e-6)
+
+
 def test_a_power_of_the_speed_is_a_simple_law_where_their_forces_are_nearly_the_same() -> None:
     fit = prepared("power")  # 0.3 N and 40 N·s²/m²
     square = resolve(["quadratic_damping"])[0]

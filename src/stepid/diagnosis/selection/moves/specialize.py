@@ -17,19 +17,34 @@ class Specialize:
 
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
         """Propose the node's effects with one of them simpler."""
-        here, out = standing(node), []
+        out = []
         for place, effect in enumerate(node.effects):
             for inner in context.catalogue:
                 if inner.name not in effect.contains or any(inner.name == e.name for e in node.effects):
                     continue
-                level = level_within(node, place, inner, context)
-                if level is None:
+                starts = _starts(node, place, inner, context)
+                if not starts:
                     continue
                 effects = (*node.effects[:place], inner, *node.effects[place + 1 :])
-                values = (*here.values[:place], (level,), *here.values[place + 1 :])
-                starts = (Start(here.linear, values),)
                 out.append(Proposal(effects, node.deviations, starts, node.key, node.best, node.cost, 1.0, self.name))
         return out
+
+
+def _starts(node: Node, place: int, simple: Effect, context: SearchContext) -> tuple[Start, ...]:
+    """From where the node stands, and from a plant and rest positions that follow what the simple effect does not."""
+    level, here = level_within(node, place, simple, context), standing(node)
+    if level is None:
+        return ()
+    before, after = here.values[:place], here.values[place + 1 :]
+    out = [Start(here.linear, (*before, (level,), *after))]
+    if is_force(node.effects[place]):
+        force = ForceAlong(node, place, context)
+        found = (force.by((one,)) for one in simple.regressors(context.fit.scales, force.motion))
+        like = min(filter(None, found), key=lambda one: one.left, default=None)
+        if like is not None:
+            linear, displacement = force.beside(like)
+            out.append(Start(linear, (*before, *like.values, *after), displacement))
+    return tuple(out)
 
 
 def level_within(node: Node, place: int, simple: Effect, context: SearchContext) -> float | None:
