@@ -62,12 +62,20 @@ def test_the_triangle_has_the_products_of_the_jacobian() -> None:
     assert left == pytest.approx(float(np.sum((residual - scaled @ best) ** 2)))
 
 
-def test_what_may_differ_is_known_to_half_its_bound() -> None:
-    problem: Any = SimpleNamespace(free=np.array([True, True]), active=np.array([[True, False], [True, True]]))
-    problem.most = None
-    assert _precision(problem).tolist() == [0.0] * 5
+def test_what_may_differ_is_known_to_half_its_bound_or_to_what_runs_scatter_by(monkeypatch: pytest.MonkeyPatch) -> None:
+    active = np.array([[True, False], [True, True]])
+    layout = SimpleNamespace(deviation=lambda kind: ["start_offset", "gain"].index(kind))
+    problem = SimpleNamespace(free=np.array([True, True]), active=active, layout=layout, most=None)
+    optimum: Any = SimpleNamespace(problem=problem)
+    sizes: dict[str, float] = {}
+    monkeypatch.setattr("stepid.fitting.covariance.sizes_of_scatter", lambda _: sizes)
+    assert _precision(optimum).tolist() == [0.0] * 5
     problem.most = np.array([[0.5, 0.5], [4.0, 0.1]])
-    assert _precision(problem).tolist() == [0.0, 0.0, 4.0, 0.5, 20.0]
+    assert _precision(optimum).tolist() == [0.0, 0.0, 4.0, 0.5, 20.0]
+    sizes["gain"] = 0.0  # as good as nothing is known of what differs by nothing
+    assert _precision(optimum).tolist() == [0.0, 0.0, 4.0, 0.5, 20.0]
+    sizes["gain"] = 0.5
+    assert _precision(optimum) == pytest.approx([0.0, 0.0, 4.0, math.sqrt(2), 20.0])
 
 
 def test_what_sits_at_a_bound_is_blocked_where_it_is_pushed_outward() -> None:

@@ -68,7 +68,7 @@ class EvidenceRecord:
     def best(self) -> Candidate:
         """The simplest of the best: a further effect must earn more than chance does, and imitators stand back.
 
-        So does one whose scatter is `systematic`, a law, where another is better by more than a tie: two things say so.
+        So does one whose scatter is `systematic`, a law, where another whose is not is as likely.
         A linear plant whose runs differ, and no worse than a tie, is simpler than a law that takes the place of that.
         """
         able = tuple(w for w in self.weighed if not self.imitators(w.candidate)) or self.weighed
@@ -76,8 +76,8 @@ class EvidenceRecord:
         if not self.at_floor(found.candidate):
             return self.simplest(self.weighed).candidate
         if self.systematic(found.candidate):
-            better = [w for w in able if w.loss < found.loss - self.criteria.tie and self.at_floor(w.candidate)]
-            found = self.simplest(tuple(w for w in better if not self.systematic(w.candidate)) or (found,))
+            other = [w for w in able if w.loss < found.loss and self.at_floor(w.candidate)]
+            found = self.simplest(tuple(w for w in other if not self.systematic(w.candidate)) or (found,))
         if not found.candidate.effects:
             return found.candidate
         near = tuple(w for w in self._scattered if w in able and w.loss < found.loss + self.criteria.tie)

@@ -17,8 +17,9 @@ from stepid.core.once import once
 from stepid.effects.base import Effect, Parameter
 from stepid.fitting.added_masses import WeightErrors, moved, weight_errors, with_added_masses
 from stepid.fitting.correlation import Block, autocorrelations, disagreement, inflation
-from stepid.fitting.levenberg_marquardt import Optimum, Problem
+from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import NORMAL, between_runs, centered, mean_of_runs
+from stepid.fitting.random_effects import sizes_of_scatter
 from stepid.simulation.magnitudes import lengths
 
 _STEPS = 6
@@ -99,7 +100,7 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
     residual = problem.residual(optimum.solved)
     matrix, pull, left = _triangle(optimum, blocks, scale, residual)
     level = math.sqrt(max(floor**2, left / max(residual.size - n - k, 1)))
-    precision = np.append(_precision(problem), np.ones(k))
+    precision = np.append(_precision(optimum), np.ones(k))
     longer = np.hypot(1.0, level * precision / scale)  # the prior's rows are of length one at most
     scale = scale * longer
     rows_of_prior = np.diag(level * precision / scale)[precision > 0]
@@ -136,14 +137,19 @@ def _by_chance(runs: int, directions: int) -> float:
     return float(chdtri(free, 0.01 / directions) / free)
 
 
-def _precision(problem: Problem) -> Array:
+def _precision(optimum: Optimum) -> Array:
     """One over the standard deviation by which the free parameters are known beforehand, 0 where nothing is known.
 
-    What differs from run to run within a bound is as good as known to half of it.
+    What differs from run to run is drawn from one distribution: two runs differ by √2 of what all scatter by, or by
+    half of the bound at most.
     """
+    problem = optimum.problem
     shared = np.zeros(int(problem.free.sum()))
-    most = np.full(problem.active.shape, np.inf) if problem.most is None else problem.most
-    return np.append(shared, 2.0 / most[problem.active])
+    known = np.full(problem.active.shape, np.inf) if problem.most is None else problem.most / 2
+    for kind, size in sizes_of_scatter(optimum).items():
+        row = problem.layout.deviation(kind)
+        known[row] = np.minimum(known[row], math.sqrt(2) * size) if size > 0 else known[row]
+    return np.append(shared, 1 / known[problem.active])
 
 
 def at_bound(optimum: Optimum) -> npt.NDArray[np.bool_]:

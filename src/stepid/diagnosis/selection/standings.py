@@ -47,7 +47,7 @@ class Standings:
         return min(self.candidates.values(), key=lambda c: self._qbic(c.optimum))
 
     def _leading(self) -> list[Candidate]:
-        """The best, and others that leave only noise because runs may differ: they may need less for it.
+        """The best, what would be answered, and others that leave only noise as runs may differ: they may need less.
 
         Where the best cannot be named, also the first that can. Where a rest remains, the best of what may lead, and a
         larger set that takes as much of it as a lead has to.
@@ -61,9 +61,10 @@ class Standings:
             far = best.optimum.cost < (1 - self.criteria.lead) * lead.optimum.cost  # on its way to the noise
             return [lead, best] if larger and far else [lead]
         barred = bool(imitators(self.fit, self.criteria, best))
-        others = [c for c in self.candidates.values() if c is not best and (barred or c.deviations)]
+        first = {c.key: c for c in (best, self._simplest())}
+        others = [c for c in self.candidates.values() if c.key not in first and (barred or c.deviations)]
         others = sorted(filter(self._leaves_noise, others), key=lambda c: self._qbic(c.optimum))
-        return [best, *others[: 1 if barred else self.effort.beam - 1]]
+        return [*first.values(), *others[: 1 if barred else self.effort.beam - 1]]
 
     def _simplest(self) -> Candidate:
         """What would be answered where only noise is left, as `EvidenceRecord.best` has it."""
