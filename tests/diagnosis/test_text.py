@@ -13,7 +13,7 @@ from diagnosis_example import changed
 from stepid.core.estimate import Estimate
 from stepid.core.words import digits, length
 from stepid.diagnosis.result import Diagnosis, Gap, Where
-from stepid.diagnosis.text import QUESTIONS, next_steps
+from stepid.diagnosis.text import QUESTIONS, next_steps, standing
 from stepid.diagnosis.wording import candidate_name, chance, effect_names, parameter_words, per_cent, promised
 from stepid.identification.parameters import IdentifiedParameters, ParameterUncertainty
 from stepid.report import diagnosis_report, hand_method_table
@@ -29,6 +29,12 @@ def rows(text: str, header: str) -> dict[str, list[str]]:
             break
         found[cells[0]] = cells[1:]
     return found
+
+
+@pytest.mark.parametrize(("share", "said"), [(0.25, "25 %"), (0.0, "none"), (-37.8, "none")])
+def test_of_a_misfit_nothing_or_some_is_explained(share: float, said: str) -> None:
+    found = standing(changed(example.named(), explained=share))
+    assert found[0].startswith(f"On runs left out of the fit it explains {said}")
 
 
 @pytest.mark.parametrize(

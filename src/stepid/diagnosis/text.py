@@ -41,7 +41,8 @@ def standing(d: Diagnosis) -> tuple[str, ...]:
     """How far the answer goes: what it explains where it was not fitted, what is left of the motion, how sure it is."""
     said = []
     if d.effects and d.explained is not None:
-        said.append(f"On runs left out of the fit it explains {per_cent(d.explained)} of the linear model's misfit.")
+        share = per_cent(d.explained) if d.explained > 0 else "none"  # what leaves more there takes less than nothing
+        said.append(f"On runs left out of the fit it explains {share} of the linear model's misfit.")
     model = "The final model" if d.gap.after != d.gap.before else "The linear model"
     said.append(f"{model} leaves {d.left:.2g} % of the motion, in RMS.")
     if d.probability is not None:
