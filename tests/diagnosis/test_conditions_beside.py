@@ -59,7 +59,7 @@ def _gains_follow_the_input(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("_gains_follow_the_input")
-def test_a_scatter_that_is_a_law_stands_back_behind_what_is_as_likely() -> None:
+def test_a_scatter_that_is_a_law_stands_back_behind_what_is_more_likely() -> None:
     assert evidence(SCATTERED, STILL).best is STILL
     for qbic, stands_back in ((-1.0, True), (1.0, False)):
         other = losing(SCATTERED, qbic, ["actuator_dead_zone"], deviations=["gain"])

@@ -167,7 +167,7 @@ def test_a_law_among_decimated_samples_is_one_of_all_samples(
 def test_overtones_are_among_all_samples_whatever_the_decimated_ones_tell(
     every: float, own: bool, told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Their power is on the scale of the decimated ones."""
+    """Of their power the race, on the decimated ones, has nothing to find."""
     e = evidence(FRICTION)
     e.context.decimated = SimpleNamespace(weighed_size=e.context.records.weighed_size / 10)
 
@@ -177,7 +177,20 @@ def test_overtones_are_among_all_samples_whatever_the_decimated_ones_tell(
     monkeypatch.setattr(free_law, "free_laws", laws)
     assert e.followed(FRICTION) == told
     found = free_law.followed(e.context, e.criteria, FRICTION)
-    assert found is None if not told else found is not None and found.power == pytest.approx(1e-13)
+    assert found is None if not told else found is not None and found.power == 0.0
+
+
+def test_overtones_are_not_asked_where_the_plant_runs_away_among_all_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    e = evidence(FRICTION)
+    e.context.decimated = object()
+
+    def laws(context: Any, _: Any, records: Any) -> tuple[FreeLaw, ...]:
+        return (
+            (FreeLaw("time", 0.1, 1e-12, 1.0, True),) if records is context.decimated else (FreeLaw("position", 0, 0),)
+        )
+
+    monkeypatch.setattr(free_law, "free_laws", laws)
+    assert e.followed(FRICTION) == ""
 
 
 @pytest.mark.parametrize(("beyond", "told"), [(4.0, "velocity"), (3.0, "")])

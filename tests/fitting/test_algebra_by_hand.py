@@ -63,19 +63,21 @@ def test_the_triangle_has_the_products_of_the_jacobian() -> None:
 
 
 def test_what_may_differ_is_known_to_half_its_bound_or_to_what_runs_scatter_by(monkeypatch: pytest.MonkeyPatch) -> None:
-    active = np.array([[True, False], [True, True]])
-    layout = SimpleNamespace(deviation=lambda kind: ["start_offset", "gain"].index(kind))
+    active = np.array([[True, False, False], [True, True, True]])
+    layout = SimpleNamespace(deviation=lambda kind: ["damping", "gain"].index(kind))
     problem = SimpleNamespace(free=np.array([True, True]), active=active, layout=layout, most=None)
     optimum: Any = SimpleNamespace(problem=problem)
     sizes: dict[str, float] = {}
     monkeypatch.setattr("stepid.fitting.covariance.sizes_of_scatter", lambda _: sizes)
-    assert _precision(optimum).tolist() == [0.0] * 5
-    problem.most = np.array([[0.5, 0.5], [4.0, 0.1]])
-    assert _precision(optimum).tolist() == [0.0, 0.0, 4.0, 0.5, 20.0]
-    sizes["gain"] = 0.0  # as good as nothing is known of what differs by nothing
-    assert _precision(optimum).tolist() == [0.0, 0.0, 4.0, 0.5, 20.0]
-    sizes["gain"] = 0.5
-    assert _precision(optimum) == pytest.approx([0.0, 0.0, 4.0, math.sqrt(2), 20.0])
+    assert _precision(optimum).tolist() == [0.0] * 6
+    problem.most = np.array([[0.5, 0.5, 0.5], [4.0, 0.1, np.inf]])
+    bounds = [0.0, 0.0, 4.0, 0.5, 20.0, 0.0]
+    assert _precision(optimum).tolist() == bounds
+    sizes |= {"damping": 1e-3, "gain": 0.0}  # one run tells no scatter, and nothing is known of what differs by nothing
+    assert _precision(optimum).tolist() == bounds
+    sizes["gain"] = 0.1  # Student's quantile of two degrees of freedom is 4.303
+    known = 0.1 * math.sqrt(2 * 3 / 2) * 4.303 / 1.96
+    assert _precision(optimum) == pytest.approx([0.0, 0.0, 4.0, 1 / known, 20.0, 0.0], rel=1e-3)
 
 
 def test_what_sits_at_a_bound_is_blocked_where_it_is_pushed_outward() -> None:

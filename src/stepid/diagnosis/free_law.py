@@ -199,8 +199,8 @@ def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeL
     """Law that what is as small as the noise follows by more than `allowed`, None where there is none.
 
     Among the decimated samples, which are means of neighbors, it may be chance; then all of them do not tell it.
-    Overtones are too fast for these: all samples tell them. What is less than rounding leaves follows the steps of the
-    sensor.
+    Overtones are too fast for these: all samples tell them, and there is no power of theirs to find there. What is
+    less than rounding leaves follows the steps of the sensor.
     """
     if found.optimum.rms <= context.rounding:
         return None
@@ -212,10 +212,12 @@ def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeL
         return law if _strongest(every).beyond > beyond else None
     if not any(one.is_overtone for one in few):
         return None
-    every = free_laws(context, found.optimum, context.records)
-    law = _strongest([one for one in every if one.is_overtone])
-    law = law._replace(power=law.power * context.decimated.weighed_size / context.records.weighed_size)
-    return law if law.beyond > beyond and law.power > power else None
+    fast = [one for one in free_laws(context, found.optimum, context.records) if one.is_overtone]
+    if not fast:  # the plant runs away within the samples that are not among the decimated ones
+        return None
+    law = _strongest(fast)
+    share = context.decimated.weighed_size / context.records.weighed_size
+    return law._replace(power=0.0) if law.beyond > beyond and law.power * share > power else None
 
 
 def _strongest(laws: Sequence[FreeLaw]) -> FreeLaw:

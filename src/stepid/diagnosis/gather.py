@@ -68,7 +68,7 @@ class EvidenceRecord:
     def best(self) -> Candidate:
         """The simplest of the best: a further effect must earn more than chance does, and imitators stand back.
 
-        So does one whose scatter is `systematic`, a law, where another whose is not is as likely.
+        So does one whose scatter is `systematic`, a law, where another whose is not is more likely.
         A linear plant whose runs differ, and no worse than a tie, is simpler than a law that takes the place of that.
         """
         able = tuple(w for w in self.weighed if not self.imitators(w.candidate)) or self.weighed

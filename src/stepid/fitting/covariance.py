@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import chdtri
+from scipy.special import chdtri, stdtrit
 
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
@@ -84,7 +84,7 @@ def uncertain(optimum: Optimum, floor: float) -> Uncertain:
 
     The added masses are nuisance parameters with a prior: where runs say more of them than is known beforehand, what is
     left of their uncertainty is less than propagation would give, and so is the misfit. What differs from run to run
-    has one, too: its bound. The noise is taken as white of
+    has one, too: its bound, or what the runs scatter by. The noise is taken as white of
     size `floor` or the residual's RMS, whichever is larger, inflated by the residual's own correlation: J⁺ Ω J⁺ᵀ with Ω
     from the residual's autocovariance over one swing at most (a sandwich). Where more than noise is left, what the runs
     say one by one is counted, too.
@@ -140,15 +140,19 @@ def _by_chance(runs: int, directions: int) -> float:
 def _precision(optimum: Optimum) -> Array:
     """One over the standard deviation by which the free parameters are known beforehand, 0 where nothing is known.
 
-    What differs from run to run is drawn from one distribution: two runs differ by √2 of what all scatter by, or by
-    half of the bound at most.
+    What differs from run to run within a bound is as good as known to half of it, or to what two runs are found to
+    differ by, √2 of the scatter: shared parameters take one degree of freedom of that, and of few runs it is known as
+    little as Student's quantile says.
     """
     problem = optimum.problem
     shared = np.zeros(int(problem.free.sum()))
     known = np.full(problem.active.shape, np.inf) if problem.most is None else problem.most / 2
     for kind, size in sizes_of_scatter(optimum).items():
         row = problem.layout.deviation(kind)
-        known[row] = np.minimum(known[row], math.sqrt(2) * size) if size > 0 else known[row]
+        count = int(problem.active[row].sum())
+        if size > 0 and count > 1:  # a fault of one run is not drawn, and has no bound
+            few = math.sqrt(2 * count / (count - 1)) * float(stdtrit(count - 1, 0.975)) / NORMAL
+            known[row] = np.where(np.isfinite(known[row]), np.minimum(known[row], few * size), known[row])
     return np.append(shared, 1 / known[problem.active])
 
 

@@ -61,13 +61,14 @@ class Standings:
             far = best.optimum.cost < (1 - self.criteria.lead) * lead.optimum.cost  # on its way to the noise
             return [lead, best] if larger and far else [lead]
         barred = bool(imitators(self.fit, self.criteria, best))
-        first = {c.key: c for c in (best, self._simplest())}
+        simplest = self._simplest()
+        first = {c.key: c for c in (best, simplest) if c is best or at_floor(self.fit, self.criteria, c)}
         others = [c for c in self.candidates.values() if c.key not in first and (barred or c.deviations)]
         others = sorted(filter(self._leaves_noise, others), key=lambda c: self._qbic(c.optimum))
-        return [*first.values(), *others[: 1 if barred else self.effort.beam - 1]]
+        return [*first.values(), *others][: 2 if barred else self.effort.beam]
 
     def _simplest(self) -> Candidate:
-        """What would be answered where only noise is left, as `EvidenceRecord.best` has it."""
+        """What would be answered where only noise is left: as `EvidenceRecord.best`, before that asks of scatter."""
 
         def of(some: Sequence[Candidate]) -> Candidate:
             return min(some, key=lambda c: self._qbic(c.optimum) + chosen_at(self.criteria, c))
