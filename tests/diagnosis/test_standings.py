@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from made_up_evidence import candidate, context
+from made_up_evidence import candidate, context, losing
 from stepid import Criteria, Effort
 from stepid.diagnosis.free_law import FreeLaw
 from stepid.diagnosis.selection.standings import Standings
@@ -52,6 +52,17 @@ def test_a_larger_set_that_needs_runs_to_differ_is_not_on_its_way() -> None:
     found.candidates = {c.key: c for c in (candidate(times=30.0), PAIR, larger)}
     assert found.best is larger
     assert found._leading() == [PAIR]
+
+
+@pytest.mark.parametrize(("qbic", "answered"), [(9.0, True), (17.0, False)])
+def test_rivals_are_looked_for_of_what_is_answered_too(qbic: float, answered: bool) -> None:
+    """A further effect earns less than it must: it is the best, and no answer."""
+    best = candidate(["coulomb_friction", "cogging"])
+    simple = losing(best, qbic, ["coulomb_friction"])
+    found = Standings(context(), Criteria(), Effort())
+    found.candidates = {c.key: c for c in (candidate(times=30.0), best, simple)}
+    assert found.best is best
+    assert found._leading() == ([best, simple] if answered else [best])
 
 
 @pytest.mark.parametrize(("beyond", "lowered"), [(9.0, True), (3.0, False)])
