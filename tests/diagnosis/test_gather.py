@@ -156,7 +156,7 @@ def test_a_law_among_decimated_samples_is_one_of_all_samples(
     e = evidence(FRICTION)
     e.context.decimated = object()
 
-    def laws(context: Any, _: Any, records: Any) -> tuple[FreeLaw, ...]:
+    def laws(context: Any, _: Any, records: Any, **__: Any) -> tuple[FreeLaw, ...]:
         return (FreeLaw("position", 0.1, 1e-12, 9.0 if records is context.decimated else every),)
 
     monkeypatch.setattr(free_law, "free_laws", laws)
@@ -171,7 +171,7 @@ def test_overtones_are_among_all_samples_whatever_the_decimated_ones_tell(
     e = evidence(FRICTION)
     e.context.decimated = SimpleNamespace(weighed_size=e.context.records.weighed_size / 10)
 
-    def laws(context: Any, _: Any, records: Any) -> tuple[FreeLaw, ...]:
+    def laws(context: Any, _: Any, records: Any, **__: Any) -> tuple[FreeLaw, ...]:
         return (FreeLaw("time", 0.1, 1e-12, 1.0 if records is context.decimated else every, own),)
 
     monkeypatch.setattr(free_law, "free_laws", laws)
@@ -180,11 +180,11 @@ def test_overtones_are_among_all_samples_whatever_the_decimated_ones_tell(
     assert found is None if not told else found is not None and found.power == 0.0
 
 
-def test_overtones_are_not_asked_where_the_plant_runs_away_among_all_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_overtones_tell_nothing_where_the_plant_runs_away_among_all_samples(monkeypatch: pytest.MonkeyPatch) -> None:
     e = evidence(FRICTION)
-    e.context.decimated = object()
+    e.context.decimated = SimpleNamespace(weighed_size=40.0)
 
-    def laws(context: Any, _: Any, records: Any) -> tuple[FreeLaw, ...]:
+    def laws(context: Any, _: Any, records: Any, **__: Any) -> tuple[FreeLaw, ...]:
         return (
             (FreeLaw("time", 0.1, 1e-12, 1.0, True),) if records is context.decimated else (FreeLaw("position", 0, 0),)
         )

@@ -55,7 +55,9 @@ class FreeLaw(NamedTuple):
         return frozenset(self.state.split(" and "))
 
 
-def free_laws(context: FitContext, optimum: Optimum, records: Records | None = None) -> tuple[FreeLaw, ...]:
+def free_laws(
+    context: FitContext, optimum: Optimum, records: Records | None = None, *, overtones: bool = False
+) -> tuple[FreeLaw, ...]:
     """Find what laws of any shape take of a fit's rest, each piecewise linear and free.
 
     A force of position or of velocity; a damping that depends on position or time; a spring that does on time; a drive
@@ -74,6 +76,8 @@ def free_laws(context: FitContext, optimum: Optimum, records: Records | None = N
         Of the candidate, on all samples.
     records : Records, optional
         The samples that are asked: the context's decimated ones by default, or all of its records.
+    overtones : bool
+        Ask of overtones only.
 
     Returns
     -------
@@ -81,24 +85,26 @@ def free_laws(context: FitContext, optimum: Optimum, records: Records | None = N
         One for each state, then those of overtones and of the conditions; nothing is taken where the plant runs away.
     """
     records = records or context.decimated
-    for asked, within, laws in context.laws:
-        if asked is optimum and within is records:
+    for asked, within, fast, laws in context.laws:
+        if asked is optimum and within is records and fast == overtones:
             known: tuple[FreeLaw, ...] = laws
             return known
-    found = _free_laws(context, optimum, records)
-    context.laws.append((optimum, records, found))
+    found = _free_laws(context, optimum, records, overtones)
+    context.laws.append((optimum, records, overtones, found))
     return found
 
 
-def _free_laws(context: FitContext, optimum: Optimum, records: Records) -> tuple[FreeLaw, ...]:
+def _free_laws(context: FitContext, optimum: Optimum, records: Records, overtones: bool) -> tuple[FreeLaw, ...]:
     asked = _Asked.of(context, optimum, records)
     if asked is None:
         return (FreeLaw("position", 0.0, 0.0),)
     left, found = asked.left(asked.known), []
-    laws = free_forces(context, optimum)
+    laws = [law for law in free_forces(context, optimum) if law[2] or not overtones]
     for (state, _, own), pushed in zip(laws, asked.pushed([some for _, some, _ in laws]), strict=True):
         changes = _changes(optimum, asked.place, np.hstack([asked.known, pushed]), asked.residual)
         found.append(left.taken_by(pushed, state, own, changes))
+    if overtones:
+        return tuple(found)
     varied = by_condition(optimum, asked.place, asked.known, records)
     if varied.size:
         scattered = np.hstack([asked.known, scatter_columns(asked.fit)])
@@ -212,10 +218,7 @@ def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeL
         return law if _strongest(every).beyond > beyond else None
     if not any(one.is_overtone for one in few):
         return None
-    fast = [one for one in free_laws(context, found.optimum, context.records) if one.is_overtone]
-    if not fast:  # the plant runs away within the samples that are not among the decimated ones
-        return None
-    law = _strongest(fast)
+    law = _strongest(free_laws(context, found.optimum, context.records, overtones=True))
     share = context.decimated.weighed_size / context.records.weighed_size
     return law._replace(power=0.0) if law.beyond > beyond and law.power * share > power else None
 

@@ -76,8 +76,8 @@ class EvidenceRecord:
         if not self.at_floor(found.candidate):
             return self.simplest(self.weighed).candidate
         if self.systematic(found.candidate):
-            other = [w for w in able if w.loss < found.loss and self.at_floor(w.candidate)]
-            found = self.simplest(tuple(w for w in other if not self.systematic(w.candidate)) or (found,))
+            likelier = (w for w in able if w.loss < found.loss and self.at_floor(w.candidate))
+            found = self.simplest(tuple(w for w in likelier if not self.systematic(w.candidate)) or (found,))
         if not found.candidate.effects:
             return found.candidate
         near = tuple(w for w in self._scattered if w in able and w.loss < found.loss + self.criteria.tie)

@@ -34,7 +34,7 @@ class ForceAlong:
     """
 
     def __init__(self, node: Node, place: int, context: SearchContext) -> None:
-        self._layout, here = node.best.problem.layout, standing(node)
+        self._layout, here, self._scales = node.best.problem.layout, standing(node), context.fit.scales
         self._linear, self._displacement = here.linear, node.best.local[0]
         records = node.best.problem.records
         self._spring = records.spring
@@ -84,6 +84,11 @@ class ForceAlong:
             out.append(values)
             at += len(one.forces)
         return Likeness(self._power_beyond(left) / self._beyond, tuple(out), left)
+
+    def nearest(self, effect: Effect) -> list[Likeness]:
+        """What one effect can do in its place, from each of its regressors, the nearest first."""
+        found = (self.by((one,)) for one in effect.regressors(self._scales, self.motion))
+        return sorted(filter(None, found), key=lambda like: like.left)
 
     def beside(self, like: Likeness) -> tuple[Array, Array]:
         """The linear plant and how far from the spring's rest position [m] each run starts beside effects in its place.

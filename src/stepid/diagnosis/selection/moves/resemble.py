@@ -38,8 +38,7 @@ class Resemble:
         rest = [i for i in range(len(node.effects)) if i != place]
         kept = tuple(here.values[i] for i in rest)
         for other in new:
-            found = [force.by((one,)) for one in other.regressors(context.fit.scales, force.motion)]
-            near = sorted((f for f in found if f and f.left < self.most(context)), key=lambda f: f.left)
+            near = [f for f in force.nearest(other) if f.left < self.most(context)]
             if near:
                 plants = ((f.values, *force.beside(f)) for f in near[: context.effort.starts])
                 starts = tuple(Start(linear, (*kept, *values), apart) for values, linear, apart in plants)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stepid.diagnosis.selection.moves.likeness import ForceAlong, is_force
+from stepid.diagnosis.selection.moves.likeness import ForceAlong, Likeness, is_force
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, standing
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import Start
@@ -17,34 +17,24 @@ class Specialize:
 
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
         """Propose the node's effects with one of them simpler."""
-        out = []
+        here, out = standing(node), []
         for place, effect in enumerate(node.effects):
+            before, after = here.values[:place], here.values[place + 1 :]
             for inner in context.catalogue:
                 if inner.name not in effect.contains or any(inner.name == e.name for e in node.effects):
                     continue
-                starts = _starts(node, place, inner, context)
-                if not starts:
+                level, force, near = _within(node, place, inner, context)
+                if level is None:
                     continue
+                starts = [Start(here.linear, (*before, (level,), *after))]
+                if force is not None and near:  # a plant and rest positions that follow what the simple one does not
+                    linear, displacement = force.beside(near[0])
+                    starts.append(Start(linear, (*before, *near[0].values, *after), displacement))
                 effects = (*node.effects[:place], inner, *node.effects[place + 1 :])
-                out.append(Proposal(effects, node.deviations, starts, node.key, node.best, node.cost, 1.0, self.name))
+                out.append(
+                    Proposal(effects, node.deviations, tuple(starts), node.key, node.best, node.cost, 1.0, self.name)
+                )
         return out
-
-
-def _starts(node: Node, place: int, simple: Effect, context: SearchContext) -> tuple[Start, ...]:
-    """From where the node stands, and from a plant and rest positions that follow what the simple effect does not."""
-    level, here = level_within(node, place, simple, context), standing(node)
-    if level is None:
-        return ()
-    before, after = here.values[:place], here.values[place + 1 :]
-    out = [Start(here.linear, (*before, (level,), *after))]
-    if is_force(node.effects[place]):
-        force = ForceAlong(node, place, context)
-        found = (force.by((one,)) for one in simple.regressors(context.fit.scales, force.motion))
-        like = min(filter(None, found), key=lambda one: one.left, default=None)
-        if like is not None:
-            linear, displacement = force.beside(like)
-            out.append(Start(linear, (*before, *like.values, *after), displacement))
-    return tuple(out)
 
 
 def level_within(node: Node, place: int, simple: Effect, context: SearchContext) -> float | None:
@@ -54,17 +44,24 @@ def level_within(node: Node, place: int, simple: Effect, context: SearchContext)
     parameters in its unit. Where the general one has none in its unit (a power of the speed), their forces have to be
     nearly the same.
     """
+    return _within(node, place, simple, context)[0]
+
+
+def _within(
+    node: Node, place: int, simple: Effect, context: SearchContext
+) -> tuple[float | None, ForceAlong | None, list[Likeness]]:
+    """`level_within`, the general effect's force and what the simple one does in its place, the nearest first."""
     general, values = node.effects[place], standing(node).values[place]
     if len(simple.parameters) > 1 or simple.run_parameters != general.run_parameters:
-        return None
+        return None, None, []
     unit = simple.parameters[0].unit
     same = [v for v, q in zip(values, general.parameters, strict=True) if q.unit == unit]
-    near: list[float | None] = []
-    if is_force(general):
-        force = ForceAlong(node, place, context)
-        inside = simple.regressors(context.fit.scales, force.motion)
-        found = (force.by((one,)) for one in inside)
-        if same or any(like.left < context.effort.alike for like in found if like):
-            near = [force.strength(one) for one in inside]
     mean = float(np.mean(same)) if same else None
-    return next((level for level in near if level is not None), mean)
+    if not is_force(general):
+        return mean, None, []
+    force = ForceAlong(node, place, context)
+    near = force.nearest(simple)
+    levels: list[float | None] = []
+    if same or (near and near[0].left < context.effort.alike):
+        levels = [force.strength(one) for one in simple.regressors(context.fit.scales, force.motion)]
+    return next((level for level in levels if level is not None), mean), force, near
