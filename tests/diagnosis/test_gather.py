@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -156,41 +155,11 @@ def test_a_law_among_decimated_samples_is_one_of_all_samples(
     e = evidence(FRICTION)
     e.context.decimated = object()
 
-    def laws(context: Any, _: Any, records: Any, **__: Any) -> tuple[FreeLaw, ...]:
+    def laws(context: Any, _: Any, records: Any) -> tuple[FreeLaw, ...]:
         return (FreeLaw("position", 0.1, 1e-12, 9.0 if records is context.decimated else every),)
 
     monkeypatch.setattr(free_law, "free_laws", laws)
     assert e.followed(FRICTION) == told
-
-
-@pytest.mark.parametrize(("every", "own", "told"), [(4.0, True, "time"), (3.0, True, ""), (4.0, False, "")])
-def test_overtones_are_among_all_samples_whatever_the_decimated_ones_tell(
-    every: float, own: bool, told: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Of their power the race, on the decimated ones, has nothing to find."""
-    e = evidence(FRICTION)
-    e.context.decimated = SimpleNamespace(weighed_size=e.context.records.weighed_size / 10)
-
-    def laws(context: Any, _: Any, records: Any, **__: Any) -> tuple[FreeLaw, ...]:
-        return (FreeLaw("time", 0.1, 1e-12, 1.0 if records is context.decimated else every, own),)
-
-    monkeypatch.setattr(free_law, "free_laws", laws)
-    assert e.followed(FRICTION) == told
-    found = free_law.followed(e.context, e.criteria, FRICTION)
-    assert found is None if not told else found is not None and found.power == 0.0
-
-
-def test_overtones_tell_nothing_where_the_plant_runs_away_among_all_samples(monkeypatch: pytest.MonkeyPatch) -> None:
-    e = evidence(FRICTION)
-    e.context.decimated = SimpleNamespace(weighed_size=40.0)
-
-    def laws(context: Any, _: Any, records: Any, **__: Any) -> tuple[FreeLaw, ...]:
-        return (
-            (FreeLaw("time", 0.1, 1e-12, 1.0, True),) if records is context.decimated else (FreeLaw("position", 0, 0),)
-        )
-
-    monkeypatch.setattr(free_law, "free_laws", laws)
-    assert e.followed(FRICTION) == ""
 
 
 @pytest.mark.parametrize(("beyond", "told"), [(4.0, "velocity"), (3.0, "")])

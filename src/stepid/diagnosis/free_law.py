@@ -45,19 +45,12 @@ class FreeLaw(NamedTuple):
         return bool(rough and self.share > 0.5) or self.beyond > beyond
 
     @property
-    def is_overtone(self) -> bool:
-        """Whether it is of the overtones of an effect of the fit."""
-        return self.own and self.state != CONDITIONS
-
-    @property
     def states(self) -> frozenset[str]:
         """As `stepid.diagnosis.states.states_of` an effect has them."""
         return frozenset(self.state.split(" and "))
 
 
-def free_laws(
-    context: FitContext, optimum: Optimum, records: Records | None = None, *, overtones: bool = False
-) -> tuple[FreeLaw, ...]:
+def free_laws(context: FitContext, optimum: Optimum, records: Records | None = None) -> tuple[FreeLaw, ...]:
     """Find what laws of any shape take of a fit's rest, each piecewise linear and free.
 
     A force of position or of velocity; a damping that depends on position or time; a spring that does on time; a drive
@@ -76,8 +69,6 @@ def free_laws(
         Of the candidate, on all samples.
     records : Records, optional
         The samples that are asked: the context's decimated ones by default, or all of its records.
-    overtones : bool
-        Ask of overtones only.
 
     Returns
     -------
@@ -85,26 +76,24 @@ def free_laws(
         One for each state, then those of overtones and of the conditions; nothing is taken where the plant runs away.
     """
     records = records or context.decimated
-    for asked, within, fast, laws in context.laws:
-        if asked is optimum and within is records and fast == overtones:
+    for asked, within, laws in context.laws:
+        if asked is optimum and within is records:
             known: tuple[FreeLaw, ...] = laws
             return known
-    found = _free_laws(context, optimum, records, overtones)
-    context.laws.append((optimum, records, overtones, found))
+    found = _free_laws(context, optimum, records)
+    context.laws.append((optimum, records, found))
     return found
 
 
-def _free_laws(context: FitContext, optimum: Optimum, records: Records, overtones: bool) -> tuple[FreeLaw, ...]:
+def _free_laws(context: FitContext, optimum: Optimum, records: Records) -> tuple[FreeLaw, ...]:
     asked = _Asked.of(context, optimum, records)
     if asked is None:
         return (FreeLaw("position", 0.0, 0.0),)
     left, found = asked.left(asked.known), []
-    laws = [law for law in free_forces(context, optimum) if law[2] or not overtones]
+    laws = free_forces(context, optimum)
     for (state, _, own), pushed in zip(laws, asked.pushed([some for _, some, _ in laws]), strict=True):
         changes = _changes(optimum, asked.place, np.hstack([asked.known, pushed]), asked.residual)
         found.append(left.taken_by(pushed, state, own, changes))
-    if overtones:
-        return tuple(found)
     varied = by_condition(optimum, asked.place, asked.known, records)
     if varied.size:
         scattered = np.hstack([asked.known, scatter_columns(asked.fit)])
@@ -204,27 +193,20 @@ class _Left:
 def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeLaw | None:
     """Law that what is as small as the noise follows by more than `allowed`, None where there is none.
 
-    Among the decimated samples, which are means of neighbors, it may be chance; then all of them do not tell it.
-    Overtones are too fast for these: all samples tell them, and there is no power of theirs to find there. What is
-    less than rounding leaves follows the steps of the sensor.
+    Among the decimated samples, which are means of neighbors, it may be chance; then all of them do not tell it. What
+    is less than rounding leaves follows the steps of the sensor.
     """
     if found.optimum.rms <= context.rounding:
         return None
+    law = _strongest(context, found, context.decimated)
     beyond, power = allowed(context, criteria, found, noise=True)
-    few = free_laws(context, found.optimum, context.decimated)
-    law = _strongest(few)
-    if law.beyond > beyond and law.power > power:
-        every = free_laws(context, found.optimum, context.records)
-        return law if _strongest(every).beyond > beyond else None
-    if not any(one.is_overtone for one in few):
+    if law.beyond <= beyond or law.power <= power:
         return None
-    law = _strongest(free_laws(context, found.optimum, context.records, overtones=True))
-    share = context.decimated.weighed_size / context.records.weighed_size
-    return law._replace(power=0.0) if law.beyond > beyond and law.power * share > power else None
+    return law if _strongest(context, found, context.records).beyond > beyond else None
 
 
-def _strongest(laws: Sequence[FreeLaw]) -> FreeLaw:
-    return max(laws, key=lambda one: one.beyond)
+def _strongest(context: FitContext, found: Candidate, records: Records) -> FreeLaw:
+    return max(free_laws(context, found.optimum, records), key=lambda one: one.beyond)
 
 
 def allowed(context: FitContext, criteria: Criteria, found: Candidate, *, noise: bool) -> tuple[float, float]:

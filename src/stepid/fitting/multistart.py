@@ -76,7 +76,7 @@ class FitContext:
         self.columns: dict[Effect, list[Any]] = {}  # of `score_test`, kept for the next race
         self.responses: dict[tuple[Effect, tuple[float, ...]], Array | None] = {}  # to single starts, kept likewise
         self.joint: dict[Any, Any] = {}  # scores of sets, kept likewise
-        self.laws: list[tuple[Optimum, Records, bool, Any]] = []  # of any shape, in what a fit leaves, kept likewise
+        self.laws: list[tuple[Optimum, Records, Any]] = []  # of any shape, in what a fit leaves, kept likewise
         self.period = period = strongest_period(records)
         self.measured: Motion = measured_motion(records, linear.shared, floor, period)
         self.motion = self.measured
