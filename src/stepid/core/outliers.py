@@ -68,7 +68,7 @@ def stand_out(
 
 
 def _interpolate(y: Array, begin: int, count: int) -> None:
-    after = min(SIDE, y.size - begin - count)
+    after = max(min(SIDE, y.size - begin - count), 2 * SIDE - begin)
     y[begin : begin + count] = _local(count, after).predict @ y[begin + _sides(count, after)]
 
 
@@ -94,20 +94,32 @@ def outliers(y: Array, noise: float, least: float) -> list[Block]:
         ends, far = score[:, [0, -1]].min(axis=1), np.abs(off[:, [0, -1]]).min(axis=1)
         out = (ends > _OUTLIER) & (far > least)
         found += [(float(ends[i]), int(begin[i]), count) for i in np.flatnonzero(out)]
-    return found + _last(y, noise, least)
+    return found + _first(y, noise, least) + _last(y, noise, least)
 
 
 def _last(y: Array, noise: float, least: float) -> list[Block]:
-    """One of the last samples that stands out, by more than any acceleration of the record does in a sample.
-
-    The first ones are not asked: there a motion may begin, which those after it do not tell.
-    """
+    """One of the last samples that stands out, by more than any acceleration of the record does in a sample."""
     found = []
     for after in range(SIDE):
         begin = y.size - 1 - after
         score, off = stand_out(y, 1, np.array([begin]), noise, after)
         fastest = float(np.abs(np.diff(y[: begin - 1], 2)).max(initial=0.0))
         if score[0, 0] > _OUTLIER and abs(off[0, 0]) > max(least, fastest):
+            found.append((float(score[0, 0]), begin, 1))
+    return found
+
+
+def _first(y: Array, noise: float, least: float) -> list[Block]:
+    """One of the first samples that stands out, as of the last, though those beside it read the same.
+
+    Where a motion begins they do not. The very first is not asked.
+    """
+    found = []
+    for begin in range(1, SIDE):
+        score, off = stand_out(y, 1, np.array([begin]), noise, 2 * SIDE - begin)
+        fastest = float(np.abs(np.diff(y[begin + 2 :], 2)).max(initial=0.0))
+        beside = 2 * abs(float(y[begin + 1] - y[begin - 1]))
+        if score[0, 0] > _OUTLIER and abs(off[0, 0]) > max(least, fastest, beside):
             found.append((float(score[0, 0]), begin, 1))
     return found
 
@@ -177,7 +189,7 @@ def without_outliers(experiment: Experiment) -> Array:
     A block of one to three samples is predicted by a cubic through four neighbors on each side. It is an outlier where
     its ends are off by many times the spread of these neighbors about their cubic, and of the record's noise: a kink, a
     jump or a bounce of the motion disturbs the neighbors as well, an outlier does not. One of the last four samples is
-    predicted by more of them before it.
+    predicted by more of them before it, one of the second to the fourth by more after it, if its neighbors read alike.
     """
     y, (out,) = interpolate_readings(experiment, detectors=(outliers,))
     if out.any():
