@@ -20,7 +20,8 @@ def made_up(*names: str, deviations: tuple[str, ...] = (), cost: float = 1.0) ->
 
 
 FRICTION, PLAY, COGGING = made_up("coulomb_friction", cost=3.0), made_up("free_play", cost=2.0), made_up("cogging")
-NODES = [made_up(), FRICTION, PLAY, COGGING, made_up("cogging", deviations=("gain",)), made_up("cogging", "free_play")]
+SHAKEN = made_up("cogging", deviations=("gain",))
+NODES = [made_up(), FRICTION, PLAY, COGGING, SHAKEN, made_up("cogging", "free_play")]
 
 
 @pytest.mark.parametrize(
@@ -30,7 +31,12 @@ NODES = [made_up(), FRICTION, PLAY, COGGING, made_up("cogging", deviations=("gai
         (("coulomb_friction", "free_play"), (), [PLAY, FRICTION]),  # one of them may be such a condition
         (("stribeck_friction", "free_play"), (), [PLAY, FRICTION]),  # a simpler law is inside
         (("coulomb_friction",), (), []),
-        (("coulomb_friction", "free_play"), ("gain",), []),
+        (
+            ("cogging", "free_play"),
+            ("gain",),
+            [COGGING, SHAKEN, PLAY],
+        ),  # another condition in its place, or a further one
+        (("cogging", "free_play"), ("damping",), [COGGING, PLAY]),
         ((), (), []),
     ],
 )

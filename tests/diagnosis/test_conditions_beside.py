@@ -16,21 +16,25 @@ from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.selection.conditions import first_of
 
 
-def proposed(base: str, left: float, *conditions: str, move: str = "deviate") -> Any:
-    return SimpleNamespace(base=base, left=left, deviations=frozenset(conditions), move=move)
+def keyed(name: str) -> Any:
+    return SimpleNamespace(key=(frozenset({name}), frozenset({"damping"} if name == "stop" else ())))
+
+
+def proposed(base: Any, left: float, *conditions: str, move: str = "deviate") -> Any:
+    return SimpleNamespace(base=base.key, left=left, deviations=base.key[1].union(conditions), move=move)
 
 
 def test_conditions_are_tried_beside_what_leaves_least_and_where_one_promises_most() -> None:
-    lag, play, stop, drift = (SimpleNamespace(key=name) for name in ("lag", "play", "stop", "drift"))
+    lag, play, stop, drift = map(keyed, ("lag", "play", "stop", "drift"))
     nodes: Any = [play, stop, lag, drift]
     proposals = [
-        proposed("play", 3.0, "gain"),
-        proposed("play", 0.0, "gain", "start_time"),  # all together promise everything
-        proposed("stop", 2.0, "start_time"),
-        proposed("stop", 9.0, "gain"),
-        proposed("lag", 1.0, "gain"),
-        proposed("lag", 0.1, move="drop"),
-        proposed("other", 0.5, "gain"),
+        proposed(play, 3.0, "gain"),
+        proposed(play, 0.0, "gain", "start_time"),  # all together promise everything
+        proposed(stop, 2.0, "start_time"),
+        proposed(stop, 9.0, "gain"),
+        proposed(lag, 1.0, "gain"),
+        proposed(lag, 0.1, move="drop"),
+        proposed(keyed("other"), 0.5, "gain"),
     ]
     assert first_of(nodes, proposals, "deviate", 1) == [play, lag]  # what leaves least, what promises most
     assert first_of(nodes, proposals, "deviate", 2) == [play, stop, lag]  # each once

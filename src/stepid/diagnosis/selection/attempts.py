@@ -34,7 +34,7 @@ class Attempts(Fits):
         if least <= self.noise_limit:
             return False
         leads: dict[int, Node] = {}
-        for node in self._nameable(sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))):
+        for node in self._nameable(sorted(self.nodes.values(), key=self._foreseen)):
             if len(node.effects) <= LEADING:
                 leads.setdefault(len(node.effects), node)
         for node in leads.values():
@@ -84,7 +84,7 @@ class Attempts(Fits):
             if self._least().cost > self.noise_limit:
                 self._expand(base, EXPLORING)
                 self._fit_beside(base)
-        promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
+        promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort, self._foreseen)
         return self._takes_enough(least)
 
     def _try_exchanges(self) -> None:
@@ -140,7 +140,7 @@ class Attempts(Fits):
         """Fit proposals a little, as `_fit` does each; the promising of all sets run on."""
         for proposal in proposals:
             self._fit(proposal, keep)
-        promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
+        promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort, self._foreseen)
 
     def _able(self) -> list[Proposal]:
         """Proposals of which a fit may be found: others have their turn where none was."""

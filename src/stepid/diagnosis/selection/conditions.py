@@ -55,24 +55,25 @@ def in_place(nodes: Collection[Node], calmer: Collection[Node], best: Node, slac
 
 
 def singles(nodes: Collection[Node], best: Candidate) -> list[Node]:
-    """Single effects beside which conditions that differ may do what the best answer does, least cost first.
+    """Single effects beside which a further condition that differs may do what the best answer does, least cost first.
 
-    That is nothing but such conditions, or several effects of which each is one.
+    That is nothing but such conditions, or several effects: each may be such a condition, and so may what differs yet.
     """
-    if bool(best.effects) == bool(best.deviations) or len(best.effects) == 1:
+    if len(best.effects) == 1 or not (best.effects or best.deviations):
         return []
-    alike = [n for n in nodes if len(n.effects) == 1 and not n.deviations]
-    return sorted((n for n in alike if not best.effects or includes(best.effects, n.effects)), key=lambda n: n.cost)
+    most = best.deviations if best.effects else frozenset()
+    alone = [n for n in nodes if len(n.effects) == 1 and n.deviations <= most]
+    return sorted((n for n in alone if not best.effects or includes(best.effects, n.effects)), key=lambda n: n.cost)
 
 
 def first_of(nodes: Sequence[Node], proposals: Sequence[Proposal], move: str, count: int) -> list[Node]:
     """The first `count` of some nodes, and the `count` of which a proposal by a move promises to leave least.
 
-    Proposals of one condition count: all together promise to leave nothing of any.
+    Proposals of one further condition count: all together promise to leave nothing of any.
     """
     least: dict[Key, float] = {}
     for p in proposals:
-        if p.move == move and conditions(p.deviations) == 1:
+        if p.move == move and conditions(p.deviations - p.base[1]) == 1:
             least[p.base] = min(p.left, least.get(p.base, math.inf))
     promising = sorted((n for n in nodes if n.key in least), key=lambda n: least[n.key])
     return list({n.key: n for n in (*nodes[:count], *promising[:count])}.values())

@@ -58,7 +58,7 @@ class Effort(Model):
     polishing : int
         Iterations of a fit to all samples.
     spread : float
-        Relative difference of cost within which candidates are as good, and fitted to all samples.
+        Relative difference of cost within which candidates are as good, and fitted to all samples, as within a tie.
     attenuated : float
         Share of an effect, or of the largest velocity, at which hardly any is there: a start from which there is a way
         downhill.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import islice
 
 from stepid.diagnosis.criteria import Criteria
@@ -104,24 +104,36 @@ class Fits(Standings):
             self._failed = {(base, other, move) for base, other, move in self._failed if base != key}
 
     def _polish_best(self) -> Candidate:
-        """Fit the best nodes to all samples."""
-        order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
-        best = by.value(self.fit, order[0])
-        near = best + max(self.effort.stuck * self.criteria.tie * self.fit.unit, self.effort.spread * best)
-        first = [*order[:1], *islice(self._nameable(order), 1)]
-        for node in order:
-            # one that is not near, or cannot be named, is fitted once: it may go on for long, and cannot win
-            known = node.key in self.candidates
-            if known and not any(self._named([node])):
-                continue
-            if by.no_answer(self.noise_limit, node.effects, node.cost / 2):
-                continue
-            ahead = any(node is f for f in first)
-            near_by = by.value(self.fit, node) < near and (ahead or len(node.effects) < LEADING or self._answers(node))
-            if near_by or (ahead and not known):
+        """Fit the best nodes to all samples; first those that lead the race: what they leave judges the others."""
+        order = sorted(self.nodes.values(), key=self._foreseen)
+        first = [order[0], *islice(self._nameable(order), 1)]
+        new = self._polish_new(first)
+        lowest, reach = min(order, key=lambda n: n.cost), self.effort.stuck * self.criteria.tie
+        if self._foreseen(lowest) < min(map(self._foreseen, order)) + reach:
+            new |= self._polish_new([lowest])  # by its rest the samples count
+        worth = {key: self._foreseen(node) for key, node in self.nodes.items()}
+        best = self.nodes[min(worth, key=worth.__getitem__)]
+        spread = max(self.effort.spread * best.cost, reach * self.fit.unit)
+        near = max(worth[best.key] + self.criteria.tie, self._foreseen(best, spread))
+        for node in sorted(self.nodes.values(), key=lambda n: worth[n.key]):
+            asked = len(node.effects) < LEADING or self._answers(node) or any(node is ahead for ahead in first)
+            if worth[node.key] < near and asked and node.key not in new and self._may_win(node):
                 self._polish(node)
         self._stick_elsewhere(self.nodes[self.best.key])
         return self.best
+
+    def _polish_new(self, nodes: Iterable[Node]) -> set[Key]:
+        """Fit nodes to all samples that are not yet, and may win; the keys of those."""
+        new = {n.key: n for n in nodes if n.key not in self.candidates and self._may_win(n)}
+        for node in new.values():
+            self._polish(node)
+        return set(new)
+
+    def _may_win(self, node: Node) -> bool:
+        """Tell whether a node may be an answer; one that cannot be named is fitted once: it may go on for long."""
+        if node.key in self.candidates and not any(self._named([node])):
+            return False
+        return not by.no_answer(self.noise_limit, node.effects, node.cost / 2)
 
     def _polish_leads(self) -> None:
         """Where a rest remains, fit what may lead to all samples: the first of each size, with runs alike, too.
@@ -130,7 +142,7 @@ class Fits(Standings):
         """
         if self._complete(self.best):
             return
-        order = sorted(self.nodes.values(), key=lambda n: by.value(self.fit, n))
+        order = sorted(self.nodes.values(), key=self._foreseen)
         able = [n for n in self._nameable(order) if len(n.effects) <= LEADING]
         leads = [node for alike in by.of_each_size(able) for node in alike[: self.effort.polish]]
         pairs = [*[n for n in able if len(n.effects) == LEADING][:1], self.nodes[self.best.key]]

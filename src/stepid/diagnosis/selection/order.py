@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
@@ -259,10 +258,3 @@ def hoped_of_parts(
 def no_answer(noise_limit: float, effects: Sequence[Effect], cost: float) -> bool:
     """Tell whether a set is none that may lead, and leaves a rest: so many effects are an answer at the floor only."""
     return len(effects) > LEADING and cost > noise_limit
-
-
-def value(fit: FitContext, node: Node) -> float:
-    """Cost of a node and of its parameters, m², as if the best left only noise."""
-    problem = node.best.problem
-    count = int(problem.free.sum() + problem.active.sum())
-    return node.cost + count * math.log(fit.records.size) * fit.unit

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.order import of_each_size
@@ -10,7 +10,9 @@ from stepid.diagnosis.selection.proposal import Node
 from stepid.fitting.multistart import FitContext
 
 
-def promote(nodes: Collection[Node], fit: FitContext, tie: float, effort: Effort) -> None:
+def promote(
+    nodes: Collection[Node], fit: FitContext, tie: float, effort: Effort, worth: Callable[[Node], float]
+) -> None:
     """Let the promising nodes of each size run on: the fewer, the further.
 
     Each size by itself: a single effect on its way to what a larger set leaves would otherwise stay behind that.
@@ -20,17 +22,20 @@ def promote(nodes: Collection[Node], fit: FitContext, tie: float, effort: Effort
     nodes : collection of Node
     fit : FitContext
     tie : float
-        Of `stepid.Criteria`: nodes that are as near to the first run on as well.
+        Of `stepid.Criteria`: nodes that are as near to the one of least cost run on as well.
     effort : Effort
+    worth : callable
+        QBIC of a node: the first by it run on, too. Sets in which the runs differ in everything leave least.
     """
     least = min(node.cost for node in nodes)
     for alike in of_each_size(nodes):
         laps, count = effort.promote, effort.promoted
         while count:
-            order = sorted(alike, key=lambda n: n.cost)
-            near = order[0].cost + (1 + effort.promoted - count) * fit.unit * tie
-            for place, node in enumerate(order):
-                if place < count or node.cost < near:
+            by_cost = sorted(alike, key=lambda n: n.cost)
+            near = by_cost[0].cost + (1 + effort.promoted - count) * fit.unit * tie
+            first = [*by_cost[:count], *sorted(alike, key=worth)[:count]]
+            for node in by_cost:
+                if node.cost < near or any(node is other for other in first):
                     share = effort.enough * max(node.cost - least, node.fitted.excess)
                     node.fitted.run(laps=laps, tolerance=max(share, effort.converged * fit.unit))
             laps, count = 2 * laps, count // 2

@@ -21,6 +21,7 @@ from stepid.diagnosis.selection.promote import promote
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext, is_mode
 from stepid.effects.base import Effect
 from stepid.fitting.candidate_fit import CandidateFit
+from stepid.fitting.deviations import conditions
 from stepid.fitting.multistart import FitContext
 
 _RIVALS_AND_RUNS = {*RIVALS, Deviate.name}
@@ -87,7 +88,7 @@ class Search(Attempts):
                 if not self._idle(proposal):
                     self._fit(proposal)
             if batch:
-                promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort)
+                promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort, self._foreseen)
             best = self._polish_best()
             if self._complete(best):
                 break
@@ -106,9 +107,10 @@ class Search(Attempts):
             made += [self._expand(node, (Deviate(),)) for node in steady]
             steady = runs.first_of(steady, self.proposals, Deviate.name, self.effort.beam)
             calmer = runs.calmer(self.nodes.values(), self.best) if at_floor(self.fit, self.criteria, self.best) else []
-            made += [self._expand(node, IN_PLACE) for node in calmer]
+            made += [self._expand(node, (*IN_PLACE, Deviate())) for node in calmer]
+            steady += calmer  # another condition may be what differs
             remain = self._remaining(calmer)
-            steady += [self.nodes[p.base] for p in remain]  # another condition may be what differs
+            steady += [self.nodes[p.base] for p in remain]
             made += [self._expand(self.nodes[p.base], (Deviate(),)) for p in remain]
             keys = {node.key for node in (*bases, *steady)}
             asked = self._rivals(keys, unforeseen=self._unforeseen() if any(made) else ())
@@ -161,7 +163,7 @@ class Search(Attempts):
     def _expand_best(self, moves: Sequence[Move]) -> bool:
         """Expand the best nodes of those not expanded yet, one for each set of effects, and the best nameable one."""
         order: list[Node] = []
-        for node in sorted(self.nodes.values(), key=lambda n: self._qbic(n.best)):
+        for node in sorted(self.nodes.values(), key=self._foreseen):
             if node.key[0] not in [other.key[0] for other in order]:  # other conditions of it stand for it
                 order.append(node)
         beam = order[: self.effort.beam]
@@ -171,15 +173,20 @@ class Search(Attempts):
         return sum(self._expand(node, moves) for node in beam) > 0
 
     def _promising(self) -> list[Proposal]:
-        """The proposals to fit next: the smallest sets first, of these the most promising."""
+        """The proposals to fit next: the smallest sets first, of these the most promising; a few larger ones.
+
+        Of those with a further condition that differs from run to run the most promising one.
+        """
         found = self._gaining(self._worthy(lambda p: p.move not in _TOGETHER))
         together = by.first_together(self._able(), self.nodes, self.effort.share, TOGETHER)
         sets = {p.key for p in together}
         found = [p for p in found if p.key not in sets]
         smallest = min((p.size for p in found), default=0)
         first = [p for p in found if p.size == smallest][: self.effort.width]
-        larger = [p for p in found if p.size > smallest and not p.deviations][: self.effort.share]
-        return sorted([*first, *together, *larger], key=lambda p: p.size)  # what needs less is asked first
+        larger = [p for p in found if p.size > smallest]
+        alike = [p for p in larger if not p.deviations][: self.effort.share]
+        apart = [p for p in larger if conditions(p.deviations - p.base[1]) == 1][:1]  # all together promise everything
+        return sorted([*first, *together, *alike, *apart], key=lambda p: p.size)  # what needs less is asked first
 
     def _unforeseen(self) -> frozenset[str]:
         """Moves whose proposals are asked whatever a step promises: beside one effect that leaves noise few are left.
@@ -227,8 +234,11 @@ class Search(Attempts):
             return True
         if proposal.move not in RIVALS or (proposal.base, proposal.key) in self._tried:
             return False
+        known = self.nodes[proposal.key].cost
+        if proposal.move == Drop.name and proposal.base == self.best.key and proposal.left > known:
+            return True  # a step that leaves more than what is known tells nothing
         least = min(node.cost for node in self.nodes.values())
-        return by.promises_more(proposal, self.nodes[proposal.key].cost, least, self.effort, self.fit, self.criteria)
+        return by.promises_more(proposal, known, least, self.effort, self.fit, self.criteria)
 
     def _gains(self, named: Node, proposal: Proposal) -> bool:
         """Tell whether a proposal may better the best that may be named, or rival it or the best of its size."""

@@ -33,7 +33,7 @@ class Standings:
         self.fit, self.criteria, self.effort = fit, criteria, effort
         self.nodes: dict[Key, Node] = {}
         self.candidates: dict[Key, Candidate] = {}
-        self._by_least: tuple[Optimum, Callable[[Optimum], float]] | None = None
+        self._by_least: tuple[Optimum, Callable[..., float]] | None = None
         self.noise_limit = fit.noise_limit  # cost in the race below which nothing but noise is left, m²
 
     @cached_property
@@ -77,12 +77,18 @@ class Standings:
         found = of([c for c in every if not imitators(self.fit, self.criteria, c)] or every)
         return found if at_floor(self.fit, self.criteria, found) else of(every)
 
-    def _qbic(self, optimum: Optimum) -> float:
-        """QBIC by the samples that are effective in what the candidate of least cost leaves."""
+    def _qbic(self, optimum: Optimum, cost: float | None = None) -> float:
+        """QBIC by the samples that are effective in what the candidate of least cost leaves; of another cost, m²."""
         least = min((c.optimum for c in self.candidates.values()), key=lambda o: o.cost)
         if self._by_least is None or self._by_least[0] is not least:
             self._by_least = least, qbic_by(self.fit, least)
-        return self._by_least[1](optimum)
+        return self._by_least[1](optimum, cost)
+
+    def _foreseen(self, node: Node, more: float = 0.0) -> float:
+        """QBIC of a node, by what its cost in the race, or so much more [m²], tells of its cost in all samples."""
+        floor = self.fit.floor**2
+        beyond = (node.cost + more - self.fit.noise_cost) * floor / self.fit.unit
+        return self._qbic(node.best, self.fit.records.weighed_size * floor + beyond)
 
     def _needed(self, effects: tuple[Effect, ...], deviations: Deviations) -> float:
         """Cost in the race at which a set is an answer, m²: the noise, or as little of a misfit as a lead may leave.

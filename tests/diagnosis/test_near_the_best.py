@@ -1,0 +1,162 @@
+"""Which sets are fitted to all samples: those that lead the race, and those near the best by the samples that count."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, losing
+from made_up_search import a_search, node, nothing_imitates, proposed
+from stepid import Effort
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.diagnosis.selection.fits import Fits
+from stepid.diagnosis.selection.promote import promote
+
+SWINGS = np.sin(0.3 * np.arange(RUNS * SAMPLES))
+NOISE = RUNS * SAMPLES * FLOOR**2
+
+
+@pytest.fixture(autouse=True)
+def plain_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    nothing_imitates(monkeypatch)
+
+
+def raced(found: Candidate) -> Any:
+    fitted = SimpleNamespace(polished=None, other_sticking=lambda: False)
+    own = {"effects": found.effects, "deviations": found.deviations, "key": found.key, "best": found.optimum}
+    return SimpleNamespace(**own, size=len(found.effects), cost=found.optimum.cost, fitted=fitted)
+
+
+def a_race(*found: Candidate, effort: Effort | None = None) -> Any:
+    """A search that has fitted some sets beside a linear plant, which swings: of its rest few samples count."""
+    search = a_search(lead=9.0)
+    plain = candidate(times=30.0, residual=SWINGS)
+    search.candidates, search.noise_limit = {plain.key: plain}, 1.1 * NOISE
+    search.nodes = {c.key: raced(c) for c in (plain, *found)}
+    search.fit = SimpleNamespace(**vars(search.fit) | {"unit": FLOOR**2, "noise_cost": NOISE})
+    search.effort = effort or Effort()
+    return search
+
+
+def fitted_in(search: Any, monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
+    """Names of the sets that are fitted to all samples, in their order."""
+    order: list[tuple[str, ...]] = []
+
+    def polish(_: Any, one: Any) -> None:
+        order.append(tuple(e.name for e in one.effects))
+        search.candidates[one.key] = Candidate(one.effects, one.deviations, one.best, 0.0)
+
+    monkeypatch.setattr(Fits, "_polish", polish)
+    assert search._polish_best() is search.best
+    return order
+
+
+@pytest.mark.parametrize(
+    ("times", "qbic", "spread", "near"),
+    [
+        (10.0, 9.0, 0.02, True),  # less than a tie
+        (10.0, 12.0, 0.02, False),
+        (10.0, 30.0, 0.1, True),  # a tenth of the cost is 38
+        (1.0, 40.0, 0.02, True),  # six ties of χ² are 56
+        (1.0, 70.0, 0.02, False),
+    ],
+)
+def test_how_near_others_are_is_told_by_what_the_best_leaves(
+    times: float, qbic: float, spread: float, near: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the few samples that count of what the linear plant leaves all would be near."""
+    best = candidate(["free_play"], times=times)
+    other = losing(best, qbic, ["end_stop"])
+    search = a_race(other, best, effort=Effort(spread=spread))
+    assert fitted_in(search, monkeypatch) == [best.names, *([other.names] if near else [])]
+
+
+@pytest.mark.parametrize(("stuck", "fitted"), [(6.0, True), (2.0, False)])
+def test_what_leaves_least_is_fitted_if_it_may_win(stuck: float, fitted: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The samples that count are those of its rest; its parameters cost 30 more, so many ties are 60 or 20."""
+    best = candidate(["cogging"], times=10.0)
+    most = candidate(["free_play"], times=9.999, deviations=["damping", "gain", "start_time"])
+    search = a_race(best, most, effort=Effort(stuck=stuck))
+    assert search._foreseen(search.nodes[most.key]) > search._foreseen(search.nodes[best.key])
+    assert fitted_in(search, monkeypatch) == [best.names, *([most.names] if fitted else [])]
+
+
+def test_the_first_that_may_be_named_is_fitted_however_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    best = candidate(["free_play"], times=10.0)
+    search = a_race(best, losing(best, 99.0, ["end_stop"]))
+    assert fitted_in(search, monkeypatch) == [("free_play",)]
+    barred = "stepid.diagnosis.selection.order.imitators"
+    monkeypatch.setattr(barred, lambda fit, criteria, c: {"damping": 1.0} if c.names != ("end_stop",) else {})
+    search = a_race(best, losing(best, 99.0, ["end_stop"]))
+    assert fitted_in(search, monkeypatch) == [("free_play",), ("end_stop",)]
+    assert fitted_in(search, monkeypatch) == []  # one that is far is not fitted again and again
+
+
+def test_three_effects_that_leave_a_rest_are_not_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
+    best = candidate(["cogging"], times=4.0)
+    three = candidate(["free_play", "end_stop", "actuator_lag"], times=3.0)
+    assert fitted_in(a_race(best, three), monkeypatch) == [best.names]
+
+
+def test_a_cost_in_the_race_stands_for_that_in_all_samples() -> None:
+    """Every tenth sample: noise counts a tenth, a misfit ten times; what rounding leaves at least is of all samples."""
+    best = candidate(["free_play"], times=2.0)
+    search = a_race(best)
+    search.candidates[best.key] = best
+    in_all = search._qbic(best.optimum)
+    search.fit.unit, search.fit.noise_cost, search.fit.rounding_cost = FLOOR**2 / 10, NOISE / 10, NOISE / 2
+    tenth = raced(best)
+    tenth.cost = best.optimum.cost / 10
+    assert search._foreseen(tenth) == pytest.approx(in_all)
+    assert search._foreseen(tenth, tenth.cost) == pytest.approx(in_all + RUNS * SAMPLES * np.log(2), rel=1e-3)
+
+
+@pytest.mark.parametrize(("conditions", "asked"), [(("gain",), True), (("gain", "damping"), False)])
+def test_one_condition_beside_an_effect_is_asked_out_of_its_turn(conditions: tuple[str, ...], asked: bool) -> None:
+    """Smaller sets go first, but for a few that promise most; all conditions together promise to leave nothing."""
+    found: Any = a_search(lead=9.0)
+    alone = [proposed(found.root, name, move="add", left=50.0) for name in ("free_play", "end_stop")]
+    cogging = node("cogging", cost=60.0)
+    beside = proposed(cogging, "cogging", move="deviate", left=2.0)
+    beside.deviations, beside.size = frozenset(conditions), 2
+    beside.key = beside.key[0], beside.deviations
+    found.nodes[cogging.key] = cogging
+    found.proposals = [*alone, beside]
+    assert found._promising() == [*alone, *([beside] if asked else [])]
+
+
+@pytest.mark.parametrize(
+    ("left", "of_the_best", "asked"),
+    [
+        (50.0, True, True),  # more than what is known: so far a step tells nothing
+        (50.0, False, False),
+        (35.0, True, False),  # the set may be at its end
+        (10.0, False, True),  # it had ended elsewhere
+    ],
+)
+def test_what_the_best_may_not_need_is_dropped_though_a_step_promises_nothing(
+    left: float, of_the_best: bool, asked: bool
+) -> None:
+    found: Any = a_search(lead=9.0)
+    alone, pair = node("coulomb_friction", cost=40.0), next(n for n in found.nodes.values() if len(n.effects) > 1)
+    found.nodes[alone.key] = alone
+    if not of_the_best:
+        found.candidates = {c.key: c for c in (candidate(times=30.0), candidate(["end_stop"], times=2.0))}
+    assert found._new(proposed(pair, "coulomb_friction", move="drop", left=left)) is asked
+
+
+def test_who_runs_on_in_the_race_is_told_by_qbic_too() -> None:
+    """Sets in which the runs differ in everything leave least, and would take every place."""
+    went: list[str] = []
+
+    def racing(name: str, cost: float) -> Any:
+        fitted = SimpleNamespace(excess=cost, run=lambda **_: went.append(name))
+        return SimpleNamespace(name=name, cost=cost, size=2, fitted=fitted)
+
+    nodes = [*(racing(f"differs in everything {i}", 1.0 + 0.1 * i) for i in range(5)), racing("gain", 9.0)]
+    fit: Any = SimpleNamespace(unit=0.001)
+    promote(nodes, fit, 10.0, Effort(promoted=1), lambda n: n.cost + 20.0 * n.name.startswith("differs"))
+    assert went == ["differs in everything 0", "gain"]  # that of least cost, and the first
