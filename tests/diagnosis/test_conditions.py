@@ -31,11 +31,7 @@ NODES = [made_up(), FRICTION, PLAY, COGGING, SHAKEN, made_up("cogging", "free_pl
         (("coulomb_friction", "free_play"), (), [PLAY, FRICTION]),  # one of them may be such a condition
         (("stribeck_friction", "free_play"), (), [PLAY, FRICTION]),  # a simpler law is inside
         (("coulomb_friction",), (), []),
-        (
-            ("cogging", "free_play"),
-            ("gain",),
-            [COGGING, SHAKEN, PLAY],
-        ),  # another condition in its place, or a further one
+        (("cogging", "free_play"), ("gain",), [COGGING, SHAKEN, PLAY]),  # another condition, or a further one
         (("cogging", "free_play"), ("damping",), [COGGING, PLAY]),
         ((), (), []),
     ],

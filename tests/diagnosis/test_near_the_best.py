@@ -95,6 +95,16 @@ def test_the_first_that_may_be_named_is_fitted_however_far_it_is(monkeypatch: py
     assert fitted_in(search, monkeypatch) == []  # one that is far is not fitted again and again
 
 
+@pytest.mark.parametrize(("answers", "fitted"), [(True, True), (False, False)])
+def test_a_pair_that_is_near_is_fitted_if_it_may_be_an_answer(
+    answers: bool, fitted: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    best = candidate(["end_stop"], times=4.0)
+    pair = losing(best, 5.0, ["free_play", "actuator_lag"])  # as many parameters
+    monkeypatch.setattr(Fits, "_answers", lambda *_: answers)
+    assert fitted_in(a_race(best, pair), monkeypatch) == [best.names, *([pair.names] if fitted else [])]
+
+
 def test_three_effects_that_leave_a_rest_are_not_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
     best = candidate(["cogging"], times=4.0)
     three = candidate(["free_play", "end_stop", "actuator_lag"], times=3.0)
@@ -114,18 +124,28 @@ def test_a_cost_in_the_race_stands_for_that_in_all_samples() -> None:
     assert search._foreseen(tenth, tenth.cost) == pytest.approx(in_all + RUNS * SAMPLES * np.log(2), rel=1e-3)
 
 
-@pytest.mark.parametrize(("conditions", "asked"), [(("gain",), True), (("gain", "damping"), False)])
-def test_one_condition_beside_an_effect_is_asked_out_of_its_turn(conditions: tuple[str, ...], asked: bool) -> None:
-    """Smaller sets go first, but for a few that promise most; all conditions together promise to leave nothing."""
+def beside(name: str, cost: float, *conditions: str, already: tuple[str, ...] = (), left: float) -> tuple[Any, Any]:
+    """An effect in the race, and what is proposed beside it."""
+    base = node(name, cost=cost)
+    base.deviations = frozenset(already)
+    base.key = base.key[0], base.deviations
+    more = proposed(base, name, move="deviate", left=left)
+    more.deviations, more.size = base.deviations.union(conditions), 2
+    more.key = more.key[0], more.deviations
+    return base, more
+
+
+def test_one_condition_beside_an_effect_is_asked_out_of_its_turn() -> None:
+    """Smaller sets go first, but for the one that promises most; all conditions together promise to leave nothing."""
     found: Any = a_search(lead=9.0)
     alone = [proposed(found.root, name, move="add", left=50.0) for name in ("free_play", "end_stop")]
-    cogging = node("cogging", cost=60.0)
-    beside = proposed(cogging, "cogging", move="deviate", left=2.0)
-    beside.deviations, beside.size = frozenset(conditions), 2
-    beside.key = beside.key[0], beside.deviations
-    found.nodes[cogging.key] = cogging
-    found.proposals = [*alone, beside]
-    assert found._promising() == [*alone, *([beside] if asked else [])]
+    lag, most = beside("actuator_lag", 55.0, "damping", already=("gain",), left=2.0)
+    cogging, next_one = beside("cogging", 60.0, "gain", left=3.0)
+    drift, every = beside("sensor_drift", 70.0, "gain", "damping", left=0.0)
+    found.nodes |= {base.key: base for base in (lag, cogging, drift)}
+    for larger, asked in (([every], []), ([next_one, every], [next_one]), ([next_one, most, every], [most])):
+        found.proposals = [*alone, *larger]
+        assert found._promising() == [*alone, *asked]
 
 
 @pytest.mark.parametrize(

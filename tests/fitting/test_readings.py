@@ -12,7 +12,6 @@ from scipy.signal import lfilter
 import stepid
 from made_up_readings import campaign, force, runs
 from stepid.core.base import Array
-from stepid.core.outliers import outliers
 from stepid.fitting import eccentricity
 from stepid.fitting.eccentricity import Eccentricity, find_eccentricity, without_eccentricity
 from stepid.fitting.fit import prepare
@@ -81,18 +80,6 @@ def test_a_motion_that_begins_or_ends_with_a_jerk_has_no_wrong_reading() -> None
         for size in range(60, 130):  # whatever happens at the last samples
             short = run.model_copy(update={"time": run.time[:size], "position": y[:size], "input": run.input[:size]})
             assert not mend(short).wrong.any()
-
-
-@pytest.mark.parametrize("per_radian", [4, 40])
-@pytest.mark.parametrize("how", ["step", "release", "blow"])
-def test_where_a_motion_begins_no_reading_is_wrong(how: str, per_radian: int) -> None:
-    """It begins between any of the first samples, as it does from rest, let go or struck."""
-    rng = np.random.default_rng(9)
-    for begin in np.linspace(0.0, 5.0, 26):
-        t = np.maximum(np.arange(120) - begin, 0.0) / per_radian
-        swing, decay = (np.sin(t), 1.0) if how == "blow" else (np.cos(t), np.exp(-0.1 * t))
-        y = (1.0 - decay * swing if how == "step" else decay * swing) + 1e-6 * rng.standard_normal(t.size)
-        assert not [block for block in outliers(y, 1e-6, 0.0) if block[1] < 9]
 
 
 def test_a_fit_does_not_see_outliers() -> None:

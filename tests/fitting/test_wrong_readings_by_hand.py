@@ -59,6 +59,27 @@ def stopped(length: int, share: float, after: float = 1.0) -> Array:
     return np.concatenate([before, np.full(length, before[-1]), before[-1] + share * (length + 1) + late])
 
 
+@pytest.mark.parametrize("per_radian", [4, 40])
+@pytest.mark.parametrize("how", ["step", "release", "blow"])
+def test_where_a_motion_begins_no_reading_is_wrong(how: str, per_radian: int) -> None:
+    """It begins between any of the first samples, as it does from rest, let go or struck."""
+    rng = np.random.default_rng(9)
+    for begin in np.linspace(0.0, 5.0, 26):
+        t = np.maximum(np.arange(120) - begin, 0.0) / per_radian
+        swing, decay = (np.sin(t), 1.0) if how == "blow" else (np.cos(t), np.exp(-0.1 * t))
+        y = (1.0 - decay * swing if how == "step" else decay * swing) + 1e-6 * rng.standard_normal(t.size)
+        assert not [block for block in outliers(y, 1e-6, 0.0) if block[1] < 9]
+
+
+def test_where_a_blow_begins_and_fades_at_once_no_reading_is_wrong() -> None:
+    """Its neighbors differ: one among the first samples stands out as a wrong one does."""
+    rng = np.random.default_rng(10)
+    for _ in range(300):
+        t, fade, slow = np.maximum(np.arange(120) - rng.uniform(0, 4), 0.0), rng.uniform(1, 2), rng.uniform(20, 80)
+        y = t / fade * np.exp(-t / fade) + 0.1 * (1 - np.exp(-t / slow)) + 1e-5 * rng.standard_normal(t.size)
+        assert not [block for block in outliers(y, 1e-5, 0.0) if block[1] < 4]
+
+
 @pytest.mark.parametrize(
     ("length", "share", "after", "found"),
     [

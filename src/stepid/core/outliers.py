@@ -76,7 +76,7 @@ def _take(y: Array, found: list[Block], wrong: Mask) -> bool:
     """Interpolate blocks, the plainest first, none near another."""
     busy = np.zeros(y.size, dtype=bool)
     for _, begin, count in sorted(found, reverse=True):
-        around = slice(begin - SIDE, begin + count + SIDE)
+        around = slice(max(begin - SIDE, 0), begin + count + SIDE)
         if busy[around].any():
             continue
         busy[around] = True
@@ -110,9 +110,10 @@ def _last(y: Array, noise: float, least: float) -> list[Block]:
 
 
 def _first(y: Array, noise: float, least: float) -> list[Block]:
-    """One of the first samples that stands out, as of the last, though those beside it read the same.
+    """One of the first samples that stands out, as of the last, where its two neighbors differ by less than half of it.
 
-    Where a motion begins they do not. The very first is not asked.
+    Where a motion begins they differ by more; one that is over within a sample reads as an outlier. The very first is
+    not asked.
     """
     found = []
     for begin in range(1, SIDE):

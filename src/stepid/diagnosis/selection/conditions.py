@@ -57,7 +57,8 @@ def in_place(nodes: Collection[Node], calmer: Collection[Node], best: Node, slac
 def singles(nodes: Collection[Node], best: Candidate) -> list[Node]:
     """Single effects beside which a further condition that differs may do what the best answer does, least cost first.
 
-    That is nothing but such conditions, or several effects: each may be such a condition, and so may what differs yet.
+    That is nothing but such conditions, or several effects: one of these, or of the conditions that differ already, may
+    stand for another condition.
     """
     if len(best.effects) == 1 or not (best.effects or best.deviations):
         return []

@@ -58,7 +58,8 @@ class Effort(Model):
     polishing : int
         Iterations of a fit to all samples.
     spread : float
-        Relative difference of cost within which candidates are as good, and fitted to all samples, as within a tie.
+        Relative difference of cost within which candidates are fitted to all samples, as within `stuck` ties of χ² or a
+        tie of QBIC.
     attenuated : float
         Share of an effect, or of the largest velocity, at which hardly any is there: a start from which there is a way
         downhill.
