@@ -75,7 +75,7 @@ def test_effects_in_the_place_of_a_condition_are_the_first_few_on_each_base_not_
     bases = {on_play[0].base, on_cogging[0].base}
     assert instead(every, set(), bases, 2) == [on_play[1], on_play[2], on_cogging[0]]
     tried = {(on_play[1].base, on_play[1].key)}
-    assert instead(every, tried, bases, 2) == [on_play[2], on_cogging[0]]  # it was of the first
+    assert instead(every, tried, bases, 2) == [on_play[2], on_play[0], on_cogging[0]]  # what was tried takes no place
 
 
 BEST = made_up("free_play", deviations=("gain",), cost=1.0)

@@ -23,9 +23,9 @@ def instead(
     """The first few effects on each base that may stand in the place of a condition, of those not tried yet."""
     able: dict[Key, list[Proposal]] = {}
     for p in sorted(proposals, key=lambda p: p.rank):
-        if p.move == Instead.name and p.base in bases:
+        if p.move == Instead.name and p.base in bases and (p.base, p.key) not in tried:
             able.setdefault(p.base, []).append(p)
-    return [p for own in able.values() for p in own[:share] if (p.base, p.key) not in tried]
+    return [p for own in able.values() for p in own[:share]]
 
 
 def in_place(nodes: Collection[Node], calmer: Collection[Node], best: Node, slack: float) -> list[Node]:
