@@ -67,8 +67,13 @@ def stand_out(
     return np.abs(off) / local.spread / np.maximum(spread, noise)[:, None], off
 
 
+def _after(size: int, begin: int, count: int) -> int:
+    """How many of the neighbors of a block come after it: half of them, but near the ends of a record."""
+    return max(min(SIDE, size - begin - count), 2 * SIDE - begin)
+
+
 def _interpolate(y: Array, begin: int, count: int) -> None:
-    after = max(min(SIDE, y.size - begin - count), 2 * SIDE - begin)
+    after = _after(y.size, begin, count)
     y[begin : begin + count] = _local(count, after).predict @ y[begin + _sides(count, after)]
 
 
@@ -94,32 +99,21 @@ def outliers(y: Array, noise: float, least: float) -> list[Block]:
         ends, far = score[:, [0, -1]].min(axis=1), np.abs(off[:, [0, -1]]).min(axis=1)
         out = (ends > _OUTLIER) & (far > least)
         found += [(float(ends[i]), int(begin[i]), count) for i in np.flatnonzero(out)]
-    return found + _first(y, noise, least) + _last(y, noise, least)
+    return found + _near_the_ends(y, noise, least)
 
 
-def _last(y: Array, noise: float, least: float) -> list[Block]:
-    """One of the last samples that stands out, by more than any acceleration of the record does in a sample."""
-    found = []
-    for after in range(SIDE):
-        begin = y.size - 1 - after
-        score, off = stand_out(y, 1, np.array([begin]), noise, after)
-        fastest = float(np.abs(np.diff(y[: begin - 1], 2)).max(initial=0.0))
-        if score[0, 0] > _OUTLIER and abs(off[0, 0]) > max(least, fastest):
-            found.append((float(score[0, 0]), begin, 1))
-    return found
+def _near_the_ends(y: Array, noise: float, least: float) -> list[Block]:
+    """One of the first or last samples that stands out, by more than any acceleration of the record does in a sample.
 
-
-def _first(y: Array, noise: float, least: float) -> list[Block]:
-    """One of the first samples that stands out, as of the last, where its two neighbors differ by less than half of it.
-
-    Where a motion begins they differ by more; one that is over within a sample reads as an outlier. The very first is
-    not asked.
+    Of the first, one whose two neighbors differ by less than half of it: where a motion begins they differ by more. One
+    that is over within a sample reads as an outlier. The very first is not asked.
     """
     found = []
-    for begin in range(1, SIDE):
-        score, off = stand_out(y, 1, np.array([begin]), noise, 2 * SIDE - begin)
-        fastest = float(np.abs(np.diff(y[begin + 2 :], 2)).max(initial=0.0))
-        beside = 2 * abs(float(y[begin + 1] - y[begin - 1]))
+    for begin in (*range(1, SIDE), *range(y.size - SIDE, y.size)):
+        score, off = stand_out(y, 1, np.array([begin]), noise, _after(y.size, begin, 1))
+        first = begin < SIDE
+        fastest = float(np.abs(np.diff(y[begin + 2 :] if first else y[: begin - 1], 2)).max(initial=0.0))
+        beside = 2 * abs(float(y[begin + 1] - y[begin - 1])) if first else 0.0
         if score[0, 0] > _OUTLIER and abs(off[0, 0]) > max(least, fastest, beside):
             found.append((float(score[0, 0]), begin, 1))
     return found

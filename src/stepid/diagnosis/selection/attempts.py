@@ -34,7 +34,7 @@ class Attempts(Fits):
         if least <= self.noise_limit:
             return False
         leads: dict[int, Node] = {}
-        for node in self._nameable(sorted(self.nodes.values(), key=self._foreseen)):
+        for node in self._nameable(self._in_order()):
             if len(node.effects) <= LEADING:
                 leads.setdefault(len(node.effects), node)
         for node in leads.values():

@@ -105,13 +105,14 @@ class Fits(Standings):
 
     def _polish_best(self) -> Candidate:
         """Fit the best nodes to all samples; first those that lead the race: what they leave judges the others."""
-        order = sorted(self.nodes.values(), key=self._foreseen)
+        order = self._in_order()
         first = [order[0], *islice(self._nameable(order), 1)]
         new = self._polish_new(first)
+        worth = self._worth()
         lowest, reach = min(order, key=lambda n: n.cost), self.effort.stuck * self.criteria.tie
-        if self._foreseen(lowest) < min(map(self._foreseen, order)) + reach:
-            new |= self._polish_new([lowest])  # by its rest the samples count
-        worth = {key: self._foreseen(node) for key, node in self.nodes.items()}
+        if worth[lowest.key] < min(worth.values()) + reach:
+            lower = self._polish_new([lowest])  # by its rest the samples count
+            new, worth = new | lower, self._worth() if lower else worth
         best = self.nodes[min(worth, key=worth.__getitem__)]
         spread = max(self.effort.spread * best.cost, reach * self.fit.unit)
         near = max(worth[best.key] + self.criteria.tie, self._foreseen(best, spread))
@@ -121,6 +122,10 @@ class Fits(Standings):
                 self._polish(node)
         self._stick_elsewhere(self.nodes[self.best.key])
         return self.best
+
+    def _worth(self) -> dict[Key, float]:
+        """QBIC of each node as foreseen, as things stand: another fit to all samples changes it."""
+        return {key: self._foreseen(node) for key, node in self.nodes.items()}
 
     def _polish_new(self, nodes: Iterable[Node]) -> set[Key]:
         """Fit nodes to all samples that are not yet, and may win; the keys of those."""
@@ -142,7 +147,7 @@ class Fits(Standings):
         """
         if self._complete(self.best):
             return
-        order = sorted(self.nodes.values(), key=self._foreseen)
+        order = self._in_order()
         able = [n for n in self._nameable(order) if len(n.effects) <= LEADING]
         leads = [node for alike in by.of_each_size(able) for node in alike[: self.effort.polish]]
         pairs = [*[n for n in able if len(n.effects) == LEADING][:1], self.nodes[self.best.key]]

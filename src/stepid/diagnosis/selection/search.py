@@ -163,7 +163,7 @@ class Search(Attempts):
     def _expand_best(self, moves: Sequence[Move]) -> bool:
         """Expand the best nodes of those not expanded yet, one for each set of effects, and the best nameable one."""
         order: list[Node] = []
-        for node in sorted(self.nodes.values(), key=self._foreseen):
+        for node in self._in_order():
             if node.key[0] not in [other.key[0] for other in order]:  # other conditions of it stand for it
                 order.append(node)
         beam = order[: self.effort.beam]

@@ -90,6 +90,10 @@ class Standings:
         beyond = (node.cost + more - self.fit.noise_cost) * floor / self.fit.unit
         return self._qbic(node.best, self.fit.records.weighed_size * floor + beyond)
 
+    def _in_order(self) -> list[Node]:
+        """Nodes, of least QBIC as foreseen first."""
+        return sorted(self.nodes.values(), key=self._foreseen)
+
     def _needed(self, effects: tuple[Effect, ...], deviations: Deviations) -> float:
         """Cost in the race at which a set is an answer, m²: the noise, or as little of a misfit as a lead may leave.
 
