@@ -15,6 +15,7 @@ from stepid.fitting.problem import build, fit_linear, start_local
 from stepid.simulation.records import lay_out
 
 TRUTH = stepid.datasets.lab_truth()
+ELSEWHERE = multistart_sticking._ELSEWHERE
 
 
 def test_the_made_up_campaign_settles_at_its_noise() -> None:
@@ -42,12 +43,31 @@ def _held(level: float) -> tuple[Problem, Array, Array]:
     return problem, np.array(shared), local
 
 
-def test_a_kick_leaves_a_minimum_where_no_displacement_would(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("elsewhere", [ELSEWHERE[:1], ELSEWHERE[1:]], ids=["from rest", "kicked"])
+def test_a_minimum_that_no_displacement_leaves_is_left(
+    elsewhere: tuple[tuple[float, float], ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
     stuck = minimize(*_held(0.285))
     assert stuck is not None
     assert stuck.rms > 2 * TRUTH.noise_rms
     monkeypatch.setattr(multistart_sticking, "scan_starts", lambda optimum: optimum.local)
+    monkeypatch.setattr(multistart_sticking, "_ELSEWHERE", elsewhere)
     assert other_sticking(stuck, tolerance=0.0).rms < 1.015 * TRUTH.noise_rms
+
+
+def test_where_a_scan_leads_nowhere_the_other_starts_have_their_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem, shared, local = _held(0.285)
+    stuck = minimize(problem, shared, local, iterations=2)
+    assert stuck is not None
+    begun: list[tuple[float, float]] = []
+
+    def none(problem: Problem, shared: Array, local: Array, **_: float) -> None:
+        begun.append((shared[-1] / stuck.shared[-1], local[0, 1] / stuck.local[0, 1]))
+
+    monkeypatch.setattr(multistart_sticking, "scan_starts", lambda optimum: 1.5 * optimum.local)
+    monkeypatch.setattr(multistart_sticking, "minimize", none)
+    assert other_sticking(stuck, tolerance=0.0) is stuck
+    assert begun == [pytest.approx(each) for each in ((1.0, 1.5), (1.0, 0.0), (0.98, 1.0), (1.02, 1.0))]
 
 
 def test_runs_that_all_begin_at_zero_are_scanned_as_far_as_what_is_left() -> None:

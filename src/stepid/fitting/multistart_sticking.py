@@ -10,8 +10,12 @@ from stepid.fitting.problem import PHASES, best_by_run, phase_rows
 
 _COUNT = 17  # displacements tried a run
 _REACH = 1.5  # times the largest displacement found so far, or what is left where there is none
-_ROUNDS = 5
-_KICKS = (0.98, 1.02)  # factors of a dry effect's parameters that lead out of a minimum where no other start does
+_ROUNDS = 6
+_ELSEWHERE = ((1.0, 0.0), (0.98, 1.0), (1.02, 1.0))
+"""Factors of a dry effect's parameters, and of the displacements found: they lead out of minima that no scan leaves.
+
+Displacements that are all as wrong as the rest position are such a one: no run leaves it alone.
+"""
 _GAIN = 1e-3  # relative decrease of the cost that is worth another round
 
 
@@ -42,7 +46,7 @@ def _held(problem: Problem) -> Array:
 
 
 def other_sticking(optimum: Optimum, *, tolerance: float, iterations: int = 20) -> Optimum:
-    """Fit again from the best starts of the runs, and from slightly other dry effects, until nothing is gained.
+    """Fit again from the best starts of the runs, and from elsewhere, until nothing is gained.
 
     Parameters
     ----------
@@ -56,18 +60,21 @@ def other_sticking(optimum: Optimum, *, tolerance: float, iterations: int = 20) 
     problem = optimum.problem
     if not (_held(problem).any() or (phase_rows(problem) and any(e.reverses for e in problem.simulator.effects))):
         return optimum
-    kicks = iter(_KICKS)
+    elsewhere, stuck = iter(_ELSEWHERE), False
     for _ in range(_ROUNDS):
-        shared, local = optimum.shared, scan_starts(optimum)
+        shared, local = optimum.shared, optimum.local if stuck else scan_starts(optimum)
         if np.array_equal(local, optimum.local):
-            kick = next(kicks, None)
-            if kick is None:
+            factors = next(elsewhere, None)
+            if factors is None:
                 break
-            shared = shared.copy()
-            shared[_dry_values(problem)] *= kick
+            shared, local = shared.copy(), local.copy()
+            shared[_dry_values(problem)] *= factors[0]
+            local[0, _held(problem)] *= factors[1]
         found = minimize(problem, shared, local, tolerance=tolerance, iterations=iterations)
         if found is not None and found.cost < (1 - _GAIN) * optimum.cost:
-            optimum = found
+            optimum, stuck = found, False
+        else:
+            stuck = True
     return optimum
 
 
