@@ -24,7 +24,7 @@ def nothing_imitates(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def node(*names: str, cost: float) -> Any:
     found = candidate(names)
-    fitted = SimpleNamespace(polished=None, other_sticking=lambda: False)
+    fitted = SimpleNamespace(polished=None, other_valleys=lambda: False)
     own = {"effects": found.effects, "deviations": found.deviations, "key": found.key, "size": len(names)}
     return SimpleNamespace(**own, cost=cost, fitted=fitted, best=found.optimum)
 
@@ -45,7 +45,7 @@ def a_search(lead: float) -> Search:
     found.root = node(cost=100.0)
     found.nodes = {n.key: n for n in (found.root, pair)}
     found.candidates = {c.key: c for c in (candidate(times=30.0), candidate(PAIR, times=8.0))}
-    found._tried, found._failed = set(), set()
+    found._tried, found._failed, found._begun = set(), set(), set()
     found.proposals = [
         proposed(pair, "coulomb_friction", "free_play", move="exchange", left=0.6 * lead),  # really 0.6^8 of it
         proposed(pair, "stribeck_friction", "cogging", move="generalize", left=0.98 * lead),

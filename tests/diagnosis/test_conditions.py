@@ -5,12 +5,14 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from made_up_evidence import candidate
-from stepid.diagnosis.selection.conditions import calmer, in_place, instead, singles
+from stepid.diagnosis.selection.conditions import calmer, ended_elsewhere, from_the_best, in_place, instead, singles
 from stepid.diagnosis.selection.moves import remain
 from stepid.effects import resolve
+from stepid.fitting.multistart import Start
 
 
 def made_up(*names: str, deviations: tuple[str, ...] = (), cost: float = 1.0) -> Any:
@@ -52,6 +54,36 @@ def test_calmer_nodes_are_those_of_the_best_in_which_one_condition_less_differs(
     assert calmer(nodes, candidate(("free_play",), deviations=("gain", "damping"))) == [other, one]
     assert calmer(nodes, candidate(("free_play",), deviations=("gain",))) == [nodes[2]]
     assert calmer(nodes, candidate(("free_play",))) == []
+
+
+def test_an_effect_in_the_place_of_a_condition_begins_where_the_best_stands(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The plant's and the best's own parameters are the best's, in the proposal's order; the new one's as proposed."""
+    stands = Start(np.array([2.0, 200.0]), ((0.3,), (5e-4,)))
+    monkeypatch.setattr("stepid.diagnosis.selection.conditions.standing", lambda node: stands)
+    best = made_up("coulomb_friction", "free_play", deviations=("start_time",))
+    starts = iter([Start(np.array([1.0, 100.0]), ((1e-3,), (0.2,), (7e-3,)))])
+    asked: Any = SimpleNamespace(effects=resolve(("free_play", "coulomb_friction", "input_delay")), starts=starts)
+    begun = from_the_best(asked, best)
+    assert begun.values == ((5e-4,), (0.3,), (7e-3,))
+    assert begun.linear is stands.linear
+
+
+@pytest.mark.parametrize(("slack", "anew"), [(0.5, ["gain start_time", "damping"]), (1.5, ["gain start_time"])])
+def test_more_that_differs_cannot_leave_more(slack: float, anew: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is begun from what leaves least, of the same effects with fewer conditions free."""
+    monkeypatch.setattr("stepid.diagnosis.selection.conditions.standing", lambda node: node)
+    plain, gain = made_up("free_play", cost=4.0), made_up("free_play", deviations=("gain",), cost=2.0)
+    nodes = [
+        *(plain, gain, made_up("cogging", deviations=("gain",), cost=9.0)),
+        made_up("free_play", deviations=("gain", "start_time"), cost=5.0),
+        made_up("free_play", deviations=("damping",), cost=5.0),
+        made_up("free_play", deviations=("start_time",), cost=4.2),
+        made_up("free_play", deviations=("gain", "damping"), cost=1.0),
+    ]
+    found = ended_elsewhere(nodes, slack)
+    assert [" ".join(sorted(p.deviations)) for p in found] == anew
+    assert [list(p.starts) for p in found] == [[gain], [plain]][: len(anew)]
+    assert (found[0].base, found[0].left, found[0].like) == (gain.key, 2.0, gain.best)
 
 
 def proposed(names: str, base: str, left: float, deviations: tuple[str, ...] = (), move: str = "add") -> Any:

@@ -25,7 +25,7 @@ def plain_search(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def raced(found: Candidate) -> Any:
-    fitted = SimpleNamespace(polished=None, other_sticking=lambda: False)
+    fitted = SimpleNamespace(polished=None, other_valleys=lambda: False)
     own = {"effects": found.effects, "deviations": found.deviations, "key": found.key, "best": found.optimum}
     return SimpleNamespace(**own, size=len(found.effects), cost=found.optimum.cost, fitted=fitted)
 

@@ -175,14 +175,23 @@ def test_exchanges_of_the_best_larger_set_are_fitted_until_one_leaves_noise(monk
     assert fitted == []  # the set itself, fitted to all samples, leaves noise
 
 
-@pytest.mark.parametrize(("names", "complete", "again"), [(PAIR, False, 2), (PAIR, True, 1), (("cogging",), False, 1)])
-def test_where_friction_may_stop_the_cart_elsewhere_a_set_is_fitted_anew(
+@pytest.mark.parametrize(
+    ("names", "complete", "again"),
+    [
+        (PAIR, False, 2),
+        (PAIR, True, 1),
+        (("flexible_coupling",), False, 2),
+        (("actuator_lag",), False, 1),
+        (("cogging",), False, 1),
+    ],
+)
+def test_where_friction_may_stop_the_cart_elsewhere_or_a_mode_be_stronger_a_set_is_fitted_anew(
     names: tuple[str, ...], complete: bool, again: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found: Any = a_search(lead=9.0)
     fits = []
     one = node(*names, cost=2.0)
-    one.fitted.other_sticking = lambda: True
+    one.fitted.other_valleys = lambda: True
     monkeypatch.setattr(Standings, "_complete", lambda *_: complete)
 
     def polish(self: Any, node: Any) -> None:
@@ -220,3 +229,39 @@ def test_a_set_whose_rival_leaves_far_less_is_run_on_from_where_it_stood(
     monkeypatch.setattr("stepid.diagnosis.selection.fits.by.starts_in_order", lambda *_: [])
     found._fit(proposal)
     assert ran == [found.effort.polishing] * further
+
+
+def test_what_leaves_more_than_with_fewer_conditions_is_fitted_again_once_from_each_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found: Any = a_search(lead=9.0)
+    first, second = (proposed(found.root, "cogging", move="deviate", left=2.0) for _ in range(2))
+    first.like, second.like = object(), object()
+    ends: list[Any] = [first]
+    monkeypatch.setattr("stepid.diagnosis.selection.fits.runs.ended_elsewhere", lambda nodes, slack: list(ends))
+    fitted: list[Any] = []
+    monkeypatch.setattr(found, "_fit", fitted.append)
+    found._fit_anew()
+    found._fit_anew()
+    assert fitted == [first]
+    ends.append(second)  # the same set, from where less is left by now
+    found._fit_anew()
+    assert fitted == [first, second]
+
+
+@pytest.mark.parametrize(("move", "names", "begun"), [("instead", PAIR, 2), ("exchange", PAIR, 1), ("instead", (), 1)])
+def test_an_effect_in_the_place_of_a_condition_is_begun_from_the_best_too(
+    move: str, names: tuple[str, ...], begun: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the best is a part of the set by now."""
+    found: Any = a_search(lead=9.0)
+    found.nodes[frozenset(PAIR), frozenset()].best = object()
+    likes: list[Any] = []
+    fitted = SimpleNamespace(cost=5.0, best=None, begin=lambda starts, like, **_: likes.append(like), run=lambda **_: 0)
+    monkeypatch.setattr(found, "_told", lambda _: fitted)
+    monkeypatch.setattr("stepid.diagnosis.selection.fits.by.starts_in_order", lambda *_: [])
+    monkeypatch.setattr("stepid.diagnosis.selection.fits.runs.from_the_best", lambda *_: None)
+    monkeypatch.setattr(Standings, "best", candidate(PAIR))
+    proposal = proposed(found.root, *names, "end_stop", move=move, left=2.0)
+    found._fit(proposal)
+    assert likes == [proposal.like, found.nodes[frozenset(PAIR), frozenset()].best][:begun]

@@ -12,6 +12,7 @@ from stepid.effects.base import Effect
 from stepid.fitting.deviations import with_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.multistart import FitContext, Start
+from stepid.fitting.multistart_modes import settled, stronger
 from stepid.fitting.multistart_sticking import other_sticking
 from stepid.fitting.problem import build, phase_rows, start_local, start_phases
 from stepid.simulation.simulator import COARSE
@@ -43,7 +44,7 @@ class CandidateFit:
         self.best: Optimum | None = None
         self.polished: Optimum | None = None  # on all samples
         self.rested: tuple[Optimum, Optimum] | None = None  # a polished fit, and the better of it and the one at rest
-        self._sticking: Optimum | None = None  # where other patterns of sticking led last
+        self._looked_from: Optimum | None = None  # for other valleys: it is where they led last
         self._tolerance = 0.0  # with which the best fit so far ended, m²
 
     @cached_property
@@ -92,16 +93,15 @@ class CandidateFit:
         order = list(range(len(starts)))
         many = 1 if any(e.run_parameters for e in self.effects) else 3  # with their phases they can be told apart
         if any(e.reverses or e.n_switches for e in self.effects) or (len(starts) > min(many, keep) and not sim.linear):
-            costs = self._reaches(shared, local, like if patient else self.context.coarse_linear)
+            follows = patient or self.deviations  # the linear plant does not follow what differs from run to run
+            costs = self._reaches(shared, local, like if follows else self.context.coarse_linear)
             if not patient and min(costs) > like.cost - _POOR * (like.cost - self.context.noise_cost):
                 keep = 1  # none shows much
             order = [int(i) for i in np.argsort(costs) if np.isfinite(costs[i])][:keep]
         for i in order:
             begin = local[i]
-            if problem.active[sim.layout.own_states].any():  # from wrong own states the shared parameters go astray
-                alone = replace(problem, free=np.zeros_like(problem.free))
-                begun = minimize(alone, shared[i], begin, iterations=3)
-                begin = begun.local if begun else begin
+            if problem.active[sim.layout.own_states].any():
+                begin = settled(problem, shared[i], begin)
             aim = np.inf if patient else self.cost + _SAME * self.excess + self.context.unit  # above it is no better
             ended = [self._try(variant, shared[i], begin, like, laps, aim) for variant in self._variants()]
             if any(ended):
@@ -162,13 +162,15 @@ class CandidateFit:
         if found is not None and found.cost <= self.best.cost:
             self.best, self.polished, self._tolerance = found, None, tolerance
 
-    def other_sticking(self) -> bool:
-        """Try other patterns of sticking from the best fit so far; True where one is better."""
-        if self.best is None or self._sticking is self.best:
+    def other_valleys(self) -> bool:
+        """Try other patterns of sticking, and stronger modes, from the best fit so far; True where one is better."""
+        if self.best is None or self._looked_from is self.best:
             return False
         tolerance = max(self.context.tolerance, _SLIGHT * self.excess)
-        moved = other_sticking(self.best, tolerance=tolerance)
-        better, self._sticking = moved is not self.best, moved
+        stuck = any(e.dry for e in self.effects)
+        moved = other_sticking(self.best, tolerance=tolerance) if stuck else self.best
+        moved = stronger(moved, tolerance=tolerance)
+        better, self._looked_from = moved is not self.best, moved
         if better:
             self.best, self.polished, self._tolerance = moved, None, tolerance
         return better

@@ -6,15 +6,38 @@ import math
 from collections.abc import Collection, Iterable, Sequence
 
 from stepid.diagnosis.selection.candidate import Candidate, Key, includes
+from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.instead import Instead
-from stepid.diagnosis.selection.proposal import Node, Proposal
+from stepid.diagnosis.selection.proposal import Node, Proposal, standing
 from stepid.fitting.deviations import conditions
+from stepid.fitting.multistart import Start
 
 
 def calmer(nodes: Iterable[Node], best: Candidate) -> list[Node]:
     """Nodes of the best's effects in which one condition less differs from run to run, least cost first."""
     one_less = {(best.key[0], best.deviations - {condition}) for condition in best.deviations}
     return sorted((n for n in nodes if n.key in one_less), key=lambda n: n.cost)
+
+
+def ended_elsewhere(nodes: Sequence[Node], slack: float) -> list[Proposal]:
+    """Sets that leave more than the same effects do with fewer conditions free, begun from there.
+
+    What has more that is free cannot leave more: it ended, or is on its way, in another valley.
+
+    Parameters
+    ----------
+    nodes : sequence of Node
+    slack : float
+        m², by which it has to leave more.
+    """
+    out = []
+    for node in nodes:
+        fewer = (n for n in nodes if n.key[0] == node.key[0] and n.deviations < node.deviations)
+        inside = min(fewer, key=lambda n: n.cost, default=None)
+        if inside is not None and inside.cost + slack < node.cost:
+            here, like, move = (standing(inside),), inside.best, Deviate.name
+            out.append(Proposal(inside.effects, node.deviations, here, inside.key, like, inside.cost, move=move))
+    return out
 
 
 def instead(
@@ -26,6 +49,17 @@ def instead(
         if p.move == Instead.name and p.base in bases and (p.base, p.key) not in tried:
             able.setdefault(p.base, []).append(p)
     return [p for own in able.values() for p in own[:share]]
+
+
+def from_the_best(proposal: Proposal, best: Node) -> Start:
+    """Where the best stands, with an effect more that a proposal begins: in the place of a condition it does the same.
+
+    Without the condition the best's other parameters have moved to make up for it.
+    """
+    values = dict(zip((e.name for e in proposal.effects), next(iter(proposal.starts)).values, strict=True))
+    here = standing(best)
+    values |= zip((e.name for e in best.effects), here.values, strict=True)
+    return Start(here.linear, tuple(values[e.name] for e in proposal.effects))
 
 
 def in_place(nodes: Collection[Node], calmer: Collection[Node], best: Node, slack: float) -> list[Node]:

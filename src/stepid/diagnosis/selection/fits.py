@@ -7,6 +7,7 @@ from itertools import islice
 
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, block_means
+from stepid.diagnosis.selection import conditions as runs
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
@@ -18,6 +19,7 @@ from stepid.diagnosis.selection.polish import polished
 from stepid.diagnosis.selection.proposal import Node, Proposal
 from stepid.diagnosis.selection.standings import Standings
 from stepid.fitting.candidate_fit import CandidateFit
+from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 
 RIVALS = {move.name for move in CONFIRMING}
@@ -45,16 +47,20 @@ class Fits(Standings):
         self.fits = 0
         self._tried: set[tuple[Key, Key]] = set()  # base and set
         self._failed: set[tuple[Key, Key, str]] = set()  # base, set and move: no fit was found
+        self._begun: set[tuple[Optimum, Key]] = set()  # an end, and the set that was fitted again from it
 
     def _fit(self, proposal: Proposal, keep: int | None = None) -> None:
         """Fit a proposal a little, from so many of its starts."""
         fitted = self._told(proposal)
-        for source in by.sources(proposal, self.proposals, RIVALS):
+        known = self.nodes.get(proposal.key)
+        sources = [proposal] if known is not None else by.sources(proposal, self.proposals, RIVALS)
+        for source in sources:
             most = keep or (1 if source.move in _TOGETHER else self.effort.keep + 1)  # those come near
             fitted.begin(
                 by.starts_in_order(source, proposal.effects), like=proposal.like, keep=most, laps=self.effort.begin
             )
-        known = self.nodes.get(proposal.key)
+        if proposal.move == Instead.name and (best := self.nodes[self.best.key]).key[0] <= proposal.key[0]:
+            fitted.begin([runs.from_the_best(proposal, best)], like=best.best, keep=1, laps=self.effort.begin)
         far = keep is not None and proposal.move in _TOGETHER  # from a few laps there is nothing to tell
         if known is not None or far or proposal.move in _STANDING_IN:  # what stands in for more is fitted as well
             fitted.run(laps=self.effort.polishing if proposal.move in _IN_PLACE else self.effort.promote)
@@ -103,8 +109,16 @@ class Fits(Standings):
             self._tried = {(base, other) for base, other in self._tried if base != key}
             self._failed = {(base, other, move) for base, other, move in self._failed if base != key}
 
+    def _fit_anew(self) -> None:
+        """Fit again what leaves more than with fewer conditions free, once from each end of that."""
+        for proposal in runs.ended_elsewhere(list(self.nodes.values()), self.criteria.tie * self.fit.unit):
+            if (proposal.like, proposal.key) not in self._begun:
+                self._begun.add((proposal.like, proposal.key))
+                self._fit(proposal)
+
     def _polish_best(self) -> Candidate:
         """Fit the best nodes to all samples; first those that lead the race: what they leave judges the others."""
+        self._fit_anew()
         order = self._in_order()
         first = [order[0], *islice(self._nameable(order), 1)]
         new = self._polish_new(first)
@@ -120,7 +134,7 @@ class Fits(Standings):
             asked = len(node.effects) < LEADING or self._answers(node) or any(node is ahead for ahead in first)
             if worth[node.key] < near and asked and node.key not in new and self._may_win(node):
                 self._polish(node)
-        self._stick_elsewhere(self.nodes[self.best.key])
+        self._look_elsewhere(self.nodes[self.best.key])
         return self.best
 
     def _worth(self) -> dict[Key, float]:
@@ -161,18 +175,22 @@ class Fits(Standings):
         """Fit a node to all samples, kept if it leaves as little as noise: none that is far may decide; the best."""
         known = node.key in self.candidates
         self._polish(node)
-        self._stick_elsewhere(node)
+        self._look_elsewhere(node)
         found = self.candidates.get(node.key)
         if found is not None and not (known or at_floor(self.fit, self.criteria, found)):
             del self.candidates[node.key]
         return self.best
 
-    def _stick_elsewhere(self, node: Node) -> None:
-        """Fit a node anew where dry friction may have stopped the cart at other places."""
+    def _look_elsewhere(self, node: Node) -> None:
+        """Fit a node anew where dry friction may have stopped the cart elsewhere, or a mode may be a stronger one."""
         found = self.candidates.get(node.key)
-        if found is None or not any(e.dry for e in node.effects) or self._complete(found):
+        if (
+            found is None
+            or not any(e.dry or (e.n_extra and not e.settled) for e in node.effects)
+            or self._complete(found)
+        ):
             return
-        if node.fitted.other_sticking():
+        if node.fitted.other_valleys():
             self._polish(node)
 
     def _polish(self, node: Node) -> None:
