@@ -65,6 +65,7 @@ def context() -> Any:
         dithered=True,
         period=0.5,
         tolerance=0.0,
+        slight=lambda optimum: 1e-3 * optimum.cost,
         faults=(),
         colored=None,
         by_weights=None,

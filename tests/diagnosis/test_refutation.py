@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 import stepid
@@ -43,10 +45,13 @@ def test_runs_that_differ_hide_no_shape(monkeypatch: pytest.MonkeyPatch) -> None
     with_rest(e)
     asked = []
     monkeypatch.setattr(refutation, "free_laws", lambda _, optimum: asked.append(optimum) or ())
-    monkeypatch.setattr("stepid.diagnosis.selection.candidate.without_deviations", lambda *_: alike.optimum)
+    near: list[tuple[Any, float]] = []
+    fitted = "stepid.diagnosis.selection.candidate.without_deviations"
+    monkeypatch.setattr(fitted, lambda *given: near.append(given) or alike.optimum)
     monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),))
     assert e.refuted(lead) == ""
     assert asked == [alike.optimum]
+    assert near == [(lead.optimum, 1e-3 * lead.optimum.cost)]  # as near as matters beside what it leaves
 
 
 @pytest.mark.parametrize(

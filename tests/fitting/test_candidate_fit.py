@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -66,3 +68,11 @@ def test_patience_gives_as_many_starts_their_steps_as_are_kept(keep: int, monkey
     impatient, patient_runs = ways
     assert len(impatient) == 1  # none shows much
     assert patient_runs == [np.inf] * keep  # and none has to aim below another
+
+
+def test_a_step_no_longer_matters_beside_what_is_left_above_the_floor() -> None:
+    fit = prepared("two")
+    noise = fit.records.weighed_size * fit.floor**2
+    assert fit.linear.cost > 10 * noise
+    assert fit.slight(fit.linear) == pytest.approx(0.003 * (fit.linear.cost - noise))
+    assert fit.slight(replace(fit.linear, cost=noise)) == fit.tolerance

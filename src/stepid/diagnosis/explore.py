@@ -95,7 +95,7 @@ def _alike(found: Found, names: tuple[str, ...]) -> Optimum | None:
     if not fitted:
         return None
     nearest = min(fitted, key=lambda c: len(c.deviations))
-    return nearest.alike(found.context.tolerance)
+    return nearest.alike(found.context)
 
 
 def linear_candidate(context: FitContext) -> Candidate:

@@ -28,7 +28,7 @@ def refuted(told: EvidenceRecord, lead: Candidate) -> str:
     states = told.states(lead)
     chance, rough = allowed(told.context, told.criteria, lead, noise=told.at_floor(lead))
     # with conditions alike in all runs: scatter hides a shape
-    alike = lead.alike(told.context.tolerance)
+    alike = lead.alike(told.context)
     laws = sorted(free_laws(told.context, alike), key=lambda one: -one.power)
     for law in laws:
         if not law.is_seen(chance, rough):

@@ -11,13 +11,12 @@ from stepid.core.base import Array
 from stepid.effects.base import Effect
 from stepid.fitting.deviations import with_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
-from stepid.fitting.multistart import FitContext, Start
+from stepid.fitting.multistart import SLIGHT, FitContext, Start
 from stepid.fitting.multistart_modes import settled, stronger
 from stepid.fitting.multistart_sticking import other_sticking
 from stepid.fitting.problem import build, phase_rows, start_local, start_phases
 from stepid.simulation.simulator import COARSE
 
-_SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
 _SAME = 0.01  # share of what is left above the floor, by which two ends are one
 _SHORT = 2.5e5  # steps times states, of a fit in the race: some 30 ms
 _FAR = 1e2  # m, beyond which a plant runs away
@@ -143,7 +142,7 @@ class CandidateFit:
     def _try(self, problem: Problem, shared: Array, local: Array, like: Optimum, laps: int, aim: float) -> bool:
         """Run a few steps from a start; True at the floor, or where a start before it ended, better than `like`."""
         context = self.context
-        tolerance = max(context.tolerance, _SLIGHT * (min(self.cost, like.cost) - context.noise_cost))
+        tolerance = max(context.tolerance, SLIGHT * (min(self.cost, like.cost) - context.noise_cost))
         found = minimize(problem, shared, local, tolerance=tolerance, iterations=laps, aim=aim)
         if found is None:
             return False
@@ -166,7 +165,7 @@ class CandidateFit:
         """Try other patterns of sticking, and stronger modes, from the best fit so far; True where one is better."""
         if self.best is None or self._looked_from is self.best:
             return False
-        tolerance = max(self.context.tolerance, _SLIGHT * self.excess)
+        tolerance = max(self.context.tolerance, SLIGHT * self.excess)
         stuck = any(e.dry for e in self.effects)
         moved = other_sticking(self.best, tolerance=tolerance) if stuck else self.best
         moved = stronger(moved, tolerance=tolerance)

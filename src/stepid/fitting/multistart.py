@@ -23,6 +23,8 @@ from stepid.fitting.tangent import Tangent
 from stepid.fitting.weak_form import WeakForm, measured_motion
 from stepid.simulation.records import Records
 
+SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
+
 
 class Scored(NamedTuple):
     """A start of one effect on a fit: the part of the cost that it could remove [m²], the fit's parameters then.
@@ -130,6 +132,11 @@ class FitContext:
     def tolerance(self) -> float:
         """Predicted decrease of the cost that no longer matters, m²."""
         return 0.05 * self.floor**2
+
+    def slight(self, optimum: Optimum) -> float:
+        """Predicted decrease of the cost that no longer matters beside what a fit to all samples leaves, m²."""
+        excess = optimum.cost - self.records.weighed_size * self.floor**2
+        return max(self.tolerance, SLIGHT * excess)
 
     def tangent(self, base: Optimum) -> Tangent:
         """What a fit in the race can follow, kept for the next of many starts from it."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from stepid.effects.base import Effect
 from stepid.fitting.deviations import conditions, without_deviations
 from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.multistart import FitContext
 
 LEADING = 2  # effects at most in what is named where a rest remains
 
@@ -38,9 +39,9 @@ class Candidate:
         """Number of effects and of conditions that differ from run to run: offset and velocity of a start are one."""
         return len(self.effects) + conditions(self.deviations)
 
-    def alike(self, tolerance: float) -> Optimum:
-        """The fit with conditions alike in all runs, its cost within a tolerance, m²."""
-        return without_deviations(self.optimum, tolerance) if self.deviations else self.optimum
+    def alike(self, context: FitContext) -> Optimum:
+        """The fit with conditions alike in all runs, as near as matters beside what it leaves with them."""
+        return without_deviations(self.optimum, context.slight(self.optimum)) if self.deviations else self.optimum
 
 
 def is_free(found: Candidate) -> bool:
