@@ -11,8 +11,8 @@ from stepid.core.base import Array
 from stepid.effects.base import Effect
 from stepid.fitting.deviations import with_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
-from stepid.fitting.multistart import SLIGHT, FitContext, Start
-from stepid.fitting.multistart_modes import settled, stronger
+from stepid.fitting.multistart import FitContext, Start
+from stepid.fitting.multistart_modes import adapted, stronger
 from stepid.fitting.multistart_sticking import other_sticking
 from stepid.fitting.problem import build, phase_rows, start_local, start_phases
 from stepid.simulation.simulator import COARSE
@@ -100,7 +100,7 @@ class CandidateFit:
         for i in order:
             begin = local[i]
             if problem.active[sim.layout.own_states].any():
-                begin = settled(problem, shared[i], begin)
+                begin = adapted(problem, shared[i], begin)
             aim = np.inf if patient else self.cost + _SAME * self.excess + self.context.unit  # above it is no better
             ended = [self._try(variant, shared[i], begin, like, laps, aim) for variant in self._variants()]
             if any(ended):
@@ -142,7 +142,7 @@ class CandidateFit:
     def _try(self, problem: Problem, shared: Array, local: Array, like: Optimum, laps: int, aim: float) -> bool:
         """Run a few steps from a start; True at the floor, or where a start before it ended, better than `like`."""
         context = self.context
-        tolerance = max(context.tolerance, SLIGHT * (min(self.cost, like.cost) - context.noise_cost))
+        tolerance = context.slight_beside(min(self.cost, like.cost) - context.noise_cost)
         found = minimize(problem, shared, local, tolerance=tolerance, iterations=laps, aim=aim)
         if found is None:
             return False
@@ -165,7 +165,7 @@ class CandidateFit:
         """Try other patterns of sticking, and stronger modes, from the best fit so far; True where one is better."""
         if self.best is None or self._looked_from is self.best:
             return False
-        tolerance = max(self.context.tolerance, SLIGHT * self.excess)
+        tolerance = self.context.slight_beside(self.excess)
         stuck = any(e.dry for e in self.effects)
         moved = other_sticking(self.best, tolerance=tolerance) if stuck else self.best
         moved = stronger(moved, tolerance=tolerance)

@@ -23,7 +23,7 @@ from stepid.fitting.tangent import Tangent
 from stepid.fitting.weak_form import WeakForm, measured_motion
 from stepid.simulation.records import Records
 
-SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
+_SLIGHT = 0.003  # share of what is left above the floor, that no step needs to promise while others may do better
 
 
 class Scored(NamedTuple):
@@ -128,15 +128,23 @@ class FitContext:
         """Cost in the race of one unit of χ² in all samples, m²."""
         return self.decimated.weighed_size / self.records.weighed_size * self.floor**2
 
+    @cached_property
+    def full_noise_cost(self) -> float:
+        """Cost of a perfect model in all samples, m²."""
+        return self.records.weighed_size * self.floor**2
+
     @property
     def tolerance(self) -> float:
         """Predicted decrease of the cost that no longer matters, m²."""
         return 0.05 * self.floor**2
 
+    def slight_beside(self, excess: float) -> float:
+        """Predicted decrease of the cost that no longer matters beside so much left above the floor, m²."""
+        return max(self.tolerance, _SLIGHT * excess)
+
     def slight(self, optimum: Optimum) -> float:
-        """Predicted decrease of the cost that no longer matters beside what a fit to all samples leaves, m²."""
-        excess = optimum.cost - self.records.weighed_size * self.floor**2
-        return max(self.tolerance, SLIGHT * excess)
+        """The same beside what a fit to all samples leaves."""
+        return self.slight_beside(optimum.cost - self.full_noise_cost)
 
     def tangent(self, base: Optimum) -> Tangent:
         """What a fit in the race can follow, kept for the next of many starts from it."""

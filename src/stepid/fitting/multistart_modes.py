@@ -1,4 +1,4 @@
-"""Own states that begin anywhere: they settle first; a faint mode that its start moves may stand for a strong one."""
+"""Own states that begin anywhere: they adapt first; a faint mode that its start moves may stand for a strong one."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from stepid.core.base import Array
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 
 _STRONGER = 10.0  # times as strong: a mode of the same frequency that is heavier
-_SETTLE = 3  # steps
+_ADAPT = 3  # steps
 
 
-def settled(problem: Problem, shared: Array, local: Array) -> Array:
+def adapted(problem: Problem, shared: Array, local: Array) -> Array:
     """Local parameters, shape (Q, R), a few steps on, the shared ones held: from wrong own states these go astray."""
     held = replace(problem, free=np.zeros_like(problem.free))
-    found = minimize(held, shared, local, iterations=_SETTLE)
+    found = minimize(held, shared, local, iterations=_ADAPT)
     return found.local if found else local
 
 
@@ -36,15 +36,13 @@ def stronger(optimum: Optimum, *, tolerance: float, iterations: int = 20) -> Opt
         At most so many steps.
     """
     problem, shared, local = optimum.problem, optimum.shared.copy(), optimum.local.copy()
-    row = problem.layout.own_states.start
-    for effect, place in zip(problem.simulator.effects, problem.layout.values, strict=True):
-        rows = slice(row, row + effect.n_extra + effect.n_memory)
-        row = rows.stop
+    of = problem.layout
+    for effect, place, rows in zip(of.effects, of.values, of.effect_states, strict=True):
         if effect.n_extra and problem.active[rows].any():
             shared[place] = effect.faint(tuple(map(float, shared[place])), _STRONGER)
             local[rows] = 0.0
     if np.array_equal(shared, optimum.shared):
         return optimum
-    begun = settled(problem, shared, local)
+    begun = adapted(problem, shared, local)
     found = minimize(problem, shared, begun, tolerance=tolerance, iterations=iterations)
     return found if found is not None and found.cost < optimum.cost - tolerance else optimum

@@ -68,8 +68,9 @@ def other_sticking(optimum: Optimum, *, tolerance: float, iterations: int = 20) 
             if factors is None:
                 break
             shared, local = shared.copy(), local.copy()
-            shared[_dry_values(problem)] *= factors[0]
-            local[0, _held(problem)] *= factors[1]
+            kick, displaced = factors
+            shared[_dry_values(problem)] *= kick
+            local[0, _held(problem)] *= displaced
         found = minimize(problem, shared, local, tolerance=tolerance, iterations=iterations)
         if found is not None and found.cost < (1 - _GAIN) * optimum.cost:
             optimum, stuck = found, False

@@ -90,6 +90,15 @@ class ParameterLayout:
         return slice(first, first + sum(e.n_extra + e.n_memory for e in self.effects))
 
     @cached_property
+    def effect_states(self) -> tuple[slice, ...]:
+        """Each effect's own ones of `own_states`."""
+        out, at = [], self.own_states.start
+        for e in self.effects:
+            out.append(slice(at, at + e.n_extra + e.n_memory))
+            at = out[-1].stop
+        return tuple(out)
+
+    @cached_property
     def deviations(self) -> slice:
         """`DEVIATIONS` among the parameters of a run."""
         return slice(self.own_states.stop, self.own_states.stop + len(DEVIATIONS))

@@ -111,7 +111,7 @@ class Fits(Standings):
 
     def _fit_anew(self) -> None:
         """Fit again what leaves more than with fewer conditions free, once from each end of that."""
-        for proposal in runs.ended_elsewhere(list(self.nodes.values()), self.criteria.tie * self.fit.unit):
+        for proposal in runs.ended_elsewhere(list(self.nodes.values()), self._tie):
             if (proposal.like, proposal.key) not in self._begun:
                 self._begun.add((proposal.like, proposal.key))
                 self._fit(proposal)
@@ -184,11 +184,8 @@ class Fits(Standings):
     def _look_elsewhere(self, node: Node) -> None:
         """Fit a node anew where dry friction may have stopped the cart elsewhere, or a mode may be a stronger one."""
         found = self.candidates.get(node.key)
-        if (
-            found is None
-            or not any(e.dry or (e.n_extra and not e.settled) for e in node.effects)
-            or self._complete(found)
-        ):
+        able = any(e.dry or (e.n_extra and not e.settled) for e in node.effects)
+        if found is None or not able or self._complete(found):
             return
         if node.fitted.other_valleys():
             self._polish(node)

@@ -24,7 +24,7 @@ def polished(
 
     Where a rest remains it goes no further than one of the `others` that has no more in it and leaves less.
     """
-    noise = context.records.weighed_size * context.floor**2
+    noise = context.full_noise_cost
     beaten = (1 + effort.spread) * max(_least(fitted, others), 2 * noise)
     excess = fitted.excess
     for laps in (effort.begin, effort.polishing):

@@ -126,7 +126,7 @@ class Search(Attempts):
 
     def _remaining(self, calmer: Sequence[Node]) -> list[Proposal]:
         """Effects in the place of a condition of the best, with all its conditions again, of those not tried yet."""
-        best, slack = self.nodes[self.best.key], self.criteria.tie * self.fit.unit
+        best, slack = self.nodes[self.best.key], self._tie
         found = runs.in_place(self.nodes.values(), calmer, best, slack)
         every = [p for node in found for p in Remain(best.deviations).propose(node, self.context)]
         return [p for p in every if (p.base, p.key) not in self._tried]
@@ -226,7 +226,7 @@ class Search(Attempts):
         if least.cost > self.noise_limit:
             hoped = by.hoped_of_parts(proposal, self.proposals, self.nodes, self.effort)
             return by.no_answer(self.noise_limit, proposal.effects, hoped)
-        return by.outdone(proposal, least, self.root, self.proposals, self.effort, self.criteria.tie * self.fit.unit)
+        return by.outdone(proposal, least, self.root, self.proposals, self.effort, self._tie)
 
     def _new(self, proposal: Proposal) -> bool:
         """Tell whether a set has not been fitted yet, or only to an end that its rival shows to be a poor one."""
@@ -242,7 +242,7 @@ class Search(Attempts):
 
     def _gains(self, named: Node, proposal: Proposal) -> bool:
         """Tell whether a proposal may better the best that may be named, or rival it or the best of its size."""
-        slack = self.criteria.tie * self.fit.unit
+        slack = self._tie
         if proposal.move == Drop.name:
             return True  # it may have been stuck, or never tried
         hoped = by.hoped(proposal, self.effort)

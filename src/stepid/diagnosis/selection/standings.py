@@ -84,11 +84,15 @@ class Standings:
             self._by_least = least, qbic_by(self.fit, least)
         return self._by_least[1](optimum, cost)
 
+    @property
+    def _tie(self) -> float:
+        """Difference of cost in the race below which two candidates are not told apart, m²."""
+        return self.criteria.tie * self.fit.unit
+
     def _foreseen(self, node: Node, more: float = 0.0) -> float:
         """QBIC of a node, by what its cost in the race, or so much more [m²], tells of its cost in all samples."""
-        floor = self.fit.floor**2
-        beyond = (node.cost + more - self.fit.noise_cost) * floor / self.fit.unit
-        return self._qbic(node.best, self.fit.records.weighed_size * floor + beyond)
+        beyond = (node.cost + more - self.fit.noise_cost) * self.fit.floor**2 / self.fit.unit
+        return self._qbic(node.best, self.fit.full_noise_cost + beyond)
 
     def _in_order(self) -> list[Node]:
         """Nodes, of least QBIC as foreseen first."""
