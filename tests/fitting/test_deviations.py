@@ -146,11 +146,18 @@ def test_what_scatters_differs_by_a_quarter_at_most() -> None:
     assert free.local[row, 5] == pytest.approx(-0.5, abs=0.1)
 
 
-def test_a_start_comes_three_samples_late_at_most() -> None:
-    linear = prepare(scattered(1, late=(0.0, 0.0, 0.0, 0.0, 0.0, 8.0))).linear
+def test_a_start_comes_six_samples_late_at_most() -> None:
+    linear = prepare(scattered(1, late=(0.0, 0.0, 0.0, 0.0, 0.0, 12.0))).linear
     found = refit(linear, "start_time")
     row = found.problem.layout.deviation("start_time")
-    assert np.abs(found.local[row]).max() <= 3.0 * SAMPLE_TIME * (1 + 1e-12)
+    assert np.abs(found.local[row]).max() == pytest.approx(6.0 * SAMPLE_TIME)
+
+
+def test_a_start_within_three_standard_deviations_of_two_samples_is_found() -> None:
+    late = (1.5, 0.0, 2.0, 0.5, 1.0, 5.5)
+    found = refit(prepare(scattered(1, late=late)).linear, "start_time")
+    row = found.problem.layout.deviation("start_time")
+    np.testing.assert_allclose(found.local[row], np.multiply(late, SAMPLE_TIME), atol=0.1 * SAMPLE_TIME)
 
 
 def test_friction_under_a_load_scatters_as_well() -> None:

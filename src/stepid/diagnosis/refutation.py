@@ -24,12 +24,19 @@ def refuted(told: EvidenceRecord, lead: Candidate) -> str:
 
     The law that takes most is asked as it is, others for what they take beside it, where it is needed beside them: what
     is missing changes the whole motion, so that each state shows some of it.
+
+    Where runs differ both fits are asked: conditions that do may take a part of a shape, and where they are alike what
+    runs differ by may drown it.
     """
+    fits = dict.fromkeys((lead.alike(told.context), lead.optimum))
+    return next(filter(None, (_refuted_by(told, lead, fit) for fit in fits)), "")
+
+
+def _refuted_by(told: EvidenceRecord, lead: Candidate, fit: Optimum) -> str:
+    """The state of which a law of another shape refutes a lead by what one of its fits leaves, '' where none does."""
     states = told.states(lead)
     chance, rough = allowed(told.context, told.criteria, lead, noise=told.at_floor(lead))
-    # with conditions alike in all runs: scatter hides a shape
-    alike = lead.alike(told.context)
-    laws = sorted(free_laws(told.context, alike), key=lambda one: -one.power)
+    laws = sorted(free_laws(told.context, fit), key=lambda one: -one.power)
     for law in laws:
         if not law.is_seen(chance, rough):
             continue
@@ -38,14 +45,14 @@ def refuted(told: EvidenceRecord, lead: Candidate) -> str:
             return law.state
         if law.power <= rough or not (own or _replaces(law, states, told.criteria)):
             continue
-        if law is laws[0] or law.own or _stands(told, alike, law, laws[0], rough):
+        if law is laws[0] or law.own or _stands(told, fit, law, laws[0], rough):
             return law.state
     return ""
 
 
-def _stands(told: EvidenceRecord, alike: Optimum, law: FreeLaw, strongest: FreeLaw, rough: float) -> bool:
+def _stands(told: EvidenceRecord, fit: Optimum, law: FreeLaw, strongest: FreeLaw, rough: float) -> bool:
     """Tell whether a law takes something beside the strongest, or that no more beside it than chance does."""
-    own, needed = beside(told.context, alike, law, strongest)
+    own, needed = beside(told.context, fit, law, strongest)
     return own.power > rough or needed.beyond <= told.criteria.shape
 
 

@@ -25,7 +25,7 @@ Kind = str | tuple[int, str]  # in all runs; in one run, by index
 
 _STARTS = tuple(q.name for q in STARTS)
 _MOST = 0.25  # relative: labs scatter by 1 to 6 %, and two runs of the latter differ by more once in 300; more is a law
-_LATE = 3.0  # samples: a trigger comes within two; what comes later in all runs is a delay
+_LATE = 6.0  # samples: three standard deviations of two, by which triggers of labs jitter; more is a delay or a fault
 _SLIGHT = 1e-6  # of the largest singular value: the sensitivities are no better than that
 _OPEN = 1e-7  # share of a deviation's power that other parameters leave, below which the data leave it open
 
@@ -81,7 +81,7 @@ def with_deviations(problem: Problem, kinds: Iterable[str]) -> Problem:
     problem : Problem
     kinds : iterable of str
         Of `SCATTER` or `STARTS`, or ``"stiffness"``. Start times are free in every driven run, unless an effect delays
-        the input. They differ by three samples, relative changes by a quarter at most: what differs by more does not
+        the input. They differ by six samples, relative changes by a quarter at most: what differs by more does not
         scatter, it follows a law or is a fault.
     """
     active, most = problem.active.copy(), np.full(problem.active.shape, np.inf)
