@@ -12,6 +12,7 @@ from stepid.diagnosis import free_law, gather, verdict
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, is_white
 from stepid.diagnosis.exchangeable import Condition
+from stepid.diagnosis.left_out import LeftOut
 
 CRITERIA = Criteria()
 
@@ -30,14 +31,17 @@ def test_what_is_left_may_follow_a_state_as_much_as_chance_does(
     assert evidence(FRICTION).followed(FRICTION) == state
 
 
-@pytest.mark.parametrize("known", ["gain", "color"])
+@pytest.mark.parametrize(("known", "part"), [("gain", 1.0), ("gain", 0.1), ("color", 1.0)])
 @pytest.mark.parametrize(
     ("beyond", "parts", "state"),
     [(4.0, 2.0, ""), (9.0, 0.9, ""), (9.0, 1.1, "velocity")],
 )
 def test_what_runs_that_differ_or_colored_noise_leave_is_not_known_as_well(
-    known: str, beyond: float, parts: float, state: str, monkeypatch: pytest.MonkeyPatch
+    known: str, part: float, beyond: float, parts: float, state: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Laws are rough by a share of what the conditions leave them to explain."""
+    parts *= part
+    monkeypatch.setattr(LeftOut, "part_of_effects", lambda *_: part)
     monkeypatch.setattr(free_law, "free_laws", lambda *_: (law_of("velocity", parts, beyond=beyond),))
     found = candidate(["coulomb_friction"], deviations=["gain"] if known == "gain" else [])
     e = evidence(found)

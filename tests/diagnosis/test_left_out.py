@@ -12,8 +12,9 @@ from stepid.diagnosis.explore import linear_candidate
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.effects import resolve
-from stepid.fitting.deviations import starts_kept
+from stepid.fitting.deviations import starts_kept, with_deviations
 from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.levenberg_marquardt import minimize
 
 
 def told(hidden: tuple[str, ...], *names: str) -> tuple[EvidenceRecord, Candidate]:
@@ -51,3 +52,24 @@ def test_what_is_known_is_not_fitted_again() -> None:
     conditions = starts_kept(found.optimum.problem, ())
     known = Candidate((), conditions, found.optimum, 0.0)
     assert EvidenceRecord(e.context, e.criteria, (*e.candidates, known)).left_out._with((), found) is known.optimum
+
+
+def test_what_conditions_explain_is_no_misfit_of_an_effect() -> None:
+    """Gains that differ are a part of what the linear plant with runs alike leaves, and none of what a spring takes."""
+    request = Request(3, ("cubic_stiffness",), None, 3.0, "four", ("gain",))
+    context = prepare(make_campaigns([request])[0][0])
+    alone = fit_effects(context, resolve(["cubic_stiffness"]))
+    assert alone is not None
+    plain, spring = (
+        minimize(with_deviations(fit.problem, ("gain",)), fit.shared, fit.local) for fit in (context.linear, alone)
+    )
+    assert plain is not None
+    assert spring is not None
+    steady = Candidate(resolve(["cubic_stiffness"]), frozenset(), alone, 0.0)
+    found = Candidate(steady.effects, frozenset({"gain"}), spring, 0.0)
+    e = EvidenceRecord(context, Criteria(), (linear_candidate(context), steady, found))
+    part = e.left_out.part_of_effects(found)
+    noise = context.floor**2
+    assert part == pytest.approx((plain.rms**2 - noise) / (context.linear.rms**2 - noise), rel=1e-3)
+    assert 0.1 < part < 0.95
+    assert e.left_out.part_of_effects(steady) == 1.0

@@ -119,6 +119,8 @@ def test_single_effects_inside_a_pair() -> None:
     scattered = made_up("coulomb_friction", deviations=("gain",))
     nodes = [simple, general, free, scattered, made_up()]
     assert inside(nodes, [made_up("stribeck_friction", "cogging")]) == [simple, general, free]
+    assert inside(nodes, [made_up("stribeck_friction", "cogging", deviations=("gain",))]) == nodes[:4]
+    assert inside([scattered], [made_up("stribeck_friction", "cogging", deviations=("damping",))]) == []
     assert inside(nodes, []) == []
 
 

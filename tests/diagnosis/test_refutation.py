@@ -12,6 +12,7 @@ from made_up_evidence import LINEAR, candidate, evidence, law_of, leaving, with_
 from stepid.diagnosis import gather, refutation
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.free_law import FreeLaw, beside, free_laws
+from stepid.diagnosis.left_out import LeftOut
 from stepid.effects import resolve
 from stepid.fitting.fit import fit_effects, prepare
 
@@ -49,14 +50,24 @@ def test_runs_that_differ_hide_no_shape(monkeypatch: pytest.MonkeyPatch) -> None
     fitted = "stepid.diagnosis.selection.candidate.without_deviations"
     monkeypatch.setattr(fitted, lambda *given: near.append(given) or alike.optimum)
     monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),))
+    monkeypatch.setattr(LeftOut, "part_of_effects", lambda *_: 1.0)
     assert e.refuted(lead) == ""
     assert asked == [alike.optimum, lead.optimum]
     assert near == [(lead.optimum, 1e-3 * lead.optimum.cost)]  # as near as matters beside what it leaves
 
 
-@pytest.mark.parametrize(("with_them", "without"), [(0.9, 0.4), (0.4, 0.9), (0.4, 0.4)])
+@pytest.mark.parametrize(
+    ("with_them", "without", "part", "told"),
+    [
+        (0.9, 0.4, 1.0, "position"),
+        (0.4, 0.9, 1.0, "position"),
+        (0.4, 0.4, 1.0, ""),
+        (0.9, 0.4, 3.0, ""),  # as rough as a law is that has so much to explain
+        (0.4, 0.9, 3.0, "position"),  # of what all runs leave, with runs alike
+    ],
+)
 def test_a_shape_that_either_fit_shows_refutes(
-    with_them: float, without: float, monkeypatch: pytest.MonkeyPatch
+    with_them: float, without: float, part: float, told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What runs differ by drowns a shape where it is left, and may take a part of one where it is not."""
     lead, alike = candidate(["cubic_stiffness"], deviations=["gain"], times=3.0), candidate(times=4.0)
@@ -68,7 +79,8 @@ def test_a_shape_that_either_fit_shows_refutes(
     )
     monkeypatch.setattr("stepid.diagnosis.selection.candidate.without_deviations", lambda *_: alike.optimum)
     monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),))
-    assert e.refuted(lead) == ("position" if max(with_them, without) > 0.5 else "")
+    monkeypatch.setattr(LeftOut, "part_of_effects", lambda *_: part)
+    assert e.refuted(lead) == told
 
 
 @pytest.mark.parametrize(

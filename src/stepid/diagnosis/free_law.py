@@ -190,7 +190,7 @@ class _Left:
         return FreeLaw(state, share, power, beyond, own, changes)
 
 
-def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeLaw | None:
+def followed(context: FitContext, criteria: Criteria, found: Candidate, part: float = 1.0) -> FreeLaw | None:
     """Law that what is as small as the noise follows by more than `allowed`, None where there is none.
 
     Among the decimated samples, which are means of neighbors, it may be chance; then all of them do not tell it. What
@@ -199,7 +199,7 @@ def followed(context: FitContext, criteria: Criteria, found: Candidate) -> FreeL
     if found.optimum.rms <= context.rounding:
         return None
     law = _strongest(context, found, context.decimated)
-    beyond, power = allowed(context, criteria, found, noise=True)
+    beyond, power = allowed(context, criteria, found, noise=True, part=part)
     if law.beyond <= beyond or law.power <= power:
         return None
     return law if _strongest(context, found, context.records).beyond > beyond else None
@@ -209,15 +209,19 @@ def _strongest(context: FitContext, found: Candidate, records: Records) -> FreeL
     return max(free_laws(context, found.optimum, records), key=lambda one: one.beyond)
 
 
-def allowed(context: FitContext, criteria: Criteria, found: Candidate, *, noise: bool) -> tuple[float, float]:
+def allowed(
+    context: FitContext, criteria: Criteria, found: Candidate, *, noise: bool, part: float = 1.0
+) -> tuple[float, float]:
     """Standard deviations beyond chance, and power [m²], that a law of another shape may take of what is left.
 
     Real laws are rough, which shows in a rest; what leaves only `noise` has no room for that. Noise that is colored,
     or rounding that nothing dithers, or stands beside runs that differ, is not known well enough to say so.
+
+    A law is rough by a share of the `part` of the misfit that is its to explain: see `LeftOut.part_of_effects`.
     """
     if noise and not found.deviations and context.colored is None and context.dithered:
         return criteria.shape, 0.0
-    return criteria.white, criteria.rough * (context.coarse_linear.cost - context.noise_cost)
+    return criteria.white, criteria.rough * part * (context.coarse_linear.cost - context.noise_cost)
 
 
 def _changes(optimum: Optimum, place: Index, columns: Array, residual: Array) -> tuple[float, ...]:

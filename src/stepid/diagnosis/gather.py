@@ -146,9 +146,8 @@ class EvidenceRecord:
     def _takes_scatter(self, other: Candidate) -> bool:
         """Tell whether one effect more takes most of what runs differ by under the best: it is a law, or they do."""
         best = self.best
-        if not (includes(other.effects, best.effects) and len(other.effects) == len(best.effects) + 1):
-            return False
-        if not best.deviations >= other.deviations:
+        further = includes(other.effects, best.effects) and len(other.effects) == len(best.effects) + 1
+        if not (further and best.deviations >= other.deviations):
             return False
         own, less = (sizes_of_scatter(c.optimum) for c in (best, other))
         return any(less.get(kind, 0.0) < size / 2 for kind, size in own.items())
@@ -239,7 +238,7 @@ class EvidenceRecord:
 
     @property
     def sure_part(self) -> Candidate | None:
-        """What may be named of the best, where not all of it may."""
+        """What may be named of the best, where not all may."""
         return self.leads.sure_part
 
     def outdone(self, lead: Candidate) -> bool:
@@ -256,7 +255,8 @@ class EvidenceRecord:
 
     def followed(self, found: Candidate) -> str:
         """The state that what is as small as the noise follows by more than chance, '' where there is none."""
-        return law.state if (law := followed(self.context, self.criteria, found)) else ""
+        part = self.left_out.part_of_effects(found)
+        return law.state if (law := followed(self.context, self.criteria, found, part)) else ""
 
     def is_noise(self, found: Candidate) -> bool:
         """Tell whether a rest is noise: there where the cart rests, too, and no part of it follows a law."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.diagnosis.selection.candidate import Candidate, is_free
+from stepid.diagnosis.selection.candidate import Candidate, Deviations, Key, is_free
 from stepid.effects.base import Effect
 from stepid.fitting.cross_validation import held_out_residuals
 from stepid.fitting.deviations import starts_kept, with_deviations
@@ -30,6 +30,7 @@ class LeftOut:
     def __init__(self, evidence: EvidenceRecord) -> None:
         self._told = evidence
         self._seen: dict[Optimum, tuple[dict[int, Array], dict[int, Array]]] = {}  # `residuals`, by a candidate's fit
+        self._beside: dict[Key, Optimum | None] = {}  # `_with`
 
     def residuals(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
         """Residuals of runs left out, linear plant with the same conditions free and candidate.
@@ -39,8 +40,7 @@ class LeftOut:
         """
         if found.optimum not in self._seen:
             first = self._told.criteria.first if is_free(found) or found.deviations else 1.0
-            plain = self._with((), found) or self._told.linear.optimum
-            self._seen[found.optimum] = self.of_two(plain, found.optimum, first)
+            self._seen[found.optimum] = self.of_two(self._plain(found), found.optimum, first)
         return self._seen[found.optimum]
 
     def of_two(self, one: Optimum, other: Optimum, first: float = 1.0) -> tuple[dict[int, Array], dict[int, Array]]:
@@ -50,6 +50,18 @@ class LeftOut:
         after = held_out_residuals(other, **how) if other is not one else before
         both = sorted(before.keys() & after.keys())
         return {i: before[i] for i in both}, {i: after[i] for i in both}
+
+    def part_of_effects(self, found: Candidate) -> float:
+        """Part of the misfit's power that the conditions of a candidate leave to its effects, between 0 and 1."""
+        noise, linear = self._told.context.floor**2, self._told.linear.optimum
+        if not found.deviations or linear.rms**2 <= noise:
+            return 1.0
+        left = max(self._plain(found).rms ** 2 - noise, 0.0)
+        return min(left / (linear.rms**2 - noise), 1.0)
+
+    def _plain(self, found: Candidate) -> Optimum:
+        """The linear plant as a candidate's runs differ, or with runs alike where that cannot be fitted."""
+        return self._with((), found) or self._told.linear.optimum
 
     def _with(self, effects: tuple[Effect, ...], found: Candidate) -> Optimum | None:
         """Some of a candidate's effects, or none, with the conditions and starts free that are so under the candidate.
@@ -61,6 +73,11 @@ class LeftOut:
         known = [c.optimum for c in self._told.candidates if c.key == key]
         if known:
             return known[0]
+        if key not in self._beside:
+            self._beside[key] = self._fitted_with(effects, conditions, found)
+        return self._beside[key]
+
+    def _fitted_with(self, effects: tuple[Effect, ...], conditions: Deviations, found: Candidate) -> Optimum | None:
         linear, whole = self._told.linear.optimum, found.optimum
         if not effects:
             problem, shared, like = linear.problem, linear.shared, linear

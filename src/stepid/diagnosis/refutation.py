@@ -26,7 +26,7 @@ def refuted(told: EvidenceRecord, lead: Candidate) -> str:
     is missing changes the whole motion, so that each state shows some of it.
 
     Where runs differ both fits are asked: conditions that do may take a part of a shape, and where they are alike what
-    runs differ by may drown it.
+    runs differ by may drown it. What they explain is no misfit of the lead's, which is rough by what it has to explain.
     """
     fits = dict.fromkeys((lead.alike(told.context), lead.optimum))
     return next(filter(None, (_refuted_by(told, lead, fit) for fit in fits)), "")
@@ -35,7 +35,8 @@ def refuted(told: EvidenceRecord, lead: Candidate) -> str:
 def _refuted_by(told: EvidenceRecord, lead: Candidate, fit: Optimum) -> str:
     """The state of which a law of another shape refutes a lead by what one of its fits leaves, '' where none does."""
     states = told.states(lead)
-    chance, rough = allowed(told.context, told.criteria, lead, noise=told.at_floor(lead))
+    part = told.left_out.part_of_effects(lead) if fit is lead.optimum else 1.0
+    chance, rough = allowed(told.context, told.criteria, lead, noise=told.at_floor(lead), part=part)
     laws = sorted(free_laws(told.context, fit), key=lambda one: -one.power)
     for law in laws:
         if not law.is_seen(chance, rough):

@@ -141,9 +141,9 @@ def beside(proposals: Sequence[Proposal], base: Key) -> list[Proposal]:
 
 
 def inside(nodes: Iterable[Node], pairs: Collection[Node]) -> list[Node]:
-    """Of some nodes the single effects that one of the pairs holds, or a law that contains them; conditions alike."""
-    alone = [n for n in nodes if len(n.effects) == 1 and not n.deviations]
-    return [n for n in alone if any(includes(pair.effects, n.effects) for pair in pairs)]
+    """Of some nodes the single effects that one of the pairs holds, or a law that contains them, as its runs differ."""
+    alone = [n for n in nodes if len(n.effects) == 1]
+    return [n for n in alone if any(n.deviations <= p.deviations and includes(p.effects, n.effects) for p in pairs)]
 
 
 def modes(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], bases: Collection[Key]) -> list[Proposal]:
