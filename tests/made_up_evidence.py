@@ -60,6 +60,7 @@ def context() -> Any:
         records=records,
         decimated=records,
         floor=FLOOR,
+        unit=FLOOR**2,
         full_noise_cost=RUNS * SAMPLES * FLOOR**2,
         rounding=1e-9,
         rounding_cost=RUNS * SAMPLES * 1e-18,

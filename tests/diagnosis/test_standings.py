@@ -82,12 +82,22 @@ def test_below_a_wrong_law_as_small_as_the_noise_the_search_goes_on(
     assert found.noise_limit == pytest.approx(0.7 * best.optimum.cost if lowered else before)
 
 
-def test_a_set_that_leaves_a_rest_lowers_no_floor() -> None:
+@pytest.mark.parametrize(("times", "structure", "lowered"), [(1.12, 9.0, True), (1.02, 0.0, False), (1.5, 9.0, False)])
+def test_below_what_costs_as_little_as_noise_and_is_not_white_the_search_goes_on(
+    times: float, structure: float, lowered: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By what a tie does not tell from it; one that leaves far more lowers no floor."""
+    best = candidate(["cogging"], times=times, structure=structure)
+    monkeypatch.setattr("stepid.diagnosis.free_law.free_laws", lambda *_: (FreeLaw("position", 0.0, 0.0, 0.0),))
     found = Standings(context(), Criteria(), Effort())
+    found.fit.noise_limit *= 1.1
+    found.noise_limit = found.fit.noise_limit
+    found.candidates = {c.key: c for c in (candidate(times=30.0), best)}
+    found.nodes = {best.key: SimpleNamespace(cost=best.optimum.cost)}  # type: ignore[dict-item]
     before = found.noise_limit
-    found._lower_floor(PAIR)
-    assert found.noise_limit == before
-    assert not found._complete(PAIR)
+    found._lower_floor(best)
+    assert found.noise_limit == pytest.approx(best.optimum.cost - 10.0 * found.fit.unit if lowered else before)
+    assert not (lowered and found._complete(best))
 
 
 def raced(names: list[str], cost: float, deviations: tuple[str, ...] = ()) -> SimpleNamespace:

@@ -142,12 +142,18 @@ class Standings:
         return at_floor(self.fit, self.criteria, found) and is_white(self.fit, found, self.criteria.white / 2)
 
     def _lower_floor(self, best: Candidate) -> None:
-        """Search on below a candidate that is as small as the noise, and leaves what a law of some shape can take."""
-        if not best.effects or not at_floor(self.fit, self.criteria, best):
+        """Search on below a candidate that costs what noise may, and is not white, or what a law of some shape takes.
+
+        Where it is not white, below what a tie does not tell from it.
+        """
+        if not best.effects:
             return
-        law = followed(self.fit, self.criteria, best)
-        if law is not None:
-            self.noise_limit = min(self.noise_limit, self.nodes[best.key].cost - law.power)
+        taken = self._tie
+        if at_floor(self.fit, self.criteria, best):
+            law = followed(self.fit, self.criteria, best)
+            taken = law.power if law is not None else 0.0
+        if taken:
+            self.noise_limit = min(self.noise_limit, self.nodes[best.key].cost - taken)
 
     def _nameable(self, order: Sequence[Node]) -> Iterator[Node]:
         """Of some nodes those that may be named where a rest remains; none where the first leaves only noise."""
