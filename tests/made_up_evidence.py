@@ -62,6 +62,7 @@ def context() -> Any:
         floor=FLOOR,
         unit=FLOOR**2,
         full_noise_cost=RUNS * SAMPLES * FLOOR**2,
+        noise_cost=RUNS * SAMPLES * FLOOR**2,
         rounding=1e-9,
         rounding_cost=RUNS * SAMPLES * 1e-18,
         dithered=True,

@@ -39,7 +39,7 @@ def proposed(base: Any, *names: str, move: str, left: float) -> Any:
 def a_search(lead: float) -> Search:
     """A pair that leaves so much of a misfit of 100 leads; five rivals of it are proposed."""
     found: Any = Search.__new__(Search)
-    fit: Any = SimpleNamespace(**vars(context()) | {"noise_limit": 1.0}, unit=0.01)
+    fit: Any = SimpleNamespace(**vars(context()) | {"noise_limit": 1.0, "unit": 0.01})
     Standings.__init__(found, fit, Criteria(), Effort())
     pair = node(*PAIR, cost=lead)
     found.root = node(cost=100.0)

@@ -32,7 +32,7 @@ from stepid.fitting.multistart import Start
 
 def made_up(*names: str, deviations: tuple[str, ...] = (), cost: float = 1.0) -> Any:
     found = candidate(names, deviations=deviations)
-    return SimpleNamespace(effects=found.effects, deviations=found.deviations, cost=cost)
+    return SimpleNamespace(key=found.key, effects=found.effects, deviations=found.deviations, cost=cost)
 
 
 FRICTION, PLAY, COGGING = made_up("coulomb_friction", cost=3.0), made_up("free_play", cost=2.0), made_up("cogging")
@@ -116,11 +116,10 @@ def test_larger_sets_are_the_first_few_on_the_best_pair_and_of_those_scored_toge
 
 def test_single_effects_inside_a_pair() -> None:
     simple, general, free = made_up("coulomb_friction"), made_up("stribeck_friction"), made_up("cogging")
-    scattered = made_up("coulomb_friction", deviations=("gain",))
-    nodes = [simple, general, free, scattered, made_up()]
+    scattered, apart_ = made_up("coulomb_friction", deviations=("gain",)), made_up("cogging", deviations=("damping",))
+    nodes = [scattered, apart_, simple, general, free, made_up()]
     assert inside(nodes, [made_up("stribeck_friction", "cogging")]) == [simple, general, free]
-    assert inside(nodes, [made_up("stribeck_friction", "cogging", deviations=("gain",))]) == nodes[:4]
-    assert inside([scattered], [made_up("stribeck_friction", "cogging", deviations=("damping",))]) == []
+    assert inside(nodes, [made_up("stribeck_friction", "cogging", deviations=("gain",))]) == [scattered, general, free]
     assert inside(nodes, []) == []
 
 

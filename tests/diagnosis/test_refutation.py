@@ -37,7 +37,7 @@ def test_two_laws_of_one_state_leave_no_rest_of_it(
 
 
 def test_runs_that_differ_hide_no_shape(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The law of any shape is fitted to what the lead leaves with conditions alike in all runs, and as they are."""
+    """The law of any shape is fitted to what the lead leaves with conditions alike in all runs, and with its own."""
     lead, alike = (
         candidate(["cubic_stiffness"], times=3.0, deviations=["gain"]),
         candidate(["cubic_stiffness"], times=4.0),

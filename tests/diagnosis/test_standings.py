@@ -9,6 +9,7 @@ import pytest
 from made_up_evidence import candidate, context, losing
 from stepid import Criteria, Effort
 from stepid.diagnosis.free_law import FreeLaw
+from stepid.diagnosis.selection.candidate import LINEAR
 from stepid.diagnosis.selection.standings import Standings
 
 PAIR = candidate(["coulomb_friction", "cogging"], times=8.0)
@@ -75,29 +76,44 @@ def test_below_a_wrong_law_as_small_as_the_noise_the_search_goes_on(
     monkeypatch.setattr("stepid.diagnosis.free_law.free_laws", lambda *_: (law,))
     found = Standings(context(), Criteria(), Effort())
     found.candidates = {c.key: c for c in (candidate(times=30.0), best)}
-    found.nodes = {best.key: SimpleNamespace(cost=best.optimum.cost)}  # type: ignore[dict-item]
+    found.nodes = {key: SimpleNamespace(cost=c) for key, c in ((LINEAR, 9e-5), (best.key, best.optimum.cost))}  # type: ignore[misc]
     before = found.noise_limit
     assert found._complete(best) is not lowered
     found._lower_floor(best)
     assert found.noise_limit == pytest.approx(0.7 * best.optimum.cost if lowered else before)
 
 
-@pytest.mark.parametrize(("times", "structure", "lowered"), [(1.12, 9.0, True), (1.02, 0.0, False), (1.5, 9.0, False)])
+@pytest.mark.parametrize(
+    ("times", "structure", "complete", "lowered"),
+    [(1.12, 9.0, False, True), (1.02, 0.0, True, False), (1.1502, 9.0, False, False), (1.5, 9.0, False, False)],
+)
 def test_below_what_costs_as_little_as_noise_and_is_not_white_the_search_goes_on(
-    times: float, structure: float, lowered: bool, monkeypatch: pytest.MonkeyPatch
+    times: float, structure: float, complete: bool, lowered: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """By what a tie does not tell from it; one that leaves far more lowers no floor."""
+    """By what a tie does not tell from it; one that leaves more than noise may lowers no floor."""
     best = candidate(["cogging"], times=times, structure=structure)
     monkeypatch.setattr("stepid.diagnosis.free_law.free_laws", lambda *_: (FreeLaw("position", 0.0, 0.0, 0.0),))
     found = Standings(context(), Criteria(), Effort())
-    found.fit.noise_limit *= 1.1
-    found.noise_limit = found.fit.noise_limit
+    found.noise_limit = 1.15**2 * found.fit.full_noise_cost
     found.candidates = {c.key: c for c in (candidate(times=30.0), best)}
-    found.nodes = {best.key: SimpleNamespace(cost=best.optimum.cost)}  # type: ignore[dict-item]
+    found.nodes = {key: SimpleNamespace(cost=c) for key, c in ((LINEAR, 9e-5), (best.key, best.optimum.cost))}  # type: ignore[misc]
     before = found.noise_limit
     found._lower_floor(best)
     assert found.noise_limit == pytest.approx(best.optimum.cost - 10.0 * found.fit.unit if lowered else before)
-    assert not (lowered and found._complete(best))
+    assert found._complete(best) is complete
+
+
+@pytest.mark.parametrize(("plain", "part"), [(0.5, 0.5), (0.0, 0.0), (None, 1.0), (1.5, 1.0)])
+def test_the_search_knows_what_conditions_leave_to_explain(
+    plain: float | None, part: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As the verdict does; where the linear plant was not fitted with them it is all."""
+    best, found = candidate(["cogging"], deviations=["gain"]), Standings(context(), Criteria(), Effort())
+    noise = found.fit.noise_cost
+    costs = {LINEAR: 10 * noise} | ({} if plain is None else {(frozenset(), best.deviations): (1 + 9 * plain) * noise})
+    found.nodes = {key: SimpleNamespace(cost=cost) for key, cost in costs.items()}  # type: ignore[misc]
+    monkeypatch.setattr("stepid.diagnosis.selection.standings.followed", lambda *given: given[-1])
+    assert found._followed(best) == pytest.approx(part)
 
 
 def raced(names: list[str], cost: float, deviations: tuple[str, ...] = ()) -> SimpleNamespace:

@@ -47,9 +47,9 @@ class Criteria(Model):
         remains: the rest is then two fifths of the misfit, or less, in amplitude. A second effect must halve what may
         be left. At 0.75 half of the further names were wrong.
     rough : float
-        Share of the misfit's power that a law of another shape may take from what a lead leaves: real laws are that
-        rough (0.1 to 0.3 per cent in recordings of real springs, hulls and pendulums). Laws of one state that differ by
-        less are not told apart beside a rest.
+        Share of the misfit's power, or of what conditions that differ leave of it, that a law of another shape may take
+        from what a lead leaves: real laws are that rough (0.1 to 0.3 per cent in recordings of real springs, hulls and
+        pendulums). Laws of one state that differ by less are not told apart beside a rest.
     sure : float
         Weight (sum of Akaike-like weights exp(−ΔQBIC/2)) that the candidates which hold an effect must have (Burnham
         and Anderson 2002, section 4.3).

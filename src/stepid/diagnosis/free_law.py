@@ -190,8 +190,10 @@ class _Left:
         return FreeLaw(state, share, power, beyond, own, changes)
 
 
-def followed(context: FitContext, criteria: Criteria, found: Candidate, part: float = 1.0) -> FreeLaw | None:
+def followed(context: FitContext, criteria: Criteria, found: Candidate, part: float) -> FreeLaw | None:
     """Law that what is as small as the noise follows by more than `allowed`, None where there is none.
+
+    `part` is that of the misfit's power which conditions leave to its effects.
 
     Among the decimated samples, which are means of neighbors, it may be chance; then all of them do not tell it. What
     is less than rounding leaves follows the steps of the sensor.

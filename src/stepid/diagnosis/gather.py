@@ -238,7 +238,7 @@ class EvidenceRecord:
 
     @property
     def sure_part(self) -> Candidate | None:
-        """What may be named of the best, where not all may."""
+        """What may be named of the best, where not all of it may."""
         return self.leads.sure_part
 
     def outdone(self, lead: Candidate) -> bool:

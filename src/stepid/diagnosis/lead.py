@@ -119,10 +119,11 @@ class Leads:
         left = before.optimum.rms**2 - noise
         return 1.0 - max(after.optimum.rms**2 - noise, 0.0) / left if left > 0 else 0.0
 
-    @cached_property
-    def _rough(self) -> float:
-        """Power by which real laws are rough, m²."""
-        return self._told.criteria.rough * (self._told.linear.optimum.rms**2 - self._told.context.floor**2)
+    def _rough(self, lead: Candidate) -> float:
+        """Power by which real laws are rough that explain what conditions leave to a lead, m²."""
+        told = self._told
+        whole = told.linear.optimum.rms**2 - told.context.floor**2
+        return told.criteria.rough * told.left_out.part_of_effects(lead) * whole
 
     @cached_property
     def sure_part(self) -> Candidate | None:
@@ -147,7 +148,7 @@ class Leads:
             return False
         every = [w.candidate for w in self._told.weighed if w.candidate.deviations <= lead.deviations]
         nearest = min(self._holding(lead), key=lambda c: c.optimum.rms, default=lead)
-        most = nearest.optimum.rms**2 - self._rough
+        most = nearest.optimum.rms**2 - self._rough(lead)
         few = (c for c in every if len(c.effects) <= len(lead.effects))
         halving = (c for c in few if self.taken(nearest, c) > 0.5 and c.optimum.rms**2 < most)
         return any(OWN in self._told.imitators(c).values() for c in halving)
@@ -181,7 +182,7 @@ class Leads:
         """
         told = self._told
         more = other.optimum.rms**2 - lead.optimum.rms**2
-        if told.at_floor(lead) or other.deviations != lead.deviations or more > self._rough:
+        if told.at_floor(lead) or other.deviations != lead.deviations or more > self._rough(lead):
             return False
         own, others = (set(zip(c.names, told.states(c), strict=True)) for c in (lead, other))
         states = [[state for _, state in few] for few in (own - others, others - own)]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.diagnosis.selection.candidate import Candidate, Deviations, Key, is_free
+from stepid.diagnosis.selection.candidate import Candidate, Deviations, is_free
 from stepid.effects.base import Effect
 from stepid.fitting.cross_validation import held_out_residuals
 from stepid.fitting.deviations import starts_kept, with_deviations
@@ -30,7 +30,7 @@ class LeftOut:
     def __init__(self, evidence: EvidenceRecord) -> None:
         self._told = evidence
         self._seen: dict[Optimum, tuple[dict[int, Array], dict[int, Array]]] = {}  # `residuals`, by a candidate's fit
-        self._beside: dict[Key, Optimum | None] = {}  # `_with`
+        self._plains: dict[Deviations, Optimum] = {}  # linear plants, by what differs
 
     def residuals(self, found: Candidate) -> tuple[dict[int, Array], dict[int, Array]]:
         """Residuals of runs left out, linear plant with the same conditions free and candidate.
@@ -52,7 +52,10 @@ class LeftOut:
         return {i: before[i] for i in both}, {i: after[i] for i in both}
 
     def part_of_effects(self, found: Candidate) -> float:
-        """Part of the misfit's power that the conditions of a candidate leave to its effects, between 0 and 1."""
+        """Part of the misfit's power that conditions which differ leave to a candidate's effects, between 0 and 1.
+
+        So do starts that they free, where runs differ; else all of it is theirs.
+        """
         noise, linear = self._told.context.floor**2, self._told.linear.optimum
         if not found.deviations or linear.rms**2 <= noise:
             return 1.0
@@ -61,7 +64,10 @@ class LeftOut:
 
     def _plain(self, found: Candidate) -> Optimum:
         """The linear plant as a candidate's runs differ, or with runs alike where that cannot be fitted."""
-        return self._with((), found) or self._told.linear.optimum
+        conditions = found.deviations | starts_kept(found.optimum.problem, ())
+        if conditions not in self._plains:
+            self._plains[conditions] = self._with((), found) or self._told.linear.optimum
+        return self._plains[conditions]
 
     def _with(self, effects: tuple[Effect, ...], found: Candidate) -> Optimum | None:
         """Some of a candidate's effects, or none, with the conditions and starts free that are so under the candidate.
@@ -73,11 +79,6 @@ class LeftOut:
         known = [c.optimum for c in self._told.candidates if c.key == key]
         if known:
             return known[0]
-        if key not in self._beside:
-            self._beside[key] = self._fitted_with(effects, conditions, found)
-        return self._beside[key]
-
-    def _fitted_with(self, effects: tuple[Effect, ...], conditions: Deviations, found: Candidate) -> Optimum | None:
         linear, whole = self._told.linear.optimum, found.optimum
         if not effects:
             problem, shared, like = linear.problem, linear.shared, linear

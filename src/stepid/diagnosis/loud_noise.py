@@ -40,7 +40,8 @@ def moving_over_resting(context: FitContext, found: Candidate) -> float:
 def trace(context: FitContext, criteria: Criteria, found: Candidate) -> str:
     """The state of a law that takes most of a rest, or more than chance does, and than real laws are rough; or ''.
 
-    Where the plant runs away no law can be asked, and nothing is ruled out.
+    Rough by a share of the whole misfit: no effect is asked, but what the linear plant leaves. Where the plant runs
+    away no law can be asked, and nothing is ruled out.
     """
     beyond, rough = allowed(context, criteria, found, noise=False)
     laws = free_laws(context, found.optimum)

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array
+from stepid.core.once import once
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.problem import free_starts
@@ -100,6 +101,7 @@ def starts_kept(problem: Problem, effects: tuple[Effect, ...]) -> frozenset[str]
     return frozenset(name for name, runs in zip(_STARTS, lost, strict=True) if runs.any())
 
 
+@once
 def without_deviations(optimum: Optimum, tolerance: float) -> Optimum:
     """Fit anew with conditions alike in all runs, as far as that can be done.
 

@@ -157,7 +157,8 @@ class Fits(Standings):
     def _polish_leads(self) -> None:
         """Where a rest remains, fit what may lead to all samples: the first of each size, with runs alike, too.
 
-        Of what the best pair and the best of all hold as well: the verdict asks whether one effect leads alone.
+        Of what the best pair and the best of all hold as well: the verdict asks whether one effect leads alone, though
+        runs may differ.
         """
         if self._complete(self.best):
             return

@@ -141,9 +141,15 @@ def beside(proposals: Sequence[Proposal], base: Key) -> list[Proposal]:
 
 
 def inside(nodes: Iterable[Node], pairs: Collection[Node]) -> list[Node]:
-    """Of some nodes the single effects that one of the pairs holds, or a law that contains them, as its runs differ."""
-    alone = [n for n in nodes if len(n.effects) == 1]
-    return [n for n in alone if any(n.deviations <= p.deviations and includes(p.effects, n.effects) for p in pairs)]
+    """Of some nodes the single effects that one of the pairs holds, or a law that contains them, the first of each.
+
+    Their runs differ by no more than the pair's.
+    """
+    first: dict[frozenset[str], Node] = {}
+    for node in (n for n in nodes if len(n.effects) == 1):
+        if any(node.deviations <= pair.deviations and includes(pair.effects, node.effects) for pair in pairs):
+            first.setdefault(node.key[0], node)
+    return list(first.values())
 
 
 def modes(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], bases: Collection[Key]) -> list[Proposal]:

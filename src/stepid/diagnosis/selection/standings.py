@@ -7,7 +7,7 @@ from functools import cached_property
 
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, chosen_at, is_white, least_share, qbic_by
-from stepid.diagnosis.free_law import followed
+from stepid.diagnosis.free_law import FreeLaw, followed
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, LINEAR, Candidate, Deviations, Key, includes
 from stepid.diagnosis.selection.effort import Effort
@@ -128,7 +128,7 @@ class Standings:
 
     def _complete(self, best: Candidate) -> bool:
         """Tell whether the best may be named and leaves nothing that a further effect could explain."""
-        return self._leaves_noise(best) and followed(self.fit, self.criteria, best) is None
+        return self._leaves_noise(best) and self._followed(best) is None
 
     def _one_is_enough(self) -> bool:
         """Tell whether the best is a single effect, runs alike, that leaves nothing more to explain."""
@@ -142,18 +142,26 @@ class Standings:
         return at_floor(self.fit, self.criteria, found) and is_white(self.fit, found, self.criteria.white / 2)
 
     def _lower_floor(self, best: Candidate) -> None:
-        """Search on below a candidate that costs what noise may, and is not white, or what a law of some shape takes.
+        """Search on below a candidate that costs no more than noise may, and is not at the floor, or follows a law.
 
-        Where it is not white, below what a tie does not tell from it.
+        By what that law takes of it, or a tie.
         """
         if not best.effects:
             return
-        taken = self._tie
-        if at_floor(self.fit, self.criteria, best):
-            law = followed(self.fit, self.criteria, best)
-            taken = law.power if law is not None else 0.0
-        if taken:
-            self.noise_limit = min(self.noise_limit, self.nodes[best.key].cost - taken)
+        cost = self.nodes[best.key].cost
+        if not at_floor(self.fit, self.criteria, best):
+            self.noise_limit = cost - self._tie if cost <= self.noise_limit else self.noise_limit
+            return
+        law = self._followed(best)
+        if law is not None:
+            self.noise_limit = min(self.noise_limit, cost - law.power)
+
+    def _followed(self, best: Candidate) -> FreeLaw | None:
+        """Law that what the best leaves follows, which may be rough by what its conditions leave it to explain."""
+        noise, linear = self.fit.noise_cost, self.nodes[LINEAR].cost
+        plain = self.nodes.get((frozenset(), best.deviations), self.nodes[LINEAR]).cost
+        part = max(plain - noise, 0.0) / (linear - noise) if linear > noise else 1.0
+        return followed(self.fit, self.criteria, best, min(part, 1.0))
 
     def _nameable(self, order: Sequence[Node]) -> Iterator[Node]:
         """Of some nodes those that may be named where a rest remains; none where the first leaves only noise."""
