@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from hidden.campaigns import Request, make_campaigns
+from stepid.diagnosis import left_out
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import block_means
 from stepid.diagnosis.explore import linear_candidate
@@ -54,7 +55,7 @@ def test_what_is_known_is_not_fitted_again() -> None:
     assert EvidenceRecord(e.context, e.criteria, (*e.candidates, known)).left_out._with((), found) is known.optimum
 
 
-def test_what_conditions_explain_is_no_misfit_of_an_effect() -> None:
+def test_what_conditions_explain_is_no_misfit_of_an_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     """Gains that differ are a part of what the linear plant with runs alike leaves, and none of what a spring takes."""
     request = Request(3, ("cubic_stiffness",), None, 3.0, "four", ("gain",))
     context = prepare(make_campaigns([request])[0][0])
@@ -73,3 +74,5 @@ def test_what_conditions_explain_is_no_misfit_of_an_effect() -> None:
     assert part == pytest.approx((plain.rms**2 - noise) / (context.linear.rms**2 - noise), rel=1e-3)
     assert 0.1 < part < 0.95
     assert e.left_out.part_of_effects(steady) == 1.0
+    monkeypatch.setattr(left_out, "minimize", None)  # what was fitted once is known
+    assert e.left_out.part_of_effects(found) == part

@@ -180,3 +180,26 @@ def test_who_runs_on_in_the_race_is_told_by_qbic_too() -> None:
     fit: Any = SimpleNamespace(unit=0.001)
     promote(nodes, fit, 10.0, Effort(promoted=1), lambda n: n.cost + 20.0 * n.name.startswith("differs"))
     assert went == ["differs in everything 0", "gain"]  # that of least cost, and the first
+
+
+def test_each_effect_of_what_leads_is_asked_alone_as_its_runs_differ(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However many sets with conditions one of them was tried in; and with conditions alike in all runs."""
+    found: Any = a_search(lead=9.0)
+    pair = raced(candidate(["coulomb_friction", "cogging"], times=2.0, deviations=["gain", "damping"]))
+    rubs = [
+        raced(candidate(["coulomb_friction"], times=3.0, deviations=d)) for d in (["gain", "damping"], ["gain"], [])
+    ]
+    bumps = [raced(candidate(["cogging"], times=5.0, deviations=d)) for d in (["gain"], [])]
+    apart = raced(candidate(["cogging"], times=2.5, deviations=["start_time"]))  # which the pair has not
+    order = [pair, apart, *rubs, *bumps]
+    found.nodes = {n.key: n for n in (found.root, *order)}
+    found.candidates = {
+        c.key: c for c in (candidate(times=30.0), Candidate(pair.effects, pair.deviations, pair.best, 9.0))
+    }
+    asked: list[Any] = []
+    monkeypatch.setattr(found, "_polish", asked.append)
+    monkeypatch.setattr(found, "_in_order", lambda: order)
+    monkeypatch.setattr(found, "_nameable", lambda nodes: iter([pair, *rubs[:1]]))
+    found._polish_leads()
+    alone = [n for n in asked if len(n.effects) == 1]
+    assert {n.key for n in alone} == {n.key for n in (rubs[0], rubs[2], bumps[0], bumps[1])}

@@ -7,6 +7,7 @@ import pytest
 from made_up_evidence import candidate, evidence
 from stepid.diagnosis import gather, vetoes
 from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.left_out import LeftOut
 from stepid.diagnosis.selection.candidate import Candidate
 
 
@@ -33,6 +34,10 @@ def test_where_a_rest_remains_a_law_of_the_same_state_as_rough_as_real_ones_stan
     assert e.beside(e.lead) == (alike,)
     strict = evidence(lead, alike, criteria=Criteria(rough=0.004))
     assert strict.beside(strict.lead) == ()
+    found = [Candidate(c.effects, frozenset({"gain"}), c.optimum, 0.0) for c in (lead, alike)]
+    for part, beside in ((1.0, (found[1],)), (0.5, ())):  # of what the gains leave it to explain
+        monkeypatch.setattr(LeftOut, "part_of_effects", lambda *_, told=part: told)
+        assert evidence(*found).beside(found[0]) == beside
     near = evidence(law("cubic_stiffness", 1.1), law("sine_stiffness", 1.18))  # no rest remains
     assert near.lead.names == ("cubic_stiffness",)
     assert near.beside(near.lead) == ()
