@@ -150,7 +150,8 @@ class Standings:
             return
         cost = self.nodes[best.key].cost
         if not at_floor(self.fit, self.criteria, best):
-            self.noise_limit = cost - self._tie if cost <= self.noise_limit else self.noise_limit
+            if cost <= self.noise_limit:
+                self.noise_limit = cost - self._tie
             return
         law = self._followed(best)
         if law is not None:
