@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, context, evidence, losing, white
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import at_floor, effective_samples, is_white, least_share, price, weigh
+from stepid.diagnosis.evidence import at_floor, effective_samples, is_white, least_share, part_left, price, weigh
 from stepid.diagnosis.selection.candidate import Candidate
 
 
@@ -171,3 +171,11 @@ def test_a_fit_below_rounding_is_at_the_floor_whatever_it_looks_like() -> None:
     assert not at_floor(told, Criteria(), slow)
     told.rounding = FLOOR
     assert at_floor(told, Criteria(), slow)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "part"),
+    [(5.0, 3.0, 0.5), (5.0, 0.5, 0.0), (5.0, 9.0, 2.0), (1.0, 9.0, 1.0), (0.5, 0.5, 1.0)],  # the last two: no power
+)
+def test_the_part_of_a_power_above_the_noise_that_is_left(before: float, after: float, part: float) -> None:
+    assert part_left(before, after, 1.0) == part

@@ -163,6 +163,12 @@ def block_means(context: FitContext, optimum: Optimum) -> float:
     return structure(context.records, optimum.problem.residual(optimum.solved), context.floor, context.period)
 
 
+def part_left(before: float, after: float, noise: float = 0.0) -> float:
+    """Part of a power above the noise that is left afterwards, m² or any unit; all of it where there was none."""
+    whole = before - noise
+    return max(after - noise, 0.0) / whole if whole > 0 else 1.0
+
+
 def predicts(criteria: Criteria, count: int, taken: tuple[float, float]) -> bool:
     """Tell whether so many effects lead by the share that they take on runs left out, and by its steadiness."""
     share, steady = taken

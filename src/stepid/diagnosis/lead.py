@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from stepid.diagnosis.evidence import Weighed, least_share, predicts
+from stepid.diagnosis.evidence import Weighed, least_share, part_left, predicts
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, includes
 from stepid.diagnosis.vetoes import effects_of
 from stepid.effects.swing import OWN
@@ -115,9 +115,7 @@ class Leads:
 
     def taken(self, before: Candidate, after: Candidate) -> float:
         """Share of the power above the floor that one candidate leaves, which another takes."""
-        noise = self._told.context.floor**2
-        left = before.optimum.rms**2 - noise
-        return 1.0 - max(after.optimum.rms**2 - noise, 0.0) / left if left > 0 else 0.0
+        return 1.0 - part_left(before.optimum.rms**2, after.optimum.rms**2, self._told.context.floor**2)
 
     def _rough(self, lead: Candidate) -> float:
         """Power by which real laws are rough that explain what conditions leave to a lead, m²."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.diagnosis.evidence import part_left
 from stepid.diagnosis.selection.candidate import Candidate, Deviations, is_free
 from stepid.effects.base import Effect
 from stepid.fitting.cross_validation import held_out_residuals
@@ -56,11 +57,10 @@ class LeftOut:
 
         So do starts that they free, where runs differ; else all of it is theirs.
         """
-        noise, linear = self._told.context.floor**2, self._told.linear.optimum
-        if not found.deviations or linear.rms**2 <= noise:
+        if not found.deviations:
             return 1.0
-        left = max(self._plain(found).rms ** 2 - noise, 0.0)
-        return min(left / (linear.rms**2 - noise), 1.0)
+        told = self._told
+        return min(part_left(told.linear.optimum.rms**2, self._plain(found).rms ** 2, told.context.floor**2), 1.0)
 
     def _plain(self, found: Candidate) -> Optimum:
         """The linear plant as a candidate's runs differ, or with runs alike where that cannot be fitted."""
@@ -117,8 +117,7 @@ class LeftOut:
 
     def _taken(self, before: dict[int, Array], after: dict[int, Array]) -> float:
         """Share of a residual's repeatable power that is gone, in the runs of the first; 0 where there was none."""
-        power = self._power(before, before)
-        return 1.0 - max(self._power(after, before), 0.0) / power if power > 0 else 0.0
+        return 1.0 - part_left(self._power(before, before), self._power(after, before))
 
     def _power(self, seen: dict[int, Array], runs: dict[int, Array]) -> float:
         """Power of residuals in some runs beyond what repeats differ by, m²."""

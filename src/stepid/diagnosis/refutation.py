@@ -28,14 +28,16 @@ def refuted(told: EvidenceRecord, lead: Candidate) -> str:
     Where runs differ both fits are asked: conditions that do may take a part of a shape, and where they are alike what
     runs differ by may drown it. What they explain is no misfit of the lead's, which is rough by what it has to explain.
     """
-    fits = dict.fromkeys((lead.alike(told.context), lead.optimum))
-    return next(filter(None, (_refuted_by(told, lead, fit) for fit in fits)), "")
+    parts = {lead.alike(told.context): 1.0, lead.optimum: told.left_out.part_of_effects(lead)}
+    return next(filter(None, (_refuted_by(told, lead, fit, part) for fit, part in parts.items())), "")
 
 
-def _refuted_by(told: EvidenceRecord, lead: Candidate, fit: Optimum) -> str:
-    """The state of which a law of another shape refutes a lead by what one of its fits leaves, '' where none does."""
+def _refuted_by(told: EvidenceRecord, lead: Candidate, fit: Optimum, part: float) -> str:
+    """The state of which a law of another shape refutes a lead by what one of its fits leaves, '' where none does.
+
+    `part` is that of the misfit's power which is left to the lead to explain.
+    """
     states = told.states(lead)
-    part = told.left_out.part_of_effects(lead) if fit is lead.optimum else 1.0
     chance, rough = allowed(told.context, told.criteria, lead, noise=told.at_floor(lead), part=part)
     laws = sorted(free_laws(told.context, fit), key=lambda one: -one.power)
     for law in laws:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import at_floor, chosen_at, is_white, least_share, qbic_by
+from stepid.diagnosis.evidence import at_floor, chosen_at, is_white, least_share, part_left, qbic_by
 from stepid.diagnosis.free_law import FreeLaw, followed
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, LINEAR, Candidate, Deviations, Key, includes
@@ -106,12 +106,16 @@ class Standings:
         """
         if not effects or len(effects) > LEADING:
             return self.noise_limit
-        plain = self.nodes.get((frozenset(), deviations), self.nodes[LINEAR]).cost
+        plain = self._plain(deviations)
         least = self._left_of(plain, least_share(self.criteria, len(effects)))
         inside = [n for n in self.nodes.values() if len(n.effects) == 1 < len(effects) and n.deviations == deviations]
         alone = [n.cost for n in inside if includes(effects, n.effects)]
         leading = [cost for cost in alone if cost <= self._left_of(plain, self.criteria.lead)]
         return min([least, *(self._left_of(cost, self.criteria.lead) for cost in leading)])
+
+    def _plain(self, deviations: Deviations) -> float:
+        """Cost in the race of the linear plant whose runs differ so, or are alike where that was not fitted, m²."""
+        return self.nodes.get((frozenset(), deviations), self.nodes[LINEAR]).cost
 
     def _left_of(self, cost: float, share: float) -> float:
         """What is left of a cost, m², of which a share is taken that is no noise, nor differs between repeated runs."""
@@ -159,9 +163,7 @@ class Standings:
 
     def _followed(self, best: Candidate) -> FreeLaw | None:
         """Law that what the best leaves follows, which may be rough by what its conditions leave it to explain."""
-        noise, linear = self.fit.noise_cost, self.nodes[LINEAR].cost
-        plain = self.nodes.get((frozenset(), best.deviations), self.nodes[LINEAR]).cost
-        part = max(plain - noise, 0.0) / (linear - noise) if linear > noise else 1.0
+        part = part_left(self.nodes[LINEAR].cost, self._plain(best.deviations), self.fit.noise_cost)
         return followed(self.fit, self.criteria, best, min(part, 1.0))
 
     def _nameable(self, order: Sequence[Node]) -> Iterator[Node]:
