@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from made_up_evidence import FLOOR, FRICTION, all_is_determined, candidate, context, evidence, law_of, losing, with_rest
-from stepid.diagnosis import free_law, gather, verdict
+from stepid.diagnosis import free_law, gather, verdict, vetoes
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, is_white
 from stepid.diagnosis.exchangeable import Condition
@@ -105,9 +105,10 @@ def test_a_general_law_is_no_rival_of_a_faint_one_that_is_open_or_beside_runs_th
     """It is no surer than the law inside; and what is left of the linear plant with runs alike is scatter, too."""
     plain, best = candidate(times=1.9), candidate(["coulomb_friction"], deviations=["gain"])
     assert evidence(best, losing(best, 7.0, ["asymmetric_friction"], deviations=["gain"]), plain).rivals == ()
-    monkeypatch.setattr(gather, "undetermined", lambda *_: ("coulomb_friction.level",))
-    monkeypatch.setattr(gather, "limited", lambda *_: {})
-    monkeypatch.setattr(gather, "present", lambda *_: frozenset())
+    for module in (gather, vetoes):
+        monkeypatch.setattr(module, "undetermined", lambda *_: ("coulomb_friction.level",))
+    monkeypatch.setattr(vetoes, "limited", lambda *_: {})
+    monkeypatch.setattr(vetoes, "present", lambda *_: frozenset())
     assert evidence(FRICTION, losing(FRICTION, 7.0, ["asymmetric_friction"]), plain).rivals == ()
 
 
@@ -144,9 +145,13 @@ def test_a_linear_plant_whose_runs_differ_is_simpler_than_a_law_in_the_place_of_
         assert "do not tell that from Coulomb friction and runs that are alike" in " ".join(said.reasons)
 
 
-@pytest.mark.parametrize(("times", "found"), [(2.2, True), (2.31, False)])
-def test_a_simpler_effect_is_told_within_twice_of_near(times: float, found: bool) -> None:
-    simple = candidate(["coulomb_friction"], times=times)
+@pytest.mark.parametrize(("share", "steady", "found"), [(0.85, 0.4, True), (0.84, 0.9, False), (0.9, 0.39, False)])
+def test_a_simpler_effect_is_told_where_it_leads(
+    share: float, steady: float, found: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However much it leaves: a law that contains it and is open takes that."""
+    monkeypatch.setattr(LeftOut, "share", lambda *_: (share, steady))
+    simple = candidate(["coulomb_friction"], times=4.9)
     e = evidence(candidate(["stribeck_friction"]), simple)
     assert e.simpler == ((simple,) if found else ())
 

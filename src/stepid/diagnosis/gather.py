@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from stepid.core.estimate import Estimate
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import Weighed, at_floor, chosen_at, is_white, weigh
+from stepid.diagnosis.evidence import Weighed, at_floor, chosen_at, is_white, predicts, weigh
 from stepid.diagnosis.exchangeable import Condition, followed_condition
 from stepid.diagnosis.free_law import followed
 from stepid.diagnosis.lead import Leads
@@ -22,10 +22,9 @@ from stepid.diagnosis.refutation import refuted
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
 from stepid.diagnosis.shared_weight import weight_of
 from stepid.diagnosis.states import cancelling, states_of_all
-from stepid.diagnosis.vetoes import imitators, undetermined, unseen
+from stepid.diagnosis.vetoes import imitators, open_parameters, sized, undetermined, unseen
 from stepid.fitting.input_fault import InputFault
 from stepid.fitting.multistart import FitContext
-from stepid.fitting.profile import limited, present
 from stepid.fitting.random_effects import sizes_of_scatter
 from stepid.fitting.record_fault import RecordFault
 
@@ -165,12 +164,12 @@ class EvidenceRecord:
 
     @cached_property
     def simpler(self) -> tuple[Candidate, ...]:
-        """The nearest candidate of as many, simpler effects that the best one contains, if any comes near the floor."""
+        """The nearest candidate of as many, simpler effects that the best one contains, if it leads."""
         names, best = frozenset(self.best.names), self.best
         inside = [w.candidate for w in self.weighed if includes(best.effects, w.candidate.effects)]
         alike = [c for c in inside if len(c.effects) == len(best.effects) and frozenset(c.names) != names]
         alike = [c for c in alike if not self.unseen(c)]
-        return tuple(c for c in alike[:1] if self.times(c) <= 2 * self.criteria.near)
+        return tuple(c for c in alike[:1] if predicts(self.criteria, len(c.effects), self.share(c)))
 
     def stands_for(self, simple: Candidate, general: Candidate) -> bool:
         """Tell whether a candidate is inside another of as many effects whose freedom the data leave open."""
@@ -194,21 +193,11 @@ class EvidenceRecord:
 
     def open(self, found: Candidate) -> tuple[str, ...]:
         """Parameters of a candidate's effects that the data leave open on the side on which the effect is absent."""
-        names, within = self._vague(found), min(2 * self.criteria.open, 1.0)  # two standard uncertainties
-        asked = names and self.at_floor(found) and not found.deviations
-        sure = present(found.optimum, found.effects, self.context.floor, names, within) if asked else frozenset()
-        return tuple(name for name in names if name not in sure)
+        return open_parameters(self.context, self.criteria, found)
 
     def limited(self, found: Candidate) -> dict[str, Estimate]:
         """Parameters that the data limit on that side only, where no rest remains that would limit them, too."""
-        names = undetermined(self.context, self.criteria, found) if self.at_floor(found) else ()
-        return limited(found.optimum, found.effects, self.context.floor, names) if names else {}
-
-    def _vague(self, found: Candidate) -> tuple[str, ...]:
-        """Parameters that the fit's curvature leaves open on both sides."""
-        names = undetermined(self.context, self.criteria, found)
-        sized = self.limited(found) if names else {}
-        return tuple(name for name in names if name not in sized)
+        return sized(self.context, self.criteria, found)
 
     def imitators(self, found: Candidate) -> dict[str, str]:
         """Effects that a linear parameter, or what the records do not tell from it, can stand in for."""

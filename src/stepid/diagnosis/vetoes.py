@@ -10,6 +10,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from stepid.core.estimate import Estimate
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.selection.candidate import Candidate
@@ -17,6 +18,7 @@ from stepid.effects.base import Effect
 from stepid.effects.swing import Swing
 from stepid.fitting.covariance import effect_parameters, estimates
 from stepid.fitting.multistart import FitContext
+from stepid.fitting.profile import limited, present
 
 
 def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
@@ -97,3 +99,24 @@ def undetermined(context: FitContext, criteria: Criteria, found: Candidate) -> t
         if value.uncertainty is None or value.uncertainty > criteria.open * abs(value.value):
             out.append(name)
     return tuple(out)
+
+
+def sized(context: FitContext, criteria: Criteria, found: Candidate) -> dict[str, Estimate]:
+    """Parameters that the data limit on one side only, toward none; none where a rest remains, which limits them."""
+    names = undetermined(context, criteria, found) if at_floor(context, criteria, found) else ()
+    return limited(found.optimum, found.effects, context.floor, names) if names else {}
+
+
+def open_parameters(context: FitContext, criteria: Criteria, found: Candidate) -> tuple[str, ...]:
+    """Parameters of a candidate's effects that the data leave open on the side on which the effect is absent."""
+    names = undetermined(context, criteria, found)
+    one_sided = sized(context, criteria, found) if names else {}
+    names, within = tuple(n for n in names if n not in one_sided), min(2 * criteria.open, 1.0)  # two uncertainties
+    asked = names and not found.deviations and at_floor(context, criteria, found)
+    sure = present(found.optimum, found.effects, context.floor, names, within) if asked else frozenset()
+    return tuple(name for name in names if name not in sure)
+
+
+def barred(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
+    """Tell whether a candidate may not be named: something else stands in for an effect, or it is open."""
+    return bool(imitators(context, criteria, found)) or bool(open_parameters(context, criteria, found))
