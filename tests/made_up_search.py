@@ -19,6 +19,7 @@ def nothing_imitates(monkeypatch: pytest.MonkeyPatch) -> None:
     """No linear parameter stands in for an effect, and no runs are repeats."""
     for module in ("standings", "order"):
         monkeypatch.setattr(f"stepid.diagnosis.selection.{module}.imitators", lambda *_: {})
+    monkeypatch.setattr("stepid.diagnosis.selection.standings.barred", lambda *_: False)
     monkeypatch.setattr("stepid.diagnosis.selection.standings.repeatability", lambda _: None)
 
 

@@ -19,6 +19,7 @@ THREE = ["coulomb_friction", "cogging", "free_play"]
 @pytest.fixture(autouse=True)
 def no_imitators(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stepid.diagnosis.selection.standings.imitators", lambda *_: {})
+    monkeypatch.setattr("stepid.diagnosis.selection.standings.barred", lambda *_: False)
     monkeypatch.setattr("stepid.diagnosis.selection.standings.repeatability", lambda _: None)
 
 
@@ -64,6 +65,21 @@ def test_rivals_are_looked_for_of_what_is_answered_too(qbic: float, answered: bo
     found.candidates = {c.key: c for c in (candidate(times=30.0), best, simple)}
     assert found.best is best
     assert found._leading() == ([best, simple] if answered else [best])
+
+
+@pytest.mark.parametrize("is_open", [True, False])
+def test_what_leaves_only_noise_and_is_open_ends_no_search(is_open: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is no answer; another that leaves only noise has its rivals looked for, too."""
+    best, other = candidate(["flexible_coupling"]), candidate(["end_stop"], times=1.01)
+    barred = "stepid.diagnosis.selection.standings.barred"
+    monkeypatch.setattr(barred, lambda fit, criteria, found: is_open and found is best)
+    monkeypatch.setattr(Standings, "_followed", lambda *_: None)
+    found = Standings(context(), Criteria(), Effort())
+    found.candidates = {c.key: c for c in (candidate(times=30.0), best, other)}
+    assert found.best is best
+    assert found._complete(best) is not is_open
+    assert found._one_is_enough() is not is_open
+    assert found._leading() == ([best, other] if is_open else [best])
 
 
 @pytest.mark.parametrize(("beyond", "lowered"), [(9.0, True), (3.0, False)])

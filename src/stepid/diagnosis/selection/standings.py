@@ -12,7 +12,7 @@ from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, LINEAR, Candidate, Deviations, Key, includes
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.proposal import Node
-from stepid.diagnosis.vetoes import imitators
+from stepid.diagnosis.vetoes import barred, imitators
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
@@ -60,12 +60,12 @@ class Standings:
             larger = len(best.effects) > LEADING and not best.deviations
             far = best.optimum.cost < (1 - self.criteria.lead) * lead.optimum.cost  # on its way to the noise
             return [lead, best] if larger and far else [lead]
-        barred = bool(imitators(self.fit, self.criteria, best))
+        no_name = barred(self.fit, self.criteria, best)
         simplest = self._simplest()
         first = {c.key: c for c in (best, simplest) if c is best or at_floor(self.fit, self.criteria, c)}
-        others = [c for c in self.candidates.values() if c.key not in first and (barred or c.deviations)]
+        others = [c for c in self.candidates.values() if c.key not in first and (no_name or c.deviations)]
         others = sorted(filter(self._leaves_noise, others), key=lambda c: self._qbic(c.optimum))
-        return [*first.values(), *others][: 2 if barred else self.effort.beam]
+        return [*first.values(), *others][: 2 if no_name else self.effort.beam]
 
     def _simplest(self) -> Candidate:
         """What would be answered where only noise is left: as `EvidenceRecord.best`, before that asks of scatter."""
@@ -141,9 +141,9 @@ class Standings:
 
     def _leaves_noise(self, found: Candidate) -> bool:
         """Tell whether a candidate may be named and leaves as little as noise, and as white."""
-        if imitators(self.fit, self.criteria, found):
+        if not at_floor(self.fit, self.criteria, found) or barred(self.fit, self.criteria, found):
             return False
-        return at_floor(self.fit, self.criteria, found) and is_white(self.fit, found, self.criteria.white / 2)
+        return is_white(self.fit, found, self.criteria.white / 2)
 
     def _lower_floor(self, best: Candidate) -> None:
         """Search on below a candidate that costs no more than noise may, and is not at the floor, or follows a law.
