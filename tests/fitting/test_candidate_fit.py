@@ -76,3 +76,35 @@ def test_a_step_no_longer_matters_beside_what_is_left_above_the_floor() -> None:
     assert fit.linear.cost > 10 * noise
     assert fit.slight(fit.linear) == pytest.approx(0.003 * (fit.linear.cost - noise))
     assert fit.slight(replace(fit.linear, cost=noise)) == fit.tolerance
+
+
+@pytest.mark.parametrize(("cost", "leads"), [(0.5, True), (3.0, False)])
+def test_what_has_ended_above_the_noise_goes_on_from_the_best_end_of_another_start(
+    cost: float, leads: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A start that lies behind after a few steps may lead further: an end stop's deeper one did."""
+    fit = prepared("two")
+    fitted = CandidateFit(fit, node(fit, FRICTION).effects)
+    ends = [replace(fit.coarse_linear, cost=c * fit.coarse_linear.cost, converged=True) for c in (1.0, 2.0, 4.0, cost)]
+    best, behind, last, further = ends
+    tried = iter([last, best, behind, behind])
+    monkeypatch.setattr("stepid.fitting.candidate_fit.minimize", lambda *_, **__: next(tried))
+    for _ in range(4):
+        fitted._try(fitted.coarse, best.shared, best.local, best, 1, np.inf)
+    assert fitted.best is best
+    begun = []
+
+    def go_on(problem: object, begun_from: object, **_: object) -> object:
+        begun.append(begun_from)
+        return further if begun_from is behind else begun_from
+
+    monkeypatch.setattr("stepid.fitting.candidate_fit._go_on", go_on)
+    fitted.best = replace(best, converged=False)
+    unfinished = fitted.best
+    fitted.run(laps=3)
+    assert begun == [unfinished]  # it has not ended yet
+    fitted.best = best
+    for _ in range(2):
+        fitted.run(laps=3)
+        assert begun == [unfinished, behind]  # once
+        assert fitted.best is (further if leads else best)

@@ -41,6 +41,7 @@ class CandidateFit:
         coarse = build(context.decimated, effects, tolerance=COARSE, workers=context.workers)
         self.coarse = with_deviations(coarse, deviations)
         self.best: Optimum | None = None
+        self._behind: Optimum | None = None  # the best end of another start: it may lead further
         self.polished: Optimum | None = None  # on all samples
         self.rested: tuple[Optimum, Optimum] | None = None  # a polished fit, and the better of it and the one at rest
         self._looked_from: Optimum | None = None  # for other valleys: it is where they led last
@@ -70,6 +71,11 @@ class CandidateFit:
     def cost(self) -> float:
         """Sum of squared residuals of the best fit so far, m²."""
         return np.inf if self.best is None else self.best.cost
+
+    @property
+    def _same_end(self) -> float:
+        """Cost up to which another end is that of the best fit so far, m²."""
+        return self.cost + _SAME * self.excess + self.context.unit
 
     def begin(self, starts: list[Start], *, like: Optimum, keep: int = 3, laps: int = 3, patient: bool = False) -> None:
         """Try starts: march them side by side, run a few steps from the best.
@@ -101,7 +107,7 @@ class CandidateFit:
             begin = local[i]
             if problem.active[sim.layout.own_states].any():
                 begin = adapted(problem, shared[i], begin)
-            aim = np.inf if patient else self.cost + _SAME * self.excess + self.context.unit  # above it is no better
+            aim = np.inf if patient else self._same_end  # above it is no better
             ended = [self._try(variant, shared[i], begin, like, laps, aim) for variant in self._variants()]
             if any(ended):
                 break
@@ -147,18 +153,33 @@ class CandidateFit:
         if found is None:
             return False
         gained = like.cost - found.cost > _SAME * (like.cost - context.noise_cost) + context.unit
-        again = gained and self.best is not None and abs(found.cost - self.cost) < _SAME * self.excess + context.unit
-        if found.cost < self.cost:
+        again = gained and self.best is not None and abs(found.cost - self.cost) < self._same_end - self.cost
+        ahead = found.cost < self.cost
+        behind = self.best if ahead else found
+        if ahead:
             self.best, self._tolerance = found, tolerance
+        if behind is not None and behind.cost > self._same_end:
+            self._behind = min(filter(None, (self._behind, behind)), key=lambda end: end.cost)
         return found.converged and (again or found.cost < 1.02 * context.noise_cost)
 
     def run(self, *, laps: int, tolerance: float = 0.0) -> None:
-        """Go on from the best fit so far, until a step promises less than `tolerance` [m²]."""
+        """Go on from the best fit so far, until a step promises less than `tolerance` [m²].
+
+        Where that ends above the noise, also from the best end of another start.
+        """
         tolerance = max(self.context.tolerance, tolerance)
-        if self.best is None or (self.best.converged and self._tolerance <= tolerance):
+        if self.best is None:
             return
-        found = _go_on(self.coarse, self.best, tolerance=tolerance, iterations=laps)
-        if found is not None and found.cost <= self.best.cost:
+        if not self.best.converged or self._tolerance > tolerance:
+            self._go_on_from(self.best, laps, tolerance)
+        if self.best.converged and self._behind is not None and self.cost > self.context.noise_limit:
+            behind, self._behind = self._behind, None
+            self._go_on_from(behind, laps, tolerance)
+
+    def _go_on_from(self, begun: Optimum, laps: int, tolerance: float) -> None:
+        """Go on from an end; kept where it leads no higher than the best fit so far."""
+        found = _go_on(self.coarse, begun, tolerance=tolerance, iterations=laps)
+        if found is not None and found.cost <= self.cost:
             self.best, self.polished, self._tolerance = found, None, tolerance
 
     def other_valleys(self) -> bool:
