@@ -214,6 +214,15 @@ def test_rivals_are_held_against_what_may_be_named(barred: bool, monkeypatch: py
     assert (like in found._gaining([like])) is barred
 
 
+@pytest.mark.parametrize(("left", "again"), [(8.5, True), (8.7, False)])
+def test_what_a_set_does_without_for_nothing_is_fitted_again_where_it_had_ended_above(left: float, again: bool) -> None:
+    """However much less others leave, whose runs differ in more."""
+    found: Any = a_search(lead=9.0)
+    larger, other = node(*PAIR, "sine_stiffness", cost=8.0), node(*PAIR, "periodic_disturbance", cost=1.0)
+    found.nodes |= {larger.key: larger, other.key: other}
+    assert found._new(proposed(larger, *PAIR, move="drop", left=left)) is again
+
+
 @pytest.mark.parametrize(("left", "further"), [(2.0, True), (8.5, False)])
 def test_a_set_whose_rival_leaves_far_less_is_run_on_from_where_it_stood(
     left: float, further: bool, monkeypatch: pytest.MonkeyPatch

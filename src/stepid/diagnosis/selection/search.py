@@ -237,7 +237,8 @@ class Search(Attempts):
         known = self.nodes[proposal.key].cost
         if proposal.move == Drop.name and proposal.base == self.best.key and proposal.left > known:
             return True  # a step that leaves more than what is known tells nothing
-        least = min(node.cost for node in self.nodes.values())
+        dropped = proposal.move == Drop.name  # what a set does without for nothing is no rival of others
+        least = self.nodes[proposal.base].cost if dropped else min(node.cost for node in self.nodes.values())
         return by.promises_more(proposal, known, least, self.effort, self.fit, self.criteria)
 
     def _gains(self, named: Node, proposal: Proposal) -> bool:
