@@ -223,6 +223,14 @@ def test_what_a_set_does_without_for_nothing_is_fitted_again_where_it_had_ended_
     assert found._new(proposed(larger, *PAIR, move="drop", left=left)) is again
 
 
+def test_a_set_with_a_condition_less_is_not_fitted_again_for_what_no_step_tells() -> None:
+    found: Any = a_search(lead=9.0)
+    free, other = node(*PAIR, cost=8.0), node(*PAIR, "periodic_disturbance", cost=1.0)
+    free.key, free.deviations = (free.key[0], frozenset({"gain"})), frozenset({"gain"})
+    found.nodes |= {free.key: free, other.key: other}
+    assert not found._new(proposed(free, *PAIR, move="drop", left=free.cost))
+
+
 @pytest.mark.parametrize(("left", "further"), [(2.0, True), (8.5, False)])
 def test_a_set_whose_rival_leaves_far_less_is_run_on_from_where_it_stood(
     left: float, further: bool, monkeypatch: pytest.MonkeyPatch

@@ -237,7 +237,8 @@ class Search(Attempts):
         known = self.nodes[proposal.key].cost
         if proposal.move == Drop.name and proposal.base == self.best.key and proposal.left > known:
             return True  # a step that leaves more than what is known tells nothing
-        dropped = proposal.move == Drop.name  # what a set does without for nothing is no rival of others
+        # an effect that a set does without for nothing: no matter what others leave; of conditions a step tells nothing
+        dropped = proposal.move == Drop.name and proposal.key[0] != proposal.base[0]
         least = self.nodes[proposal.base].cost if dropped else min(node.cost for node in self.nodes.values())
         return by.promises_more(proposal, known, least, self.effort, self.fit, self.criteria)
 
