@@ -151,7 +151,19 @@ def test_a_simpler_effect_is_told_where_it_leads(
 ) -> None:
     """However much it leaves: a law that contains it and is open takes that."""
     monkeypatch.setattr(LeftOut, "share", lambda *_: (share, steady))
+    monkeypatch.setattr(LeftOut, "judges", lambda *_: True)
     simple = candidate(["coulomb_friction"], times=4.9)
+    e = evidence(candidate(["stribeck_friction"]), simple)
+    assert e.simpler == ((simple,) if found else ())
+
+
+@pytest.mark.parametrize(("times", "found"), [(2.2, True), (2.31, False)])
+def test_without_runs_that_can_be_left_out_a_simpler_effect_has_to_come_near_the_floor(
+    times: float, found: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(LeftOut, "share", lambda *_: (0.0, 0.0))
+    monkeypatch.setattr(LeftOut, "judges", lambda *_: False)
+    simple = candidate(["coulomb_friction"], times=times)
     e = evidence(candidate(["stribeck_friction"]), simple)
     assert e.simpler == ((simple,) if found else ())
 

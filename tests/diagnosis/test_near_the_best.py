@@ -168,18 +168,38 @@ def test_what_the_best_may_not_need_is_dropped_though_a_step_promises_nothing(
     assert found._new(proposed(pair, "coulomb_friction", move="drop", left=left)) is asked
 
 
+@pytest.mark.parametrize(("known", "times", "named"), [(True, 1.0, False), (True, 4.0, True), (False, 1.0, True)])
+def test_what_leaves_only_noise_on_all_samples_and_is_open_is_not_named(
+    known: bool, times: float, named: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside a rest what is open may explain some of it."""
+    found = candidate(["cogging"], times=times)
+    search = a_race(found)
+    search.nodes[found.key].fitted.polished = found.optimum if known else None
+    monkeypatch.setattr("stepid.diagnosis.selection.order.barred", lambda *_: True)
+    search.candidates = {found.key: found}
+    assert [n.key for n in search._named(search.nodes.values())].count(found.key) == named
+
+
 def test_who_runs_on_in_the_race_is_told_by_qbic_too() -> None:
     """Sets in which the runs differ in everything leave least, and would take every place."""
     went: list[str] = []
+    others_too = []
 
     def racing(name: str, cost: float) -> Any:
-        fitted = SimpleNamespace(excess=cost, run=lambda **_: went.append(name))
-        return SimpleNamespace(name=name, cost=cost, size=2, fitted=fitted)
+        def run(*, laps: int, tolerance: float, others: bool) -> None:
+            went.append(name)
+            others_too.append(others)
+
+        fitted = SimpleNamespace(excess=cost, run=run)
+        effects = ("cogging",) if name.startswith("differs") else ("cogging", "free_play")
+        return SimpleNamespace(name=name, cost=cost, size=2, fitted=fitted, effects=effects)
 
     nodes = [*(racing(f"differs in everything {i}", 1.0 + 0.1 * i) for i in range(5)), racing("gain", 9.0)]
     fit: Any = SimpleNamespace(unit=0.001)
     promote(nodes, fit, 10.0, Effort(promoted=1), lambda n: n.cost + 20.0 * n.name.startswith("differs"))
     assert went == ["differs in everything 0", "gain"]  # that of least cost, and the first
+    assert others_too == [True, False]  # from the end of another start, too: only single effects
 
 
 def test_each_effect_of_what_leads_is_asked_alone_as_its_runs_differ(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -82,6 +82,17 @@ def test_what_leaves_only_noise_and_is_open_ends_no_search(is_open: bool, monkey
     assert found._leading() == ([best, other] if is_open else [best])
 
 
+def test_what_is_open_and_simpler_takes_no_place_from_what_can_be_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    best = candidate(["flexible_coupling", "cogging"])
+    simple, other = losing(best, 9.0, ["flexible_coupling"]), candidate(["end_stop"], times=1.05)
+    barred = "stepid.diagnosis.selection.standings.barred"
+    monkeypatch.setattr(barred, lambda fit, criteria, found: "flexible_coupling" in found.names)
+    found = Standings(context(), Criteria(), Effort())
+    found.candidates = {c.key: c for c in (candidate(times=30.0), best, simple, other)}
+    assert found._simplest() is simple
+    assert found._leading() == [best, other]
+
+
 @pytest.mark.parametrize(("beyond", "lowered"), [(9.0, True), (3.0, False)])
 def test_below_a_wrong_law_as_small_as_the_noise_the_search_goes_on(
     beyond: float, lowered: bool, monkeypatch: pytest.MonkeyPatch

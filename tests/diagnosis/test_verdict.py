@@ -173,6 +173,7 @@ def test_open_freedom_does_not_dispute_a_name_nor_earn_one() -> None:
     found = ask("complete_but_open", best=PLAY, undetermined=("free_play.gap",), simpler=(FRICTION,))
     assert found is not None
     assert (found.verdict, found.shown, found.alternatives) == ("ambiguous", FRICTION, (PLAY,))
+    assert found.reasons[-1].startswith("Coulomb friction leaves 10.0 µm, 1 times the noise floor")
 
 
 def test_three_laws_of_one_state_name_none() -> None:

@@ -16,7 +16,7 @@ from stepid.diagnosis import vetoes
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.explore import linear_candidate
 from stepid.diagnosis.selection.candidate import Candidate
-from stepid.diagnosis.vetoes import imitators, swing, undetermined
+from stepid.diagnosis.vetoes import barred, imitators, open_parameters, swing, undetermined
 from stepid.effects import CATALOGUE, resolve
 from stepid.effects.base import Effect
 from stepid.effects.swing import Swing
@@ -185,6 +185,19 @@ def test_a_fitted_friction_imitates_nothing_and_is_determined() -> None:
     assert imitators(context, Criteria(), found) == {}
     assert undetermined(context, Criteria(), found) == ()
     assert undetermined(context, Criteria(open=1e-6), found) == ("coulomb_friction.level",)
+    assert open_parameters(context, Criteria(), found) == ()
+    assert not barred(context, Criteria(), found)
+
+
+def test_what_is_open_or_imitated_is_barred(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(vetoes, "at_floor", lambda *_: False)  # beside a rest curvature alone tells
+    for open_ in ((), ("coulomb_friction.level",)):
+        for imitated in ({}, {"coulomb_friction": "the damper"}):
+            monkeypatch.setattr(vetoes, "undetermined", lambda *_, names=open_: names)
+            monkeypatch.setattr(vetoes, "imitators", lambda *_, said=imitated: said)
+            found = Candidate(resolve(["coulomb_friction"]), frozenset(), None, 0.0)  # type: ignore[arg-type]
+            assert open_parameters(None, Criteria(), found) == open_  # type: ignore[arg-type]
+            assert barred(None, Criteria(), found) is bool(open_ or imitated)  # type: ignore[arg-type]
 
 
 def test_a_damper_that_is_not_determined_is_no_effect_whatever_its_label() -> None:

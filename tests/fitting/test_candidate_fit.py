@@ -87,10 +87,11 @@ def test_what_has_ended_above_the_noise_goes_on_from_the_best_end_of_another_sta
     fitted = CandidateFit(fit, node(fit, FRICTION).effects)
     ends = [replace(fit.coarse_linear, cost=c * fit.coarse_linear.cost, converged=True) for c in (1.0, 2.0, 4.0, cost)]
     best, behind, last, further = ends
-    tried = iter([last, best, behind, behind])
+    like = replace(best, cost=3.5 * best.cost)  # what leaves more leads nowhere
+    tried = iter([last, best, behind, last])
     monkeypatch.setattr("stepid.fitting.candidate_fit.minimize", lambda *_, **__: next(tried))
     for _ in range(4):
-        fitted._try(fitted.coarse, best.shared, best.local, best, 1, np.inf)
+        fitted._try(fitted.coarse, best.shared, best.local, like, 1, np.inf)
     assert fitted.best is best
     begun = []
 
@@ -101,10 +102,12 @@ def test_what_has_ended_above_the_noise_goes_on_from_the_best_end_of_another_sta
     monkeypatch.setattr("stepid.fitting.candidate_fit._go_on", go_on)
     fitted.best = replace(best, converged=False)
     unfinished = fitted.best
-    fitted.run(laps=3)
+    fitted.run(laps=3, others=True)
     assert begun == [unfinished]  # it has not ended yet
     fitted.best = best
+    fitted.run(laps=3)
+    assert begun == [unfinished]  # nor is it asked for
     for _ in range(2):
-        fitted.run(laps=3)
+        fitted.run(laps=3, others=True)
         assert begun == [unfinished, behind]  # once
         assert fitted.best is (further if leads else best)

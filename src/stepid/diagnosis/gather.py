@@ -164,12 +164,21 @@ class EvidenceRecord:
 
     @cached_property
     def simpler(self) -> tuple[Candidate, ...]:
-        """The nearest candidate of as many, simpler effects that the best one contains, if it leads."""
+        """The nearest candidate of as many, simpler effects that the best one contains, and that leads.
+
+        Where no run can be left out, one that comes near the floor.
+        """
         names, best = frozenset(self.best.names), self.best
         inside = [w.candidate for w in self.weighed if includes(best.effects, w.candidate.effects)]
         alike = [c for c in inside if len(c.effects) == len(best.effects) and frozenset(c.names) != names]
         alike = [c for c in alike if not self.unseen(c)]
-        return tuple(c for c in alike[:1] if predicts(self.criteria, len(c.effects), self.share(c)))
+        return next(((c,) for c in alike if self._leads(c)), ())
+
+    def _leads(self, found: Candidate) -> bool:
+        """Tell whether a candidate predicts, or comes near the floor where no run can be left out."""
+        if self.judges(found):
+            return predicts(self.criteria, len(found.effects), self.share(found))
+        return self.times(found) <= 2 * self.criteria.near
 
     def stands_for(self, simple: Candidate, general: Candidate) -> bool:
         """Tell whether a candidate is inside another of as many effects whose freedom the data leave open."""

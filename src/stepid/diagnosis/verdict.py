@@ -94,7 +94,10 @@ def rest_follows_the_motion(e: EvidenceRecord) -> Answer | None:
 
 
 def complete_but_open(e: EvidenceRecord) -> Answer | None:
-    """The best leaves only noise, but a parameter is not determined, or an effect not seen: others are as good."""
+    """The best leaves only noise, but a parameter is not determined, or an effect not seen: others are as good.
+
+    Or a simpler law inside it that leads: what the general one has beyond it is open.
+    """
     unseen = e.unseen(e.best)
     if not e.at_floor(e.best) or not (e.undetermined or unseen):
         return None
@@ -108,10 +111,11 @@ def complete_but_open(e: EvidenceRecord) -> Answer | None:
         if inside is None:
             return Answer("unexplained", e.best, (), (said, "No effect is named."))
         return replace(inside, reasons=(*inside.reasons, said))
+    first = sure[0]
+    words = (said, f"{what_leaves(first)} {length(first.optimum.rms)}, {e.times(first):.3g} times the noise floor.")
     if unseen:
-        words = (said, f"{what_leaves(sure[0])} {length(sure[0].optimum.rms)}.")
-        return _with_rivals(e, sure[0], tuple(sure[1:]), words) or Answer("named", sure[0], (), words)
-    return Answer("ambiguous", sure[0], (*sure[1:], e.best), (said,))
+        return _with_rivals(e, first, tuple(sure[1:]), words) or Answer("named", first, (), words)
+    return Answer("ambiguous", first, (*sure[1:], e.best), words)
 
 
 def complete(e: EvidenceRecord) -> Answer | None:

@@ -158,21 +158,22 @@ class CandidateFit:
         behind = self.best if ahead else found
         if ahead:
             self.best, self._tolerance = found, tolerance
-        if behind is not None and behind.cost > self._same_end:
+        if behind is not None and self._same_end < behind.cost < like.cost:
             self._behind = min(filter(None, (self._behind, behind)), key=lambda end: end.cost)
         return found.converged and (again or found.cost < 1.02 * context.noise_cost)
 
-    def run(self, *, laps: int, tolerance: float = 0.0) -> None:
+    def run(self, *, laps: int, tolerance: float = 0.0, others: bool = False) -> None:
         """Go on from the best fit so far, until a step promises less than `tolerance` [m²].
 
-        Where that ends above the noise, also from the best end of another start.
+        With `others`, and where that ends above the noise, also from the best end of another start.
         """
         tolerance = max(self.context.tolerance, tolerance)
         if self.best is None:
             return
         if not self.best.converged or self._tolerance > tolerance:
             self._go_on_from(self.best, laps, tolerance)
-        if self.best.converged and self._behind is not None and self.cost > self.context.noise_limit:
+        above = self.best.converged and self.cost > self.context.noise_limit
+        if others and above and self._behind is not None:
             behind, self._behind = self._behind, None
             self._go_on_from(behind, laps, tolerance)
 

@@ -7,13 +7,14 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key, includes
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.generalize import Generalize
 from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, is_mode
-from stepid.diagnosis.vetoes import imitators
+from stepid.diagnosis.vetoes import barred, imitators
 from stepid.effects.base import Effect
 from stepid.fitting.multistart import FitContext, Start
 
@@ -220,15 +221,18 @@ def promises_more(
 def nameable(
     fit: FitContext, criteria: Criteria, nodes: Sequence[Node], candidates: Mapping[Key, Candidate]
 ) -> Iterator[Node]:
-    """Of some nodes those without an effect that something else can stand in for, by all samples where known."""
+    """Of some nodes those without an effect that something else can stand in for, by all samples where known.
 
-    def found(node: Node) -> Candidate:
+    Where these leave only noise, no parameter may be open either: that is no answer.
+    """
+
+    def may(node: Node) -> bool:
         known = candidates.get(node.key)
-        if known is not None and node.fitted.polished is not None:
-            return known
-        return Candidate(node.effects, node.deviations, node.best, 0.0)
+        if known is None or node.fitted.polished is None:
+            return not imitators(fit, criteria, Candidate(node.effects, node.deviations, node.best, 0.0))
+        return not (barred if at_floor(fit, criteria, known) else imitators)(fit, criteria, known)
 
-    return (node for node in nodes if not imitators(fit, criteria, found(node)))
+    return filter(may, nodes)
 
 
 def of_each_size(nodes: Iterable[Node]) -> list[list[Node]]:

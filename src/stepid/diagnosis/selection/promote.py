@@ -16,6 +16,7 @@ def promote(
     """Let the promising nodes of each size run on: the fewer, the further.
 
     Each size by itself: a single effect on its way to what a larger set leaves would otherwise stay behind that.
+    Single effects go on from the end of another start, too: what larger sets begin with.
 
     Parameters
     ----------
@@ -36,6 +37,6 @@ def promote(
             first = [*by_cost[:count], *sorted(alike, key=worth)[:count]]
             for node in by_cost:
                 if node.cost < near or any(node is other for other in first):
-                    share = effort.enough * max(node.cost - least, node.fitted.excess)
-                    node.fitted.run(laps=laps, tolerance=max(share, effort.converged * fit.unit))
+                    share = max(effort.enough * max(node.cost - least, node.fitted.excess), effort.converged * fit.unit)
+                    node.fitted.run(laps=laps, tolerance=share, others=len(node.effects) == 1)
             laps, count = 2 * laps, count // 2

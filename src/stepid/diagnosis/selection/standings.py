@@ -62,7 +62,9 @@ class Standings:
             return [lead, best] if larger and far else [lead]
         no_name = barred(self.fit, self.criteria, best)
         simplest = self._simplest()
-        first = {c.key: c for c in (best, simplest) if c is best or at_floor(self.fit, self.criteria, c)}
+        stands = at_floor(self.fit, self.criteria, simplest)
+        stands = stands and not (no_name and barred(self.fit, self.criteria, simplest))
+        first = {c.key: c for c in (best, simplest) if c is best or stands}
         others = [c for c in self.candidates.values() if c.key not in first and (no_name or c.deviations)]
         others = sorted(filter(self._leaves_noise, others), key=lambda c: self._qbic(c.optimum))
         return [*first.values(), *others][: 2 if no_name else self.effort.beam]

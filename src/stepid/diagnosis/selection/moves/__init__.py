@@ -16,7 +16,7 @@ from stepid.diagnosis.selection.moves.split import Split
 from stepid.diagnosis.selection.moves.twin import Twin
 from stepid.diagnosis.selection.proposal import Move
 
-EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Regeneralize(), Resemble(), Deviate(), Split(), Drop())
+EXPLORING: tuple[Move, ...] = (Add(), Generalize(), Resemble(), Deviate(), Split(), Drop())
 """Moves to sets that explain more: fitted are the most promising, if they promise to leave less than their node."""
 
 TOGETHER: tuple[Move, ...] = (
