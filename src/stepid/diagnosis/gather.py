@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from stepid.core.estimate import Estimate
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import Weighed, at_floor, chosen_at, is_white, predicts, weigh
+from stepid.diagnosis.evidence import Weighed, at_floor, chosen_at, is_white, weigh
 from stepid.diagnosis.exchangeable import Condition, followed_condition
 from stepid.diagnosis.free_law import followed
 from stepid.diagnosis.lead import Leads
@@ -22,9 +22,10 @@ from stepid.diagnosis.refutation import refuted
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
 from stepid.diagnosis.shared_weight import weight_of
 from stepid.diagnosis.states import cancelling, states_of_all
-from stepid.diagnosis.vetoes import imitators, open_parameters, sized, undetermined, unseen
+from stepid.diagnosis.vetoes import imitators, open_parameters, undetermined, unseen
 from stepid.fitting.input_fault import InputFault
 from stepid.fitting.multistart import FitContext
+from stepid.fitting.profile import limited
 from stepid.fitting.random_effects import sizes_of_scatter
 from stepid.fitting.record_fault import RecordFault
 
@@ -172,12 +173,12 @@ class EvidenceRecord:
         inside = [w.candidate for w in self.weighed if includes(best.effects, w.candidate.effects)]
         alike = [c for c in inside if len(c.effects) == len(best.effects) and frozenset(c.names) != names]
         alike = [c for c in alike if not self.unseen(c)]
-        return next(((c,) for c in alike if self._leads(c)), ())
+        return next(((c,) for c in alike if self._stands_alone(c)), ())
 
-    def _leads(self, found: Candidate) -> bool:
+    def _stands_alone(self, found: Candidate) -> bool:
         """Tell whether a candidate predicts, or comes near the floor where no run can be left out."""
         if self.judges(found):
-            return predicts(self.criteria, len(found.effects), self.share(found))
+            return self.leads.predicts(found)
         return self.times(found) <= 2 * self.criteria.near
 
     def stands_for(self, simple: Candidate, general: Candidate) -> bool:
@@ -206,7 +207,8 @@ class EvidenceRecord:
 
     def limited(self, found: Candidate) -> dict[str, Estimate]:
         """Parameters that the data limit on that side only, where no rest remains that would limit them, too."""
-        return sized(self.context, self.criteria, found)
+        names = undetermined(self.context, self.criteria, found) if self.at_floor(found) else ()
+        return limited(found.optimum, found.effects, self.context.floor, names) if names else {}
 
     def imitators(self, found: Candidate) -> dict[str, str]:
         """Effects that a linear parameter, or what the records do not tell from it, can stand in for."""

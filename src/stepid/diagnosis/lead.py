@@ -55,15 +55,15 @@ class Leads:
 
     def _predicting(self, found: Candidate) -> Candidate:
         """The same effects with conditions alike in all runs, where free ones do not predict and they lead without."""
-        if not (found.effects and found.deviations) or self._leads(found):
+        if not (found.effects and found.deviations) or self.predicts(found):
             return found
         alike = [
             w.candidate for w in self.able if w.candidate.key[0] == found.key[0]
             and w.candidate.deviations < found.deviations and self._takes(self._told.linear, w.candidate)
         ]  # fmt: skip
-        return next(filter(self._leads, alike), found)
+        return next(filter(self.predicts, alike), found)
 
-    def _leads(self, found: Candidate) -> bool:
+    def predicts(self, found: Candidate) -> bool:
         """Tell whether effects take enough on runs left out, and as much in each of them."""
         return predicts(self._told.criteria, len(found.effects), self._told.share(found))
 
@@ -107,11 +107,11 @@ class Leads:
             and includes(pair.effects, w.candidate.effects) and self._takes(self._told.linear, w.candidate)
         ]  # fmt: skip
         trifles = [c for c in inside if not self._takes(c, pair) and not (c.deviations and starts_late(c.optimum))]
-        found = next(filter(self._leads, trifles), None)
-        if found is not None or self._leads(pair):
+        found = next(filter(self.predicts, trifles), None)
+        if found is not None or self.predicts(pair):
             return found or pair
         others = (c for c in inside if c not in trifles)
-        return next(filter(self._leads, others), trifles[0] if trifles else pair)
+        return next(filter(self.predicts, others), trifles[0] if trifles else pair)
 
     def taken(self, before: Candidate, after: Candidate) -> float:
         """Share of the power above the floor that one candidate leaves, which another takes."""

@@ -10,7 +10,6 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from stepid.core.estimate import Estimate
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.selection.candidate import Candidate
@@ -101,19 +100,17 @@ def undetermined(context: FitContext, criteria: Criteria, found: Candidate) -> t
     return tuple(out)
 
 
-def sized(context: FitContext, criteria: Criteria, found: Candidate) -> dict[str, Estimate]:
-    """Parameters that the data limit on one side only, toward none; none where a rest remains, which limits them."""
-    names = undetermined(context, criteria, found) if at_floor(context, criteria, found) else ()
-    return limited(found.optimum, found.effects, context.floor, names) if names else {}
-
-
 def open_parameters(context: FitContext, criteria: Criteria, found: Candidate) -> tuple[str, ...]:
     """Parameters of a candidate's effects that the data leave open on the side on which the effect is absent."""
     names = undetermined(context, criteria, found)
-    one_sided = sized(context, criteria, found) if names else {}
-    names, within = tuple(n for n in names if n not in one_sided), min(2 * criteria.open, 1.0)  # two uncertainties
-    asked = names and not found.deviations and at_floor(context, criteria, found)
-    sure = present(found.optimum, found.effects, context.floor, names, within) if asked else frozenset()
+    if not names or not at_floor(context, criteria, found):
+        return names
+    one_sided = limited(found.optimum, found.effects, context.floor, names)
+    names = tuple(name for name in names if name not in one_sided)
+    if not names or found.deviations:
+        return names
+    within = min(2 * criteria.open, 1.0)  # two standard uncertainties
+    sure = present(found.optimum, found.effects, context.floor, names, within)
     return tuple(name for name in names if name not in sure)
 
 

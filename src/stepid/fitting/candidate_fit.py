@@ -73,9 +73,9 @@ class CandidateFit:
         return np.inf if self.best is None else self.best.cost
 
     @property
-    def _same_end(self) -> float:
-        """Cost up to which another end is that of the best fit so far, m²."""
-        return self.cost + _SAME * self.excess + self.context.unit
+    def _alike(self) -> float:
+        """Difference of cost within which another end is that of the best fit so far, m²."""
+        return _SAME * self.excess + self.context.unit
 
     def begin(self, starts: list[Start], *, like: Optimum, keep: int = 3, laps: int = 3, patient: bool = False) -> None:
         """Try starts: march them side by side, run a few steps from the best.
@@ -107,7 +107,7 @@ class CandidateFit:
             begin = local[i]
             if problem.active[sim.layout.own_states].any():
                 begin = adapted(problem, shared[i], begin)
-            aim = np.inf if patient else self._same_end  # above it is no better
+            aim = np.inf if patient else self.cost + self._alike  # above it is no better
             ended = [self._try(variant, shared[i], begin, like, laps, aim) for variant in self._variants()]
             if any(ended):
                 break
@@ -153,12 +153,12 @@ class CandidateFit:
         if found is None:
             return False
         gained = like.cost - found.cost > _SAME * (like.cost - context.noise_cost) + context.unit
-        again = gained and self.best is not None and abs(found.cost - self.cost) < self._same_end - self.cost
+        again = gained and self.best is not None and abs(found.cost - self.cost) < self._alike
         ahead = found.cost < self.cost
         behind = self.best if ahead else found
         if ahead:
             self.best, self._tolerance = found, tolerance
-        if behind is not None and self._same_end < behind.cost < like.cost:
+        if behind is not None and self.cost + self._alike < behind.cost < like.cost:
             self._behind = min(filter(None, (self._behind, behind)), key=lambda end: end.cost)
         return found.converged and (again or found.cost < 1.02 * context.noise_cost)
 

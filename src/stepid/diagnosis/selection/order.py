@@ -230,7 +230,9 @@ def nameable(
         known = candidates.get(node.key)
         if known is None or node.fitted.polished is None:
             return not imitators(fit, criteria, Candidate(node.effects, node.deviations, node.best, 0.0))
-        return not (barred if at_floor(fit, criteria, known) else imitators)(fit, criteria, known)
+        if at_floor(fit, criteria, known):
+            return not barred(fit, criteria, known)
+        return not imitators(fit, criteria, known)
 
     return filter(may, nodes)
 
