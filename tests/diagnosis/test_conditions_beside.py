@@ -10,6 +10,7 @@ import pytest
 import stepid
 from hidden.sets import one
 from made_up_evidence import candidate, evidence, losing
+from made_up_search import PAIR, a_search, node, nothing_imitates
 from stepid.diagnosis import gather, vetoes
 from stepid.diagnosis.exchangeable import Condition
 from stepid.diagnosis.gather import EvidenceRecord
@@ -109,3 +110,29 @@ def test_an_effect_that_takes_most_of_the_scatter_is_as_good_an_answer(
     e = evidence(best, larger, other)
     assert e.best is best
     assert [c.names for c in e.rivals] == ([larger.names] if told else [])
+
+
+@pytest.mark.parametrize(("deviations", "dropped"), [(["gain"], ["gain"]), ([], [])])
+def test_where_a_rest_remains_what_runs_differ_by_is_dropped_and_no_effect(
+    deviations: list[str], dropped: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Conditions may do what an effect did that was added since."""
+    nothing_imitates(monkeypatch)
+    found: Any = a_search(lead=1.0)
+    best, alike = candidate(PAIR, times=8.0, deviations=deviations), candidate(PAIR, times=8.0)
+    found.candidates = {best.key: best}
+    found.nodes[best.key] = node(*PAIR, cost=1.0)
+    fewer = SimpleNamespace(move="drop", base=best.key, key=alike.key, name="gain")
+    smaller = SimpleNamespace(move="drop", base=best.key, key=candidate(PAIR[:1]).key, name="an effect")
+    monkeypatch.setattr(found, "_expand", lambda *_: True)
+    monkeypatch.setattr(found, "_rivals", lambda *_: [fewer, smaller])
+    fitted: list[str] = []
+
+    def fit_all(proposals: Any) -> None:
+        fitted.extend(p.name for p in proposals)
+        found.candidates = {alike.key: alike}
+
+    monkeypatch.setattr(found, "_fit_all", fit_all)
+    monkeypatch.setattr(found, "_polish_best", lambda: best)
+    assert found._simplify() is bool(dropped)
+    assert fitted == dropped

@@ -13,6 +13,7 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, is_white
 from stepid.diagnosis.exchangeable import Condition
 from stepid.diagnosis.left_out import LeftOut
+from stepid.diagnosis.selection.candidate import Candidate
 
 CRITERIA = Criteria()
 
@@ -110,6 +111,24 @@ def test_a_general_law_is_no_rival_of_a_faint_one_that_is_open_or_beside_runs_th
     monkeypatch.setattr(vetoes, "limited", lambda *_: {})
     monkeypatch.setattr(vetoes, "present", lambda *_: frozenset())
     assert evidence(FRICTION, losing(FRICTION, 7.0, ["asymmetric_friction"]), plain).rivals == ()
+
+
+@pytest.mark.parametrize(("bought", "told"), [(CRITERIA.rival + 1, True), (CRITERIA.rival - 1, False)])
+def test_what_conditions_buy_is_not_the_freedom_of_a_general_law(bought: float, told: bool) -> None:
+    """It is held against the simpler law with the same conditions free, where that was fitted."""
+    cost, unit = FRICTION.optimum.cost, context().floor ** 2
+
+    def freer(name: str, gained: float) -> Candidate:
+        found = candidate([name], deviations=["gain"])
+        found.optimum.cost = cost - gained * unit
+        return found
+
+    with_gain = freer("coulomb_friction", 20.0)
+    general = freer("asymmetric_friction", 20.0 + bought)
+    e = evidence(FRICTION, candidate(times=9.0), general)
+    assert e._rivals(general, 15.0)
+    e = evidence(FRICTION, candidate(times=9.0), general, with_gain)
+    assert e._rivals(general, 15.0) is told
 
 
 @pytest.mark.parametrize(("qbic", "near"), [(9.9, True), (10.1, False)])

@@ -196,10 +196,15 @@ def test_who_runs_on_in_the_race_is_told_by_qbic_too() -> None:
         return SimpleNamespace(name=name, cost=cost, size=2, fitted=fitted, effects=effects)
 
     nodes = [*(racing(f"differs in everything {i}", 1.0 + 0.1 * i) for i in range(5)), racing("gain", 9.0)]
+    nodes += [racing("named", 30.0), racing("named, too", 31.0)]
     fit: Any = SimpleNamespace(unit=0.001)
-    promote(nodes, fit, 10.0, Effort(promoted=1), lambda n: n.cost + 20.0 * n.name.startswith("differs"))
-    assert went == ["differs in everything 0", "gain"]  # that of least cost, and the first
-    assert others_too == [True, False]  # from the end of another start, too: only single effects
+
+    def named(some: Any) -> Any:
+        return (n for n in some if n.name.startswith("named"))
+
+    promote(nodes, fit, 10.0, Effort(promoted=1), lambda n: n.cost + 20.0 * n.name.startswith("differs"), named)
+    assert went == ["differs in everything 0", "gain", "named"]  # that of least cost, and the first by either
+    assert others_too == [True, False, False]  # from the end of another start, too: only single effects
 
 
 def test_each_effect_of_what_leads_is_asked_alone_as_its_runs_differ(monkeypatch: pytest.MonkeyPatch) -> None:

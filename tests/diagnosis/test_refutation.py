@@ -121,7 +121,8 @@ def test_a_law_refutes_by_what_it_takes_beside_the_strongest(
     [
         (law_of("position", 1.1), "position"),
         (law_of("position", 1.0), ""),  # as rough as real laws are
-        (law_of("position", 2.0, beyond=CRITERIA.white), ""),  # as chance may take
+        (law_of("position", 2.0, beyond=CRITERIA.shape), ""),  # as chance may take
+        (law_of("position", 2.0, beyond=CRITERIA.shape + 0.01), "position"),
         (law_of("position", 2.0, share=0.5, beyond=0.0), ""),  # half is not most
         (law_of("position", 2.0, share=0.51, beyond=0.0), "position"),
         (law_of("velocity", 2.0, change=CRITERIA.open), ""),  # what changes by half may be there

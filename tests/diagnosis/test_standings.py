@@ -130,6 +130,22 @@ def test_below_what_costs_as_little_as_noise_and_is_not_white_the_search_goes_on
     assert found._complete(best) is complete
 
 
+@pytest.mark.parametrize(("structure", "lowered"), [(9.0, True), (0.0, False)])
+def test_what_has_more_in_it_and_costs_less_is_no_noise_either_unless_it_is_white(
+    structure: float, lowered: bool
+) -> None:
+    """With conditions free a law leaves a little less of the same rest."""
+    best = candidate(["cogging"], times=1.12, structure=9.0)
+    freer = candidate(["cogging"], times=1.08, structure=structure, deviations=["gain"])
+    found = Standings(context(), Criteria(), Effort())
+    found.noise_limit = 1.15**2 * found.fit.full_noise_cost
+    found.candidates = {c.key: c for c in (candidate(times=30.0), best, freer)}
+    found.nodes = {c.key: SimpleNamespace(cost=c.optimum.cost) for c in found.candidates.values()}  # type: ignore[misc]
+    found._lower_floor(best)
+    lowest = freer if lowered else best
+    assert found.noise_limit == pytest.approx(lowest.optimum.cost - 10.0 * found.fit.unit)
+
+
 @pytest.mark.parametrize(("plain", "part"), [(0.5, 0.5), (0.0, 0.0), (None, 1.0), (1.5, 1.0)])
 def test_the_search_knows_what_conditions_leave_to_explain(
     plain: float | None, part: float, monkeypatch: pytest.MonkeyPatch

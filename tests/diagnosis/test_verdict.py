@@ -125,6 +125,15 @@ def test_an_open_parameter_is_not_named() -> None:
     assert both.verdict == "unexplained"  # a rival that is open itself is no name
 
 
+def test_what_something_else_stands_in_for_is_not_named_however_little_it_leaves() -> None:
+    bends = {"cogging": "the spring"}
+    best = candidate(["cogging"])
+    found = ask("complete_but_open", best=best, imitated=bends, floored=best.names, lead=LINEAR)
+    assert found is not None
+    assert (found.verdict, found.alternatives) == ("unexplained", ())
+    assert "cogging cannot be told from the spring here" in found.reasons[0]
+
+
 def test_the_only_one_at_the_floor_is_named() -> None:
     assert ask("complete", floored=()) is None
     found = ask("complete")

@@ -25,8 +25,8 @@ class Criteria(Model):
         Decrease of QBIC that a further effect, or a further condition that differs from run to run, must bring: the
         catalogue offers some twenty, of which the best by chance gains more than one alone (2 ln 23 = 6 above `tie`).
     white : float
-        Standard deviations of block-mean χ², of the von Neumann ratio and of what a law of any shape takes of a rest,
-        that white noise may show; 1 in 3,000,000 for a normal deviate at 5.
+        Standard deviations of block-mean χ², of the von Neumann ratio and of what a law of any shape takes of colored
+        noise or beside runs that differ, that white noise may show; 1 in 3,000,000 for a normal deviate at 5.
     floor : float
         Times the noise floor that a complete model may leave: the floor is estimated from a few hundred differences
         to some 3 per cent.
@@ -71,9 +71,10 @@ class Criteria(Model):
         Least number of periods of a disturbance or a second mass, or of beats with the own swing, in the longest
         record.
     shape : float
-        Standard deviations beyond chance that a law of any shape may take of what is as small as white noise, where no
-        runs differ, that the law which takes most of a rest may take beside another, and that what runs differ by may
-        go with a condition: 1 in 4,300 for a normal deviate at 3.5, and there are a dozen of either.
+        Standard deviations beyond chance that a law of any shape may take of what a lead leaves, or of what is as small
+        as white noise where no runs differ, that the law which takes most of a rest may take beside another, and that
+        what runs differ by may go with a condition: 1 in 4,300 for a normal deviate at 3.5, and
+        there are a dozen of either.
     size : float
         Standard deviations (of the other runs' scatter and of its own uncertainty) beyond which a run is accused.
     """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -161,6 +161,17 @@ def is_white(context: FitContext, found: Candidate, deviations: float) -> bool:
 def block_means(context: FitContext, optimum: Optimum) -> float:
     """Standard deviations by which a residual's means over blocks exceed those of white noise of the floor's size."""
     return structure(context.records, optimum.problem.residual(optimum.solved), context.floor, context.period)
+
+
+def bought_by_freedom(
+    context: FitContext, candidates: Iterable[Candidate], simple: Candidate, general: Candidate
+) -> float:
+    """χ² that a general law takes of what the simple one inside leaves, whose runs differ by the same if that is known.
+
+    What conditions that are free take is not the law's.
+    """
+    as_free = (c for c in candidates if c.key == (simple.key[0], general.deviations))
+    return float(next(as_free, simple).optimum.cost - general.optimum.cost) / context.floor**2
 
 
 def part_left(before: float, after: float, noise: float = 0.0) -> float:

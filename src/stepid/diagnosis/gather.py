@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from stepid.core.estimate import Estimate
 from stepid.diagnosis.calibration import PROBABILITY
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import Weighed, at_floor, chosen_at, is_white, weigh
+from stepid.diagnosis.evidence import Weighed, at_floor, bought_by_freedom, chosen_at, is_white, weigh
 from stepid.diagnosis.exchangeable import Condition, followed_condition
 from stepid.diagnosis.free_law import followed
 from stepid.diagnosis.lead import Leads
@@ -156,7 +156,7 @@ class EvidenceRecord:
         best, criteria = self.best, self.criteria
         if len(other.effects) <= len(best.effects) and includes(other.effects, best.effects):
             # more general: a rival only where its freedom buys some fit, or where nothing fixes it
-            bought = (best.optimum.cost - other.optimum.cost) / self.context.floor**2
+            bought = bought_by_freedom(self.context, self.candidates, best, other)
             if loss < 2 * criteria.tie and (bought > criteria.rival or self._is_open(other, best)):
                 return True
             # of the noise's size: what sets the laws apart is below it

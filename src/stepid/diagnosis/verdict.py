@@ -94,11 +94,11 @@ def rest_follows_the_motion(e: EvidenceRecord) -> Answer | None:
 
 
 def complete_but_open(e: EvidenceRecord) -> Answer | None:
-    """The best leaves only noise, but a parameter is not determined, or an effect not seen: others are as good.
+    """The best leaves only noise, but a parameter is open, or an effect not seen or imitated: others are as good.
 
     Or a simpler law inside it that leads: what the general one has beyond it is open.
     """
-    unseen = e.unseen(e.best)
+    unseen = {**e.unseen(e.best), **e.imitators(e.best)}
     if not e.at_floor(e.best) or not (e.undetermined or unseen):
         return None
     sure = [c for c in e.rivals if e.at_floor(c)] or list(e.simpler)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable, Sequence
+from itertools import islice
 
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.order import of_each_size
@@ -11,7 +12,12 @@ from stepid.fitting.multistart import FitContext
 
 
 def promote(
-    nodes: Collection[Node], fit: FitContext, tie: float, effort: Effort, worth: Callable[[Node], float]
+    nodes: Collection[Node],
+    fit: FitContext,
+    tie: float,
+    effort: Effort,
+    worth: Callable[[Node], float],
+    named: Callable[[Sequence[Node]], Iterable[Node]],
 ) -> None:
     """Let the promising nodes of each size run on: the fewer, the further.
 
@@ -27,6 +33,8 @@ def promote(
     effort : Effort
     worth : callable
         QBIC of a node: the first by it run on, too. Sets in which the runs differ in everything leave least.
+    named : callable
+        Those of some nodes that may be named: the first of them run on, too. What may not takes no place of theirs.
     """
     least = min(node.cost for node in nodes)
     for alike in of_each_size(nodes):
@@ -34,7 +42,7 @@ def promote(
         while count:
             by_cost = sorted(alike, key=lambda n: n.cost)
             near = by_cost[0].cost + (1 + effort.promoted - count) * fit.unit * tie
-            first = [*by_cost[:count], *sorted(alike, key=worth)[:count]]
+            first = [*by_cost[:count], *sorted(alike, key=worth)[:count], *islice(named(by_cost), count)]
             for node in by_cost:
                 if node.cost < near or any(node is other for other in first):
                     share = max(effort.enough * max(node.cost - least, node.fitted.excess), effort.converged * fit.unit)

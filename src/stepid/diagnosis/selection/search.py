@@ -88,7 +88,7 @@ class Search(Attempts):
                 if not self._idle(proposal):
                     self._fit(proposal)
             if batch:
-                promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort, self._foreseen)
+                promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort, self._foreseen, self._named)
             best = self._polish_best()
             if self._complete(best):
                 break
@@ -132,13 +132,18 @@ class Search(Attempts):
         return [p for p in every if (p.base, p.key) not in self._tried]
 
     def _simplify(self) -> bool:
-        """Drop what the answer does not need: a round of rivals may have added it that was the last; True if it did."""
+        """Drop what the answer does not need: a round of rivals may have added it that was the last; True if it did.
+
+        Where a rest remains, what the runs differ by: that may be what an effect did that was added since.
+        """
         before = found = self._simplest()
         for _ in range(self.effort.rounds):
-            if not at_floor(self.fit, self.criteria, found):
+            complete = at_floor(self.fit, self.criteria, found)
+            if not (complete or found.deviations):
                 break
             self._expand(self.nodes[found.key], (Drop(),))
-            asked = [p for p in self._rivals({found.key}) if p.move == Drop.name]
+            drops = [p for p in self._rivals({found.key}) if p.move == Drop.name]
+            asked = [p for p in drops if complete or p.key[0] == found.key[0]]
             if not asked:
                 break
             self._fit_all(asked)

@@ -148,16 +148,18 @@ class Standings:
         return is_white(self.fit, found, self.criteria.white / 2)
 
     def _lower_floor(self, best: Candidate) -> None:
-        """Search on below a candidate that costs no more than noise may, and is not at the floor, or follows a law.
+        """Search on below what costs no more than noise may, and is not at the floor, or where the best follows a law.
 
-        By what that law takes of it, or a tie.
+        By a tie, or by what that law takes of the best.
         """
         if not best.effects:
             return
         cost = self.nodes[best.key].cost
         if not at_floor(self.fit, self.criteria, best):
-            if cost <= self.noise_limit:
-                self.noise_limit = cost - self._tie
+            for found in (best, *self.candidates.values()):  # what has more in it may cost less, and be none either
+                cost = self.nodes[found.key].cost
+                if found.effects and cost <= self.noise_limit and not at_floor(self.fit, self.criteria, found):
+                    self.noise_limit = cost - self._tie
             return
         law = self._followed(best)
         if law is not None:
