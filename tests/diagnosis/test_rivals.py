@@ -9,6 +9,7 @@ import pytest
 
 from made_up_evidence import candidate
 from made_up_search import PAIR, a_search, node, nothing_imitates, proposed
+from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.fits import Fits
 from stepid.diagnosis.selection.moves import TOGETHER, UNFORESEEN
 from stepid.diagnosis.selection.moves.exchange import Exchange
@@ -47,6 +48,16 @@ def test_three_effects_are_asked_only_where_they_may_reach_the_noise(lead: float
     assert ("exchange", 3) not in asked(found)  # 0.9^8 = 0.43
     found.proposals[-1].left = 0.6 * lead  # 40 × 0.6^8 = 0.7
     assert ("exchange", 3) in asked(found)
+
+
+def test_larger_sets_take_no_place_where_none_may_be_asked() -> None:
+    found = a_search(lead=9.0)
+    found.effort = Effort(width=1)
+    found.proposals[-1].left = found.proposals[-1].rank = 0.5 * 9.0  # three effects, before two
+    found.proposals = [p for p in found.proposals if p.move == "exchange"]
+    base = frozenset(PAIR), frozenset[str]()
+    assert [p.size for p in found._rivals([base])] == [3]
+    assert [p.size for p in found._rivals([base], most=2)] == [2]
 
 
 def test_rivals_on_other_bases_are_not_asked() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Sequence
 
 from stepid.diagnosis.criteria import Criteria
@@ -113,11 +114,11 @@ class Search(Attempts):
             steady += [self.nodes[p.base] for p in remain]
             made += [self._expand(self.nodes[p.base], (Deviate(),)) for p in remain]
             keys = {node.key for node in (*bases, *steady)}
-            asked = self._rivals(keys, unforeseen=self._unforeseen() if any(made) else ())
             if any(made):
+                asked = self._rivals(keys, unforeseen=self._unforeseen())
                 asked += runs.instead(self.proposals, self._tried, {node.key for node in calmer}, self.effort.share)
             else:  # what the rounds before had no room for
-                asked = [p for p in asked if p.size <= self.nodes[self.best.key].size]
+                asked = self._rivals(keys, most=self.nodes[self.best.key].size)
             asked += remain
             if not asked:
                 break
@@ -200,9 +201,14 @@ class Search(Attempts):
         """
         return UNFORESEEN - {Exchange.name} if self._one_is_enough() else UNFORESEEN
 
-    def _rivals(self, bases: Collection[Key], *, unforeseen: Collection[str] = ()) -> list[Proposal]:
-        """Rivals to fit next, of those proposed on some bases; of some moves a few that no step foresees, too."""
-        new = self._worthy(lambda p: p.base in bases and p.move in _RIVALS_AND_RUNS)
+    def _rivals(
+        self, bases: Collection[Key], *, unforeseen: Collection[str] = (), most: float = math.inf
+    ) -> list[Proposal]:
+        """Rivals to fit next, of those proposed on some bases; of some moves a few that no step foresees, too.
+
+        Sets of no more effects than `most`.
+        """
+        new = self._worthy(lambda p: p.base in bases and p.move in _RIVALS_AND_RUNS and p.size <= most)
         found = self._gaining(new)
         beside = [p for p in new if p.move in unforeseen and p not in found][: self.effort.share]
         if not self._answered():  # no rivals, where nothing is named
