@@ -248,7 +248,7 @@ class Told:
         return self.share_taken
 
     def imitators(self, found: Candidate) -> dict[str, str]:
-        return self.imitated
+        return self.imitated | self.too_short
 
     def unseen(self, found: Candidate) -> dict[str, str]:
         return self.too_short

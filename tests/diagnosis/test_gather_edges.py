@@ -10,7 +10,7 @@ import pytest
 from made_up_evidence import FLOOR, FRICTION, all_is_determined, candidate, context, evidence, law_of, losing, with_rest
 from stepid.diagnosis import free_law, gather, verdict, vetoes
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.evidence import at_floor, is_white
+from stepid.diagnosis.evidence import at_floor, bought_by_freedom, is_white
 from stepid.diagnosis.exchangeable import Condition
 from stepid.diagnosis.left_out import LeftOut
 from stepid.diagnosis.selection.candidate import Candidate
@@ -49,6 +49,29 @@ def test_what_runs_that_differ_or_colored_noise_leave_is_not_known_as_well(
     with_rest(e)
     e.context.colored = object() if known == "color" else None
     assert e.followed(found) == state
+
+
+@pytest.mark.parametrize("noise", [False, True])
+@pytest.mark.parametrize(
+    ("deviations", "known", "beyond"),
+    [
+        ([], {}, CRITERIA.shape),
+        (["gain"], {}, CRITERIA.white),
+        ([], {"colored": object()}, CRITERIA.white),
+        ([], {"dithered": False}, CRITERIA.white),
+    ],
+)
+def test_chance_is_known_as_well_as_the_noise_also_of_what_a_lead_leaves(
+    deviations: list[str], known: dict[str, object], beyond: float, noise: bool
+) -> None:
+    """What leaves only such noise has no room for a law's roughness; what leaves a rest has."""
+    found = candidate(["coulomb_friction"], deviations=deviations)
+    e = evidence(found)
+    with_rest(e)
+    vars(e.context).update(known)
+    chance, rough = free_law.allowed(e.context, CRITERIA, found, noise=noise)
+    assert chance == beyond
+    assert (rough == 0.0) is (noise and beyond == CRITERIA.shape)
 
 
 def test_two_effects_or_two_states_are_no_patchwork(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -113,22 +136,40 @@ def test_a_general_law_is_no_rival_of_a_faint_one_that_is_open_or_beside_runs_th
     assert evidence(FRICTION, losing(FRICTION, 7.0, ["asymmetric_friction"]), plain).rivals == ()
 
 
-@pytest.mark.parametrize(("bought", "told"), [(CRITERIA.rival + 1, True), (CRITERIA.rival - 1, False)])
-def test_what_conditions_buy_is_not_the_freedom_of_a_general_law(bought: float, told: bool) -> None:
-    """It is held against the simpler law with the same conditions free, where that was fitted."""
-    cost, unit = FRICTION.optimum.cost, context().floor ** 2
+@pytest.mark.parametrize(
+    ("conditions", "gained", "bought"),
+    [
+        (["gain"], 20.0, 7.0),
+        (["damping"], 20.0, 7.0),
+        ([], -40.0, -3.0),  # fewer than the best has: no more than against the best
+        (["gain"], -20.0, 27.0),  # stuck above the best
+        (None, 0.0, 27.0),  # not fitted
+    ],
+)
+def test_what_conditions_buy_is_not_the_freedom_of_a_general_law(
+    conditions: list[str] | None, gained: float, bought: float
+) -> None:
+    """It is held against the simpler law with the same conditions free, where that was fitted and leaves less."""
+    unit = context().floor ** 2
 
-    def freer(name: str, gained: float) -> Candidate:
-        found = candidate([name], deviations=["gain"])
-        found.optimum.cost = cost - gained * unit
+    def beside(names: list[str], deviations: list[str], less: float) -> Candidate:
+        found = candidate(names, deviations=deviations)
+        found.optimum.cost = FRICTION.optimum.cost - less * unit
         return found
 
-    with_gain = freer("coulomb_friction", 20.0)
-    general = freer("asymmetric_friction", 20.0 + bought)
-    e = evidence(FRICTION, candidate(times=9.0), general)
-    assert e._rivals(general, 15.0)
-    e = evidence(FRICTION, candidate(times=9.0), general, with_gain)
-    assert e._rivals(general, 15.0) is told
+    others = [candidate(["coulomb_friction"], deviations=["gain"]) if conditions == [] else FRICTION]
+    general = beside(["asymmetric_friction"], conditions or [], -3.0 if conditions == [] else 27.0)
+    alike = [] if conditions is None else [beside(["coulomb_friction"], conditions, gained)]
+    found = bought_by_freedom(evidence(FRICTION).context, [*others, general, *alike], others[0], general)
+    assert found == pytest.approx(bought)
+
+
+@pytest.mark.parametrize(("gained", "told"), [(20.0, False), (18.0, True)])
+def test_a_general_law_is_a_rival_by_its_freedom(gained: float, told: bool) -> None:
+    alike, general = (candidate([name], deviations=["gain"]) for name in ("coulomb_friction", "asymmetric_friction"))
+    for found, less in ((alike, gained), (general, 20.0 + CRITERIA.rival - 1)):
+        found.optimum.cost = FRICTION.optimum.cost - less * context().floor ** 2
+    assert evidence(FRICTION, candidate(times=9.0), general, alike)._rivals(general, 15.0) is told
 
 
 @pytest.mark.parametrize(("qbic", "near"), [(9.9, True), (10.1, False)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -93,6 +94,10 @@ def test_what_is_open_and_simpler_takes_no_place_from_what_can_be_named(monkeypa
     assert found._leading() == [best, other]
 
 
+def costing(cost: float, *, polished: bool = True) -> Any:
+    return SimpleNamespace(cost=cost, fitted=SimpleNamespace(polished=object() if polished else None))
+
+
 @pytest.mark.parametrize(("beyond", "lowered"), [(9.0, True), (3.0, False)])
 def test_below_a_wrong_law_as_small_as_the_noise_the_search_goes_on(
     beyond: float, lowered: bool, monkeypatch: pytest.MonkeyPatch
@@ -103,7 +108,7 @@ def test_below_a_wrong_law_as_small_as_the_noise_the_search_goes_on(
     monkeypatch.setattr("stepid.diagnosis.free_law.free_laws", lambda *_: (law,))
     found = Standings(context(), Criteria(), Effort())
     found.candidates = {c.key: c for c in (candidate(times=30.0), best)}
-    found.nodes = {key: SimpleNamespace(cost=c) for key, c in ((LINEAR, 9e-5), (best.key, best.optimum.cost))}  # type: ignore[misc]
+    found.nodes = {key: costing(c) for key, c in ((LINEAR, 9e-5), (best.key, best.optimum.cost))}
     before = found.noise_limit
     assert found._complete(best) is not lowered
     found._lower_floor(best)
@@ -123,27 +128,40 @@ def test_below_what_costs_as_little_as_noise_and_is_not_white_the_search_goes_on
     found = Standings(context(), Criteria(), Effort())
     found.noise_limit = 1.15**2 * found.fit.full_noise_cost
     found.candidates = {c.key: c for c in (candidate(times=30.0), best)}
-    found.nodes = {key: SimpleNamespace(cost=c) for key, c in ((LINEAR, 9e-5), (best.key, best.optimum.cost))}  # type: ignore[misc]
+    found.nodes = {key: costing(c) for key, c in ((LINEAR, 9e-5), (best.key, best.optimum.cost))}
     before = found.noise_limit
     found._lower_floor(best)
     assert found.noise_limit == pytest.approx(best.optimum.cost - 10.0 * found.fit.unit if lowered else before)
     assert found._complete(best) is complete
 
 
-@pytest.mark.parametrize(("structure", "lowered"), [(9.0, True), (0.0, False)])
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize(
+    ("freer", "now", "asked"),
+    [
+        ({"structure": 9.0}, True, "freer"),
+        ({"structure": 9.0}, False, "best"),  # of another end: it ran on since
+        ({"structure": 0.0}, True, "best"),  # that leaves only noise
+    ],
+)
 def test_what_has_more_in_it_and_costs_less_is_no_noise_either_unless_it_is_white(
-    structure: float, lowered: bool
+    freer: dict[str, float], now: bool, asked: str, backwards: bool
 ) -> None:
-    """With conditions free a law leaves a little less of the same rest."""
+    """With conditions free a law leaves a little less of the same rest; the order of candidates tells nothing."""
     best = candidate(["cogging"], times=1.12, structure=9.0)
-    freer = candidate(["cogging"], times=1.08, structure=structure, deviations=["gain"])
+    some = {
+        "best": best,
+        "near": candidate(["free_play"], times=1.085, structure=9.0) if asked == "freer" else best,  # within a tie
+        "freer": candidate(["cogging"], times=1.08, deviations=["gain"], **freer),
+    }
     found = Standings(context(), Criteria(), Effort())
     found.noise_limit = 1.15**2 * found.fit.full_noise_cost
-    found.candidates = {c.key: c for c in (candidate(times=30.0), best, freer)}
-    found.nodes = {c.key: SimpleNamespace(cost=c.optimum.cost) for c in found.candidates.values()}  # type: ignore[misc]
+    root = candidate(times=1.0, structure=9.0)
+    order = [root, *(reversed(some.values()) if backwards else some.values())]
+    found.candidates = {c.key: c for c in order}
+    found.nodes = {c.key: costing(c.optimum.cost, polished=now or c is best) for c in order}
     found._lower_floor(best)
-    lowest = freer if lowered else best
-    assert found.noise_limit == pytest.approx(lowest.optimum.cost - 10.0 * found.fit.unit)
+    assert found.noise_limit == pytest.approx(some[asked].optimum.cost - 10.0 * found.fit.unit)
 
 
 @pytest.mark.parametrize(("plain", "part"), [(0.5, 0.5), (0.0, 0.0), (None, 1.0), (1.5, 1.0)])

@@ -125,13 +125,23 @@ def test_an_open_parameter_is_not_named() -> None:
     assert both.verdict == "unexplained"  # a rival that is open itself is no name
 
 
-def test_what_something_else_stands_in_for_is_not_named_however_little_it_leaves() -> None:
+def test_what_something_else_stands_in_for_is_not_named_however_little_it_leaves(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     bends = {"cogging": "the spring"}
     best = candidate(["cogging"])
     found = ask("complete_but_open", best=best, imitated=bends, floored=best.names, lead=LINEAR)
     assert found is not None
     assert (found.verdict, found.alternatives) == ("unexplained", ())
     assert "cogging cannot be told from the spring here" in found.reasons[0]
+    beside = {"undetermined": ("cogging.pitch",), "rivals": (PLAY,), "floored": ("cogging", "free_play")}
+    monkeypatch.setattr(Told, "barred", lambda self, other: other is best)
+    rivaled = ask("complete_but_open", best=best, imitated=bends, **beside)
+    assert rivaled is not None
+    assert (rivaled.verdict, rivaled.shown, rivaled.alternatives) == ("ambiguous", PLAY, (best,))
+    short = ask("complete_but_open", best=best, too_short=bends, **beside)
+    assert short is not None
+    assert (short.verdict, short.shown, short.alternatives) == ("named", PLAY, ())  # nothing shows the best
 
 
 def test_the_only_one_at_the_floor_is_named() -> None:

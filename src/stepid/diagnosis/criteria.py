@@ -71,10 +71,9 @@ class Criteria(Model):
         Least number of periods of a disturbance or a second mass, or of beats with the own swing, in the longest
         record.
     shape : float
-        Standard deviations beyond chance that a law of any shape may take of what a lead leaves, or of what is as small
-        as white noise where no runs differ, that the law which takes most of a rest may take beside another, and that
-        what runs differ by may go with a condition: 1 in 4,300 for a normal deviate at 3.5, and
-        there are a dozen of either.
+        Standard deviations beyond chance that a law of any shape may take of what is left in white noise where no runs
+        differ, that the law which takes most of a rest may take beside another, and that what runs differ by may go
+        with a condition: 1 in 4,300 for a normal deviate at 3.5, and there are a dozen of either.
     size : float
         Standard deviations (of the other runs' scatter and of its own uncertainty) beyond which a run is accused.
     """

@@ -166,12 +166,12 @@ def block_means(context: FitContext, optimum: Optimum) -> float:
 def bought_by_freedom(
     context: FitContext, candidates: Iterable[Candidate], simple: Candidate, general: Candidate
 ) -> float:
-    """χ² that a general law takes of what the simple one inside leaves, whose runs differ by the same if that is known.
+    """χ² that a general law takes of what the simple one inside leaves, the same conditions free where that is known.
 
     What conditions that are free take is not the law's.
     """
-    as_free = (c for c in candidates if c.key == (simple.key[0], general.deviations))
-    return float(next(as_free, simple).optimum.cost - general.optimum.cost) / context.floor**2
+    as_free = [c.optimum.cost for c in candidates if c.key == (simple.key[0], general.deviations)]
+    return float(min([simple.optimum.cost, *as_free]) - general.optimum.cost) / context.floor**2
 
 
 def part_left(before: float, after: float, noise: float = 0.0) -> float:

@@ -217,13 +217,16 @@ def allowed(
     """Standard deviations beyond chance, and power [m²], that a law of another shape may take of what is left.
 
     Real laws are rough, which shows in a rest; what leaves only `noise` has no room for that. Noise that is colored,
-    or rounding that nothing dithers, or stands beside runs that differ, is not known well enough to say so.
+    or rounding that nothing dithers, or stands beside runs that differ, is not known well enough to say so, nor what
+    chance takes of it.
 
     A law is rough by a share of the `part` of the misfit that is its to explain: see `LeftOut.part_of_effects`.
     """
-    if noise and not found.deviations and context.colored is None and context.dithered:
-        return criteria.shape, 0.0
-    return criteria.white, criteria.rough * part * (context.coarse_linear.cost - context.noise_cost)
+    known = not found.deviations and context.colored is None and context.dithered
+    beyond = criteria.shape if known else criteria.white
+    if noise and known:
+        return beyond, 0.0
+    return beyond, criteria.rough * part * (context.coarse_linear.cost - context.noise_cost)
 
 
 def _changes(optimum: Optimum, place: Index, columns: Array, residual: Array) -> tuple[float, ...]:

@@ -38,10 +38,10 @@ def _refuted_by(told: EvidenceRecord, lead: Candidate, fit: Optimum, part: float
     `part` is that of the misfit's power which is left to the lead to explain.
     """
     states = told.states(lead)
-    _, rough = allowed(told.context, told.criteria, lead, noise=told.at_floor(lead), part=part)
+    chance, rough = allowed(told.context, told.criteria, lead, noise=told.at_floor(lead), part=part)
     laws = sorted(free_laws(told.context, fit), key=lambda one: -one.power)
     for law in laws:
-        if not law.is_seen(told.criteria.shape, rough):
+        if not law.is_seen(chance, rough):
             continue
         own = law.own or any(law.states <= state for state in states)
         if own and len(states) > 1 and set(states) == {law.states}:

@@ -98,13 +98,13 @@ def complete_but_open(e: EvidenceRecord) -> Answer | None:
 
     Or a simpler law inside it that leads: what the general one has beyond it is open.
     """
-    unseen = {**e.unseen(e.best), **e.imitators(e.best)}
-    if not e.at_floor(e.best) or not (e.undetermined or unseen):
+    imitated = e.imitators(e.best)
+    if not e.at_floor(e.best) or not (e.undetermined or imitated):
         return None
     sure = [c for c in e.rivals if e.at_floor(c)] or list(e.simpler)
     sure = [c for c in sure if not e.followed(c) and not e.barred(c)]
     but = ["the data do not determine " + ", ".join(map(parameter_words, e.undetermined))] if e.undetermined else []
-    but += [f"{effect_names((name,))} cannot be told from {what} here" for name, what in unseen.items()]
+    but += [f"{effect_names((name,))} cannot be told from {what} here" for name, what in imitated.items()]
     said = f"{what_leaves(e.best)} only noise, but {', and '.join(but)}."
     if not sure:
         inside = _inside(e)
@@ -113,7 +113,7 @@ def complete_but_open(e: EvidenceRecord) -> Answer | None:
         return replace(inside, reasons=(*inside.reasons, said))
     first = sure[0]
     words = (said, f"{what_leaves(first)} {length(first.optimum.rms)}, {e.times(first):.3g} times the noise floor.")
-    if unseen:
+    if e.unseen(e.best):
         return _with_rivals(e, first, tuple(sure[1:]), words) or Answer("named", first, (), words)
     return Answer("ambiguous", first, (*sure[1:], e.best), words)
 

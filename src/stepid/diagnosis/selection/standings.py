@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 
@@ -154,16 +155,23 @@ class Standings:
         """
         if not best.effects:
             return
-        cost = self.nodes[best.key].cost
         if not at_floor(self.fit, self.criteria, best):
-            for found in (best, *self.candidates.values()):  # what has more in it may cost less, and be none either
-                cost = self.nodes[found.key].cost
-                if found.effects and cost <= self.noise_limit and not at_floor(self.fit, self.criteria, found):
-                    self.noise_limit = cost - self._tie
+            self.noise_limit = min(self.noise_limit, self._least_above_noise(best) - self._tie)
             return
+        cost = self.nodes[best.key].cost
         law = self._followed(best)
         if law is not None:
             self.noise_limit = min(self.noise_limit, cost - law.power)
+
+    def _least_above_noise(self, best: Candidate) -> float:
+        """Least cost of what is not at the floor and costs no more than noise may, m²; infinite without any.
+
+        With more in it the same rest may cost less. Where something else leaves only noise the best alone is asked.
+        """
+        now = [c for c in self.candidates.values() if c.effects and self.nodes[c.key].fitted.polished is not None]
+        asked = [best] if any(map(self._leaves_noise, now)) else now
+        costs = (self.nodes[c.key].cost for c in asked if not at_floor(self.fit, self.criteria, c))
+        return min((cost for cost in costs if cost <= self.noise_limit), default=math.inf)
 
     def _followed(self, best: Candidate) -> FreeLaw | None:
         """Law that what the best leaves follows, which may be rough by what its conditions leave it to explain."""
