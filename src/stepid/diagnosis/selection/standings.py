@@ -55,12 +55,7 @@ class Standings:
         """
         best = self.best
         if not at_floor(self.fit, self.criteria, best):
-            few = [c for c in self.candidates.values() if len(c.effects) <= LEADING]
-            able = [c for c in few if not imitators(self.fit, self.criteria, c)]
-            lead = min(able, key=lambda c: self._qbic(c.optimum))
-            larger = len(best.effects) > LEADING and not best.deviations
-            far = best.optimum.cost < (1 - self.criteria.lead) * lead.optimum.cost  # on its way to the noise
-            return [lead, best] if larger and far else [lead]
+            return self._leading_beside_a_rest(best)
         no_name = barred(self.fit, self.criteria, best)
         simplest = self._simplest()
         stands = at_floor(self.fit, self.criteria, simplest)
@@ -69,6 +64,15 @@ class Standings:
         others = [c for c in self.candidates.values() if c.key not in first and (no_name or c.deviations)]
         others = sorted(filter(self._leaves_noise, others), key=lambda c: self._qbic(c.optimum))
         return [*first.values(), *others][: 2 if no_name else self.effort.beam]
+
+    def _leading_beside_a_rest(self, best: Candidate) -> list[Candidate]:
+        """The best of what may lead; and of all, where that is larger and takes of its rest what a lead has to."""
+        few = [c for c in self.candidates.values() if len(c.effects) <= LEADING]
+        able = [c for c in few if not imitators(self.fit, self.criteria, c)]
+        lead = min(able, key=lambda c: self._qbic(c.optimum))
+        larger = len(best.effects) > LEADING and not best.deviations
+        far = best.optimum.cost < (1 - self.criteria.lead) * lead.optimum.cost  # on its way to the noise
+        return [lead, best] if larger and far else [lead]
 
     def _simplest(self) -> Candidate:
         """What would be answered where only noise is left: as `EvidenceRecord.best`, before that asks of scatter."""

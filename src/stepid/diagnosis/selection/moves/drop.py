@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, standing
@@ -22,34 +24,35 @@ class Drop:
     name = "drop"
 
     def propose(self, node: Node, context: SearchContext) -> list[Proposal]:
-        """Propose the node's effects without one of them."""
-        out = []
-        for place, effect in enumerate(node.effects):
-            rest = [i for i in range(len(node.effects)) if i != place]
-            effects = tuple(node.effects[i] for i in rest)
-            begun = starts_kept(node.best.problem, effects)
-            if not (rest or begun):  # that is the root
-                continue
-            own = node.best.problem.layout.values[place]
-            values = tuple(float(v) for v in node.best.shared[own])
-            moved, left = without(node.best, own, np.array(effect.faint(values, 0.0)))
-            left = left if np.isfinite(left) else node.cost  # not to be foreseen: it may cost nothing
-            of = node.best.problem.layout
-            starts = tuple(
-                Start(shared[of.linear], tuple(tuple(map(float, shared[of.values[i]])) for i in rest))
-                for shared in (moved, node.best.shared)
-            )
-            if begun - node.deviations:
-                kept = node.deviations | begun
-                out.append(Proposal(effects, kept, starts, node.key, node.best, left, 1.0, self.name))
-            if not rest:
-                continue
-            if len(effects) == 1:  # where what is taken away had taken mass or stiffness from the plant
-                fit = context.fit
-                starts += tuple(race_starts(fit, effects[0], score(fit.coarse_linear, columns(fit, effects))))
-            out.append(Proposal(effects, node.deviations, starts, node.key, node.best, left, 1.0, self.name))
+        """Propose the node's effects without one of them, and with one condition less that differs from run to run."""
+        out = [proposal for place in range(len(node.effects)) for proposal in self._without(node, place, context)]
         for kind in sorted(node.deviations if node.size > 1 or len(node.deviations) > 1 else ()):  # less is the root
             left = node.cost  # what it gains is judged by the fit without it
             fewer = node.deviations - {kind}
             out.append(Proposal(node.effects, fewer, (standing(node),), node.key, node.best, left, 1.0, self.name))
         return out
+
+    def _without(self, node: Node, place: int, context: SearchContext) -> Iterator[Proposal]:
+        """Propose the node's effects without the one at a place, with the starts that it lets be free, and without."""
+        rest = [i for i in range(len(node.effects)) if i != place]
+        effects = tuple(node.effects[i] for i in rest)
+        begun = starts_kept(node.best.problem, effects)
+        if not (rest or begun):  # that is the root
+            return
+        of = node.best.problem.layout
+        values = tuple(float(v) for v in node.best.shared[of.values[place]])
+        moved, left = without(node.best, of.values[place], np.array(node.effects[place].faint(values, 0.0)))
+        left = left if np.isfinite(left) else node.cost  # not to be foreseen: it may cost nothing
+        starts = tuple(
+            Start(shared[of.linear], tuple(tuple(map(float, shared[of.values[i]])) for i in rest))
+            for shared in (moved, node.best.shared)
+        )
+        if begun - node.deviations:
+            kept = node.deviations | begun
+            yield Proposal(effects, kept, starts, node.key, node.best, left, 1.0, self.name)
+        if not rest:
+            return
+        if len(effects) == 1:  # where what is taken away had taken mass or stiffness from the plant
+            fit = context.fit
+            starts += tuple(race_starts(fit, effects[0], score(fit.coarse_linear, columns(fit, effects))))
+        yield Proposal(effects, node.deviations, starts, node.key, node.best, left, 1.0, self.name)
