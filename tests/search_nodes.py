@@ -53,7 +53,7 @@ def node(fit: FitContext, effects: Values | None = None) -> Node:
         return Node(root)
     fitted = CandidateFit(fit, resolve(tuple(effects)))
     values = tuple(tuple(own.values()) for own in effects.values())
-    fitted.begin([Start(fit.coarse_linear.shared, values)], like=fit.coarse_linear, laps=10)
+    fitted.begin([Start(fit.coarse_linear.shared, values)], like=fit.coarse_linear, iterations=10)
     return Node(fitted)
 
 

@@ -77,7 +77,7 @@ def test_all_go_a_few_steps_from_one_start_and_the_best_few_run_on(monkeypatch: 
             cost=costs[name],
             best=object(),
             begin=lambda starts, **how: begun.append(how),
-            run=lambda laps: ran.append((name, laps)),
+            run=lambda iterations: ran.append((name, iterations)),
         )
 
     monkeypatch.setattr(search, "_told", told)
@@ -86,7 +86,7 @@ def test_all_go_a_few_steps_from_one_start_and_the_best_few_run_on(monkeypatch: 
         p.starts, p.deviations = (), frozenset()
     search._fit_beside(base)
     assert len(begun) == 5
-    assert all(how["keep"] == 1 and how["laps"] == search.effort.begin and how["patient"] for how in begun)
+    assert all(how["keep"] == 1 and how["iterations"] == search.effort.begin and how["patient"] for how in begun)
     assert ran == [(name, search.effort.polishing) for name in ("input_delay", "sensor_drift", "free_play")]
     assert {key[0] - set(PAIR) for key in search.nodes if len(key[0]) == 3} == {frozenset({name}) for name in costs}
 

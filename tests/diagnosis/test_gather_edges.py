@@ -243,7 +243,7 @@ def test_a_rest_above_the_floor_is_noise_where_it_is_white(
     ratio: float, there: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Within two standard deviations, 2/√400, of the ratio that white noise has."""
-    monkeypatch.setattr("stepid.diagnosis.evidence.succession", lambda *_: (ratio, 400))
+    monkeypatch.setattr("stepid.diagnosis.evidence.von_neumann_ratio", lambda *_: (ratio, 400))
     found = candidate(["coulomb_friction"], times=1.3)
     assert at_floor(context(), Criteria(near=1.5), found) is there
     assert is_white(context(), found, 2.0) is there

@@ -92,7 +92,7 @@ def test_a_power_of_the_speed_is_a_simple_law_where_their_forces_are_nearly_the_
 def at_power(fit: FitContext, coefficient: float, exponent: float) -> Node:
     """A node at these values as they are."""
     fitted = CandidateFit(fit, resolve(["power_damping"]))
-    fitted.begin([Start(fit.coarse_linear.shared, ((coefficient, exponent),))], like=fit.coarse_linear, laps=0)
+    fitted.begin([Start(fit.coarse_linear.shared, ((coefficient, exponent),))], like=fit.coarse_linear, iterations=0)
     return Node(fitted)
 
 

@@ -187,7 +187,7 @@ def test_who_runs_on_in_the_race_is_told_by_qbic_too() -> None:
     others_too = []
 
     def racing(name: str, cost: float) -> Any:
-        def run(*, laps: int, tolerance: float, others: bool) -> None:
+        def run(*, iterations: int, tolerance: float, others: bool) -> None:
             went.append(name)
             others_too.append(others)
 

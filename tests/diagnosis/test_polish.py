@@ -33,7 +33,7 @@ class Slow:
         self.polished: Any = SimpleNamespace(cost=times**2 * NOISE, converged=False)
         self.rested = self.polished, self.polished  # at rest it is known already
 
-    def polish(self, *, laps: int, tolerance: float) -> None:
+    def polish(self, *, iterations: int, tolerance: float) -> None:
         self.went += 1
 
 
@@ -83,7 +83,7 @@ def test_colored_noise_buys_no_initial_states(seed: int, offset: float) -> None:
     (friction,) = resolve(("coulomb_friction",))
     fitted = CandidateFit(shared, (friction,))
     starts = [Start(shared.coarse_linear.shared, (v,)) for v in friction.starts(shared.scales)]
-    fitted.begin(starts, like=shared.coarse_linear, laps=20, patient=True)
+    fitted.begin(starts, like=shared.coarse_linear, iterations=20, patient=True)
     found = polished(shared, fitted, Effort())
     assert found is not None
     assert found.problem.active.sum() == (len(runs) if offset else 0)

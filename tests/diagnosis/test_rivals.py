@@ -249,7 +249,7 @@ def test_a_set_whose_rival_leaves_far_less_is_run_on_from_where_it_stood(
     found: Any = a_search(lead=9.0)
     ran: list[int] = []
     known = node("sine_stiffness", cost=8.0)
-    known.fitted.run = lambda laps: ran.append(laps)
+    known.fitted.run = lambda iterations: ran.append(iterations)
     found.nodes[known.key] = known
     proposal = proposed(found.root, "sine_stiffness", move="resemble", left=left)
     stuck = SimpleNamespace(cost=50.0, best=object(), begin=lambda *_, **__: None, run=lambda **_: None)

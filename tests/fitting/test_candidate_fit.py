@@ -25,10 +25,10 @@ def test_work_is_steps_times_states_and_the_same_each_time() -> None:
     for _ in range(2):
         fitted = CandidateFit(fit, effects)
         assert fitted.work == 0
-        fitted.begin([start], like=fit.coarse_linear, laps=2)
+        fitted.begin([start], like=fit.coarse_linear, iterations=2)
         works.append(fitted.work)
         assert fitted.work == 3 * fitted.coarse.simulator.taken  # position, velocity and the lag's own
-        fitted.run(laps=2)
+        fitted.run(iterations=2)
         assert fitted.work > works[-1]
     assert works[0] == works[1] > fit.decimated.size
 
@@ -63,7 +63,7 @@ def test_patience_gives_as_many_starts_their_steps_as_are_kept(keep: int, monkey
         runs: list[float] = []
         monkeypatch.setattr(fitted, "_reaches", lambda *given: [stop.like.cost] * len(stop.starts))  # nothing
         monkeypatch.setattr(fitted, "_try", lambda *given, runs=runs: runs.append(given[-1]))
-        fitted.begin(list(stop.starts), like=stop.like, keep=keep, laps=1, patient=patient)
+        fitted.begin(list(stop.starts), like=stop.like, keep=keep, iterations=1, patient=patient)
         ways.append(runs)
     impatient, patient_runs = ways
     assert len(impatient) == 1  # none shows much
@@ -102,12 +102,12 @@ def test_what_has_ended_above_the_noise_goes_on_from_the_best_end_of_another_sta
     monkeypatch.setattr("stepid.fitting.candidate_fit._go_on", go_on)
     fitted.best = replace(best, converged=False)
     unfinished = fitted.best
-    fitted.run(laps=3, others=True)
+    fitted.run(iterations=3, others=True)
     assert begun == [unfinished]  # it has not ended yet
     fitted.best = best
-    fitted.run(laps=3)
+    fitted.run(iterations=3)
     assert begun == [unfinished]  # nor is it asked for
     for _ in range(2):
-        fitted.run(laps=3, others=True)
+        fitted.run(iterations=3, others=True)
         assert begun == [unfinished, behind]  # once
         assert fitted.best is (further if leads else best)

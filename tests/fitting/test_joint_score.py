@@ -104,7 +104,7 @@ def test_the_start_of_the_true_set_leads_to_the_noise(hidden: Mapping[str, Mappi
     candidate = CandidateFit(fit, mine[0].effects)
     starts = [Start(score_of(fit).adapted(s), s.values) for s in mine if s.effects == mine[0].effects]
     candidate.begin(starts, like=fit.coarse_linear)
-    candidate.run(laps=20)
+    candidate.run(iterations=20)
     assert candidate.cost < fit.noise_limit
     for effect, place in zip(mine[0].effects, candidate.coarse.layout.values, strict=True):
         assert candidate.best is not None

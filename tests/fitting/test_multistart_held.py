@@ -72,6 +72,6 @@ def test_friction_alone_reaches_the_floor_from_there(seed: int) -> None:
     for start in held_starts(fit, FRICTION):
         found = CandidateFit(fit, (FRICTION,))
         found.begin([start], like=fit.coarse_linear)
-        found.run(laps=15)
+        found.run(iterations=15)
         ended.append(found.cost)
     assert min(ended) < fit.noise_limit

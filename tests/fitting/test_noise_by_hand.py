@@ -41,10 +41,10 @@ def test_white_noise_of_any_size_has_no_structure() -> None:
     made = records(*(np.zeros(1000) + 1e-3 * np.sin(np.arange(1000)) for _ in range(3)))
     noise = rng.standard_normal((60, made.size))
     for size in (1e-6, 1e-3):
-        found = [noise_floor.structure(made, size * one, size, 0.5) for one in noise]
+        found = [noise_floor.block_mean_deviate(made, size * one, size, 0.5) for one in noise]
         assert abs(float(np.mean(found))) < 3.5 / math.sqrt(60)
         assert 0.75 < float(np.std(found)) < 1.3
-    steady = noise_floor.structure(made, np.full(made.size, 1e-6), 1e-6, 0.5)  # means do not average out
+    steady = noise_floor.block_mean_deviate(made, np.full(made.size, 1e-6), 1e-6, 0.5)  # means do not average out
     assert steady == pytest.approx((5 - 1) * 600 / math.sqrt(2 * 600))
 
 
@@ -104,10 +104,10 @@ def test_succession_of_a_wave_is_that_of_its_slope() -> None:
     """2 ⟨r²⟩/⟨(Δr)²⟩ = 1/(1 − cos ωT), whatever the size."""
     made = records(1e-2 * np.sin(0.1 * np.arange(2000)))
     wave = 1e-6 * np.cos(0.5 * np.arange(2000))
-    ratio, count = noise_floor.succession(made, wave)
+    ratio, count = noise_floor.von_neumann_ratio(made, wave)
     assert ratio == pytest.approx(1 / (1 - math.cos(0.5)), rel=0.01)
     assert count == 2000 - 8
-    assert noise_floor.succession(made, np.ones(2000)) == (math.inf, count)
+    assert noise_floor.von_neumann_ratio(made, np.ones(2000)) == (math.inf, count)
 
 
 def test_amplitudes_of_a_line_and_of_what_is_beside() -> None:

@@ -70,7 +70,7 @@ def test_only_a_mode_that_its_own_start_moves_is_tried_stronger(
     """Runs at rest have none; a memory has no strength of its own."""
     fit = prepare(one("triples", 3, "dev22")[0] if moving else scattered(1))
     fitted = CandidateFit(fit, resolve(names))
-    fitted.begin(effect_starts(fit, *names), like=fit.coarse_linear, keep=1, laps=1)
+    fitted.begin(effect_starts(fit, *names), like=fit.coarse_linear, keep=1, iterations=1)
     assert fitted.best is not None
     monkeypatch.setattr("stepid.fitting.multistart_modes.minimize", None)
     assert stronger(fitted.best, tolerance=fit.tolerance) is fitted.best
@@ -112,7 +112,7 @@ def test_starts_are_told_apart_by_what_is_left_once_the_runs_may_differ() -> Non
     campaign, truth = one("perturbed-single-seen", 17, "dev22")
     fit = prepare(campaign)
     plain = CandidateFit(fit, (), GAINS)
-    plain.begin([Start(fit.coarse_linear.shared, ())], like=fit.coarse_linear, laps=20)
+    plain.begin([Start(fit.coarse_linear.shared, ())], like=fit.coarse_linear, iterations=20)
     proposals = Add().propose(Node(plain), SearchContext(fit, CATALOGUE, Effort()))
     (periodic,) = [p for p in proposals if p.key[0] == {"periodic_disturbance"}]
     fitted = CandidateFit(fit, periodic.effects, GAINS)

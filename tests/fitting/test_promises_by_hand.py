@@ -114,8 +114,8 @@ def test_runs_scatter_about_the_mean_of_those_that_have_it(monkeypatch: pytest.M
 def test_more_than_noise_is_told(
     monkeypatch: pytest.MonkeyPatch, times: float, ratio: float, means: float, colored: str | None, said: bool
 ) -> None:
-    monkeypatch.setattr(left_over, "succession", lambda *_: (ratio, 100))
-    monkeypatch.setattr(left_over, "structure", lambda *_: means)
+    monkeypatch.setattr(left_over, "von_neumann_ratio", lambda *_: (ratio, 100))
+    monkeypatch.setattr(left_over, "block_mean_deviate", lambda *_: means)
     monkeypatch.setattr(left_over, "least_floor", lambda _: 0.0)
     problem = SimpleNamespace(records=None, residual=lambda _: None)
     optimum: Any = SimpleNamespace(rms=times * 1e-5, problem=problem, residual=None, solved=None)

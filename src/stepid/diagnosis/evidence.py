@@ -15,7 +15,7 @@ from stepid.diagnosis.selection.candidate import Candidate, is_free
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import starts_late
 from stepid.fitting.multistart import FitContext
-from stepid.fitting.noise_floor import structure, succession
+from stepid.fitting.noise_floor import block_mean_deviate, von_neumann_ratio
 from stepid.fitting.random_effects import price_of_scatter
 from stepid.simulation.records import Records
 
@@ -154,13 +154,13 @@ def at_floor(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
 
 def is_white(context: FitContext, found: Candidate, deviations: float) -> bool:
     """Tell whether a residual is as white as noise of its own size, within so many standard deviations."""
-    ratio, count = succession(context.records, found.optimum.residual)
+    ratio, count = von_neumann_ratio(context.records, found.optimum.residual)
     return ratio < 1.0 + deviations / math.sqrt(max(count, 1))
 
 
 def block_means(context: FitContext, optimum: Optimum) -> float:
     """Standard deviations by which a residual's means over blocks exceed those of white noise of the floor's size."""
-    return structure(context.records, optimum.problem.residual(optimum.solved), context.floor, context.period)
+    return block_mean_deviate(context.records, optimum.problem.residual(optimum.solved), context.floor, context.period)
 
 
 def bought_by_freedom(

@@ -77,8 +77,10 @@ class CandidateFit:
         """Difference of cost within which another end is that of the best fit so far, m²."""
         return _SAME * self.excess + self.context.unit
 
-    def begin(self, starts: list[Start], *, like: Optimum, keep: int = 3, laps: int = 3, patient: bool = False) -> None:
-        """Try starts: march them side by side, run a few steps from the best.
+    def begin(
+        self, starts: list[Start], *, like: Optimum, keep: int = 3, iterations: int = 3, patient: bool = False
+    ) -> None:
+        """Try starts: simulate them side by side, run a few iterations from the best.
 
         Parameters
         ----------
@@ -87,7 +89,7 @@ class CandidateFit:
             Where their local parameters begin.
         keep : int
             Starts that are run on.
-        laps : int
+        iterations : int
             Steps from each.
         patient : bool
             Give each its steps, whatever the others promise.
@@ -108,7 +110,7 @@ class CandidateFit:
             if problem.active[sim.layout.own_states].any():
                 begin = adapted(problem, shared[i], begin)
             aim = np.inf if patient else self.cost + self._alike  # above it is no better
-            ended = [self._try(variant, shared[i], begin, like, laps, aim) for variant in self._variants()]
+            ended = [self._try(variant, shared[i], begin, like, iterations, aim) for variant in self._variants()]
             if any(ended):
                 break
 
@@ -145,11 +147,11 @@ class CandidateFit:
         active[:2] = self.context.decimated.moving
         return [replace(self.coarse, active=active), self.coarse]
 
-    def _try(self, problem: Problem, shared: Array, local: Array, like: Optimum, laps: int, aim: float) -> bool:
+    def _try(self, problem: Problem, shared: Array, local: Array, like: Optimum, iterations: int, aim: float) -> bool:
         """Run a few steps from a start; True at the floor, or where a start before it ended, better than `like`."""
         context = self.context
         tolerance = context.slight_beside(min(self.cost, like.cost) - context.noise_cost)
-        found = minimize(problem, shared, local, tolerance=tolerance, iterations=laps, aim=aim)
+        found = minimize(problem, shared, local, tolerance=tolerance, iterations=iterations, aim=aim)
         if found is None:
             return False
         gained = like.cost - found.cost > _SAME * (like.cost - context.noise_cost) + context.unit
@@ -162,7 +164,7 @@ class CandidateFit:
             self._behind = min(filter(None, (self._behind, behind)), key=lambda end: end.cost)
         return found.converged and (again or found.cost < 1.02 * context.noise_cost)
 
-    def run(self, *, laps: int, tolerance: float = 0.0, others: bool = False) -> None:
+    def run(self, *, iterations: int, tolerance: float = 0.0, others: bool = False) -> None:
         """Go on from the best fit so far, until a step promises less than `tolerance` [m²].
 
         With `others`, and where that ends above the noise, also from the best end of another start.
@@ -171,15 +173,15 @@ class CandidateFit:
         if self.best is None:
             return
         if not self.best.converged or self._tolerance > tolerance:
-            self._go_on_from(self.best, laps, tolerance)
+            self._go_on_from(self.best, iterations, tolerance)
         above = self.best.converged and self.cost > self.context.noise_limit
         if others and above and self._behind is not None:
             behind, self._behind = self._behind, None
-            self._go_on_from(behind, laps, tolerance)
+            self._go_on_from(behind, iterations, tolerance)
 
-    def _go_on_from(self, begun: Optimum, laps: int, tolerance: float) -> None:
+    def _go_on_from(self, begun: Optimum, iterations: int, tolerance: float) -> None:
         """Go on from an end; kept where it leads no higher than the best fit so far."""
-        found = _go_on(self.coarse, begun, tolerance=tolerance, iterations=laps)
+        found = _go_on(self.coarse, begun, tolerance=tolerance, iterations=iterations)
         if found is not None and found.cost <= self.cost:
             self.best, self.polished, self._tolerance = found, None, tolerance
 
@@ -196,13 +198,13 @@ class CandidateFit:
             self.best, self.polished, self._tolerance = moved, None, tolerance
         return better
 
-    def polish(self, *, laps: int, tolerance: float = 0.0) -> None:
+    def polish(self, *, iterations: int, tolerance: float = 0.0) -> None:
         """Fit all samples, from the best fit of the race or from where the last polish ended."""
         last = self.polished
         if self.best is None or (last is not None and last.converged):
             return
         tolerance = max(self.context.tolerance, tolerance)
-        self.polished = _go_on(self.fine, last or self.best, tolerance=tolerance, iterations=laps) or last
+        self.polished = _go_on(self.fine, last or self.best, tolerance=tolerance, iterations=iterations) or last
 
 
 def _go_on(problem: Problem, begun: Optimum, *, tolerance: float, iterations: int) -> Optimum | None:

@@ -165,7 +165,7 @@ def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | N
         linear, values = fitted.best.shared[:n], fitted.best.shared[n:]
         starts = [Start(linear, (tuple(values), v)) for v in guesses]
         fitted = _raced(context, effects[:count], starts, fitted.best)
-    fitted.polish(laps=40)
+    fitted.polish(iterations=40)
     return fitted.polished
 
 
@@ -173,14 +173,14 @@ def _raced(context: FitContext, effects: tuple[Effect, ...], starts: list[Start]
     """Race the starts; where the winner leaves more than noise, run them to their ends until some agree on the best."""
     best = CandidateFit(context, effects)
     best.begin(starts, like=like, keep=1)
-    best.run(laps=40)
+    best.run(iterations=40)
     agree = 0
     for start in starts:
         if best.excess < _NOISY * context.noise_cost or agree == _AGREE:
             break
         other = CandidateFit(context, effects)
         other.begin([start], like=like)
-        other.run(laps=40)
+        other.run(iterations=40)
         agree = agree + 1 if abs(other.cost - best.cost) < _SAME * best.cost else agree
         if other.cost < (1 - _SAME) * best.cost:
             best, agree = other, 0
@@ -203,9 +203,9 @@ def _remarks(context: FitContext, optimum: Optimum, found: Optimum) -> tuple[str
     eccentric = find_eccentricity(optimum, context.floor) if wrong else None
     if eccentric is not None:
         out.append(eccentric.fault.words)
-    suspect = find_fault(optimum, context.floor) if wrong and eccentric is None else None
-    if suspect is not None:
-        out.append(suspect.words)
+    record = find_fault(optimum, context.floor) if wrong and eccentric is None else None
+    if record is not None:
+        out.append(record.words)
     left = left_over(found, context)
     if left is not None:
         out.append(left)

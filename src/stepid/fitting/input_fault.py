@@ -14,7 +14,7 @@ from stepid.effects import resolve
 from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
-from stepid.fitting.noise_floor import structure
+from stepid.fitting.noise_floor import block_mean_deviate
 from stepid.fitting.problem import build
 from stepid.simulation.records import Records
 
@@ -143,7 +143,7 @@ def _plain(context: FitContext, fit: Optimum) -> bool:
     level = float(np.sqrt(fit.cost / fit.problem.records.weighed_size))
 
     def left(residual: Array) -> float:
-        return structure(context.records, residual, max(level, 1e-12), context.period)
+        return block_mean_deviate(context.records, residual, max(level, 1e-12), context.period)
 
     linear = context.linear
     here, there = (left(o.problem.residual(o.solved)) for o in (linear, fit))

@@ -7,7 +7,7 @@ import math
 from stepid.core.words import length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
-from stepid.fitting.noise_floor import least_floor, structure, succession
+from stepid.fitting.noise_floor import block_mean_deviate, least_floor, von_neumann_ratio
 
 _MORE = 1.2  # times the floor, beyond which more than noise is left
 _SLOW = 5.0  # standard deviations by which what is left is slower than white noise
@@ -42,8 +42,8 @@ def _slow(optimum: Optimum, context: FitContext) -> bool:
     if context.colored is not None:
         return False  # noise that is slow itself
     records = optimum.problem.records
-    ratio, count = succession(records, optimum.residual)
+    ratio, count = von_neumann_ratio(records, optimum.residual)
     if ratio < 1.0 + _SLOW / math.sqrt(max(count, 1)):
         return False
     residual = optimum.problem.residual(optimum.solved)
-    return structure(records, residual, optimum.rms, context.period) > _SLOW
+    return block_mean_deviate(records, residual, optimum.rms, context.period) > _SLOW

@@ -1,4 +1,4 @@
-"""Starts of a force that repeats in position: each run may have come to rest in another of its wells."""
+"""Starts of a force that repeats in position: each run may have come to rest in another of its potential wells."""
 
 from __future__ import annotations
 

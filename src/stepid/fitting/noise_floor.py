@@ -50,7 +50,7 @@ def _moving_differences(run: Experiment, begin: int) -> Array:
     return out
 
 
-def succession(records: Records, residual: Array) -> tuple[float, int]:
+def von_neumann_ratio(records: Records, residual: Array) -> tuple[float, int]:
     """Mean square of a residual over half that of its successive differences, where the cart moves; and their number.
 
     White noise gives 1 ± 1/√n whatever its size; what is left of a motion is slower, and gives more (von Neumann 1941).
@@ -224,7 +224,7 @@ def weights(records: Records, floor: float) -> Array:
     return out
 
 
-def structure(records: Records, residual: Array, floor: float, period: float) -> float:
+def block_mean_deviate(records: Records, residual: Array, floor: float, period: float) -> float:
     """How far a residual is from white noise of size `floor`, in standard deviations.
 
     The residual is averaged over windows of a tenth of the period; white noise averages out, misfit does not.

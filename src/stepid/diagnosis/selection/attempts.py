@@ -52,7 +52,7 @@ class Attempts(Fits):
         alone = by.resting(self.proposals)
         self._fit_all([p for p in alone if (p.base, p.key) not in self._tried])  # from where it starts alone
         for node in (self.nodes[p.key] for p in alone if p.key in self.nodes):
-            node.fitted.run(laps=self.effort.polishing)
+            node.fitted.run(iterations=self.effort.polishing)
         self._polish_best()
 
     def _try_larger(self) -> bool:

@@ -57,15 +57,18 @@ class Fits(Standings):
         for source in sources:
             most = keep or (1 if source.move in _TOGETHER else self.effort.keep + 1)  # those come near
             fitted.begin(
-                by.starts_in_order(source, proposal.effects), like=proposal.like, keep=most, laps=self.effort.begin
+                by.starts_in_order(source, proposal.effects),
+                like=proposal.like,
+                keep=most,
+                iterations=self.effort.begin,
             )
         if proposal.move == Instead.name and (best := self.nodes[self.best.key]).key[0] <= proposal.key[0]:
-            fitted.begin([runs.from_the_best(proposal, best)], like=best.best, keep=1, laps=self.effort.begin)
-        far = keep is not None and proposal.move in _TOGETHER  # from a few laps there is nothing to tell
+            fitted.begin([runs.from_the_best(proposal, best)], like=best.best, keep=1, iterations=self.effort.begin)
+        far = keep is not None and proposal.move in _TOGETHER  # from a few iterations there is nothing to tell
         if known is not None or far or proposal.move in _STANDING_IN:  # what stands in for more is fitted as well
-            fitted.run(laps=self.effort.polishing if proposal.move in _IN_PLACE else self.effort.promote)
+            fitted.run(iterations=self.effort.polishing if proposal.move in _IN_PLACE else self.effort.promote)
         if known is not None and proposal.move in RIVALS and fitted.cost > known.cost > proposal.left:
-            known.fitted.run(laps=self.effort.polishing)  # its rival says that this is not its end
+            known.fitted.run(iterations=self.effort.polishing)  # its rival says that this is not its end
         if fitted.best is None:
             self._failed.add((proposal.base, proposal.key, proposal.move))
         self._keep(fitted, proposal.key)
@@ -78,13 +81,13 @@ class Fits(Standings):
         racing: list[tuple[CandidateFit, Key]] = []
         for proposal in by.beside(self.proposals, base.key):
             fitted = self._told(proposal)
-            starts, laps = list(proposal.starts), self.effort.begin
-            fitted.begin(starts, like=proposal.like, keep=1, laps=laps, patient=True)
+            starts, iterations = list(proposal.starts), self.effort.begin
+            fitted.begin(starts, like=proposal.like, keep=1, iterations=iterations, patient=True)
             racing.append((fitted, proposal.key))
         racing.sort(key=lambda pair: pair[0].cost)
         for place, (fitted, key) in enumerate(racing):
             if place < self.effort.share:
-                fitted.run(laps=self.effort.polishing)
+                fitted.run(iterations=self.effort.polishing)
             self._keep(fitted, key)
 
     def _told(self, proposal: Proposal) -> CandidateFit:

@@ -27,8 +27,8 @@ def polished(
     noise = context.full_noise_cost
     beaten = (1 + effort.spread) * max(_least(fitted, others), 2 * noise)
     excess = fitted.excess
-    for laps in (effort.begin, effort.polishing):
-        fitted.polish(laps=laps, tolerance=max(context.tolerance, effort.enough * excess))
+    for iterations in (effort.begin, effort.polishing):
+        fitted.polish(iterations=iterations, tolerance=max(context.tolerance, effort.enough * excess))
         if fitted.polished is None or fitted.polished.converged or fitted.polished.cost > beaten:
             break
         excess = max(excess, fitted.polished.cost - noise)

@@ -38,7 +38,7 @@ def promote(
     """
     least = min(node.cost for node in nodes)
     for alike in of_each_size(nodes):
-        laps, count = effort.promote, effort.promoted
+        iterations, count = effort.promote, effort.promoted
         while count:
             by_cost = sorted(alike, key=lambda n: n.cost)
             near = by_cost[0].cost + (1 + effort.promoted - count) * fit.unit * tie
@@ -46,5 +46,5 @@ def promote(
             for node in by_cost:
                 if node.cost < near or any(node is other for other in first):
                     share = max(effort.enough * max(node.cost - least, node.fitted.excess), effort.converged * fit.unit)
-                    node.fitted.run(laps=laps, tolerance=share, others=len(node.effects) == 1)
-            laps, count = 2 * laps, count // 2
+                    node.fitted.run(iterations=iterations, tolerance=share, others=len(node.effects) == 1)
+            iterations, count = 2 * iterations, count // 2

@@ -53,10 +53,10 @@ class Add:
         fit = context.fit
         # what rings in this node's residual may be hidden in the linear one
         left_over = full_residual(node.best, fit.linear, fit.coarse_linear)
-        heard = fit.scales._replace(resonances=resonances(fit.records, left_over))
-        ringing = tuple(e for e in new if e.starts(heard) != e.starts(fit.scales))
-        quiet = tuple(e for e in new if e not in ringing)
-        table = columns(fit, quiet, base=node.best) + columns(fit, ringing, heard, node.best)
+        resonant = fit.scales._replace(resonances=resonances(fit.records, left_over))
+        detected = tuple(e for e in new if e.starts(resonant) != e.starts(fit.scales))
+        quiet = tuple(e for e in new if e not in detected)
+        table = columns(fit, quiet, base=node.best) + columns(fit, detected, resonant, node.best)
         own: dict[str, list[Scored]] = {}
         scored = score(node.best, table)
         hidden = _overshadowed(scored)
