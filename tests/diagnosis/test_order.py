@@ -23,7 +23,6 @@ from stepid.diagnosis.selection.order import (
     no_answer,
     of_each_size,
     resting,
-    specials,
     starts_in_order,
 )
 from stepid.diagnosis.selection.proposal import overshadowed
@@ -228,18 +227,6 @@ def test_a_set_with_a_more_general_law_that_left_more_had_ended_elsewhere() -> N
     nodes: Any = {base.key: base, stuck.key: beyond(2.1), done.key: beyond(1.9)}
     others = [grown("end_stop", move="add"), grown("asymmetric_friction", of=stuck.key)]
     assert generals([earlier, stuck, done, newest, *others], nodes, base) == [newest, stuck]
-
-
-def test_simpler_laws_inside_a_larger_set_are_tried_that_are_new() -> None:
-    base = beyond(2.0)
-    base.key = frozenset(THREE), frozenset()
-
-    def inside(name: str, *, of: Any = base.key, move: str = "specialize") -> Any:
-        return SimpleNamespace(key=(frozenset({*THREE[:2], name}), frozenset[str]()), base=of, move=move)
-
-    earlier, newest, known = inside("free_play"), inside("free_play"), inside("end_stop")
-    others = [inside("cogging", move="add"), inside("cogging", of=known.key)]
-    assert specials([earlier, known, newest, *others], {base.key: base, known.key: base}, base) == [newest]
 
 
 def test_the_best_sets_of_a_size_are_apart_where_none_is_another_by_a_law_inside() -> None:

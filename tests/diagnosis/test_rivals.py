@@ -14,7 +14,6 @@ from stepid.diagnosis.selection.fits import Fits
 from stepid.diagnosis.selection.moves import TOGETHER, UNFORESEEN
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.generalize import Generalize
-from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.search import Search
 from stepid.diagnosis.selection.standings import Standings
 
@@ -158,8 +157,7 @@ def test_from_what_an_exchange_led_to_the_search_goes_on_but_not_from_other_sets
     asked: list[Any] = []
     monkeypatch.setattr(Exchange, "propose", lambda self, base, context: asked.append(base) or [one])
     fitting_by(lambda *_: found.nodes.update({led.key: led}), found, monkeypatch)
-    for move in (Generalize, Specialize):
-        monkeypatch.setattr(move, "propose", lambda *_: [])
+    monkeypatch.setattr(Generalize, "propose", lambda *_: [])
     found._try_exchanges()
     assert asked == [best, led]
 
@@ -179,10 +177,8 @@ def test_exchanges_of_the_best_larger_set_are_fitted_until_one_leaves_noise(monk
     fitting_by(fit, found, monkeypatch)
     general = proposed(three, "cogging", "stribeck_friction", "free_play", move="generalize", left=7.9)
     monkeypatch.setattr(Generalize, "propose", lambda *_: [general])
-    special = proposed(three, *PAIR, "input_delay", move="specialize", left=7.9)  # inside one of the three, let it be
-    monkeypatch.setattr(Specialize, "propose", lambda *_: [special])
     found._try_exchanges()
-    assert fitted == [general, special, better]
+    assert fitted == [general, better]
     fitted.clear()
     del found.nodes[better.key]
     monkeypatch.setattr(found, "_complete", lambda best: True)

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
-from hidden.sets import one
 from search_nodes import FRICTION, node, prepared
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.moves.add import Add
 from stepid.diagnosis.selection.proposal import SearchContext
 from stepid.effects import CATALOGUE, resolve
 from stepid.fitting.candidate_fit import CandidateFit, is_short
-from stepid.fitting.fit import prepare
 from stepid.fitting.multistart import Start
 from stepid.fitting.problem import start_local
-from stepid.simulation.simulator import FINE
 
 
 def test_work_is_steps_times_states_and_the_same_each_time() -> None:
@@ -115,47 +111,3 @@ def test_what_has_ended_above_the_noise_goes_on_from_the_best_end_of_another_sta
         fitted.run(iterations=3, others=True)
         assert begun == [unfinished, behind]  # once
         assert fitted.best is (further if leads else best)
-
-
-@pytest.mark.parametrize(
-    ("stuck", "cost", "asked", "kept"), [(True, 0.5, 1, True), (True, 0.999, 1, False), (False, 0.5, 0, False)]
-)
-def test_what_ends_above_the_noise_as_no_step_keeps_its_promise_goes_on_simulated_finer(
-    stuck: bool, cost: float, asked: int, kept: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Derivatives are no better than the simulation."""
-    fit = prepared("two")
-    fitted = CandidateFit(fit, node(fit, FRICTION).effects)
-    coarse = fitted.coarse
-    fitted.best = replace(fit.coarse_linear, converged=True, stuck=stuck)
-    further, asked_of = replace(fit.coarse_linear, cost=cost * fit.coarse_linear.cost, converged=True), []
-
-    def go_on(problem: Any, begun: object, **_: object) -> object:
-        problem.simulator.taken += 7
-        asked_of.append((problem.simulator.tolerance, begun))
-        return further
-
-    monkeypatch.setattr("stepid.fitting.candidate_fit._go_on", go_on)
-    begun = fitted.best
-    for _ in range(2):
-        fitted.run(iterations=3)
-    assert asked_of == [(FINE, begun)] * asked  # once
-    assert fitted.best is (further if kept else begun)
-    assert (fitted.coarse is coarse) is not kept
-    assert fitted.coarse.simulator.taken == 7 * asked
-    noise = fitted.best = replace(begun, cost=0.9 * fit.noise_limit, stuck=True)
-    fitted.run(iterations=3)
-    assert fitted.best is noise
-    assert len(asked_of) == asked
-
-
-def test_laws_that_do_nearly_the_same_are_told_apart_where_a_coarse_simulation_does_not() -> None:
-    """A drag and a power of the speed, beside a delay: they had ended at 2.8 times the noise's cost, as it were."""
-    campaign, _ = one("triples", 30, "6f9eae49df82b855c593c4ccaa4e9193043d4dac")
-    fit = prepare(campaign)
-    values = ((18.74,), (0.0059806,), (0.042677, 0.301584))
-    fitted = CandidateFit(fit, resolve(["quadratic_damping", "input_delay", "power_damping"]))
-    fitted.begin([Start(fit.coarse_linear.shared, values)], like=fit.coarse_linear, iterations=40)
-    fitted.run(iterations=40)
-    assert fitted.coarse.simulator.tolerance == FINE
-    assert fitted.cost < 1.5 * fit.noise_cost

@@ -11,10 +11,9 @@ from stepid.fitting import decimation
 from stepid.fitting.coordinates import Coordinates
 from stepid.fitting.cross_validation import held_out_residuals
 from stepid.fitting.fit import prepare
-from stepid.fitting.levenberg_marquardt import Problem, minimize
+from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build, start_local
-from stepid.simulation.simulator import Solved
 from stepid.simulation.triangles import weigh
 
 
@@ -89,29 +88,6 @@ def test_a_fit_that_cannot_reach_its_aim_ends(context: FitContext) -> None:
     assert near.cost == whole.cost
     assert not far.converged
     assert far.iterations < whole.iterations
-
-
-def test_a_fit_of_which_no_step_keeps_its_promise_is_stuck(
-    context: FitContext, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    problem, begin = build(context.decimated, ()), context.coarse_linear.shared.copy()
-    begin[problem.layout.damping] *= 1.5
-    local = start_local(problem, context.coarse_linear)
-    whole = minimize(problem, begin, local)
-    weigh_truly, asked = Problem.weigh, []
-
-    def worse(self: Problem, solved: Solved) -> tuple[np.ndarray, float]:
-        residual, cost = weigh_truly(self, solved)
-        asked.append(cost)
-        return residual, cost * 1e3 ** (len(asked) - 1)
-
-    monkeypatch.setattr(Problem, "weigh", worse)
-    found = minimize(problem, begin, local)
-    assert whole is not None
-    assert found is not None
-    assert not whole.stuck
-    assert (found.stuck, found.converged, found.iterations) == (True, True, 0)
-    assert found.cost == asked[0]
 
 
 def test_a_fit_without_a_run_is_made_once(context: FitContext, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,7 +15,7 @@ from stepid.fitting.multistart import FitContext, Start
 from stepid.fitting.multistart_modes import adapted, stronger
 from stepid.fitting.multistart_sticking import other_sticking
 from stepid.fitting.problem import build, phase_rows, start_local, start_phases
-from stepid.simulation.simulator import COARSE, FINE
+from stepid.simulation.simulator import COARSE
 
 _SAME = 0.01  # share of what is left above the floor, by which two ends are one
 _SHORT = 2.5e5  # steps times states, of a fit in the race: some 30 ms
@@ -38,19 +38,14 @@ class CandidateFit:
         self, context: FitContext, effects: tuple[Effect, ...], deviations: frozenset[str] = frozenset()
     ) -> None:
         self.context, self.effects, self.deviations = context, effects, deviations
-        self.coarse = self._problem(COARSE)
+        coarse = build(context.decimated, effects, tolerance=COARSE, workers=context.workers)
+        self.coarse = with_deviations(coarse, deviations)
         self.best: Optimum | None = None
-        self._refined: Optimum | None = None  # an end that was gone on from with the tolerance of answers
         self._behind: Optimum | None = None  # the best end of another start: it may lead further
         self.polished: Optimum | None = None  # on all samples
         self.rested: tuple[Optimum, Optimum] | None = None  # a polished fit, and the better of it and the one at rest
         self._looked_from: Optimum | None = None  # for other valleys: it is where they led last
         self._tolerance = 0.0  # with which the best fit so far ended, m²
-
-    def _problem(self, tolerance: float) -> Problem:
-        """The fit to the decimated records, simulated with a tolerance."""
-        plain = build(self.context.decimated, self.effects, tolerance=tolerance, workers=self.context.workers)
-        return with_deviations(plain, self.deviations)
 
     @cached_property
     def fine(self) -> Problem:
@@ -179,7 +174,6 @@ class CandidateFit:
             return
         if not self.best.converged or self._tolerance > tolerance:
             self._go_on_from(self.best, iterations, tolerance)
-        self._refine(iterations, tolerance)
         above = self.best.converged and self.cost > self.context.noise_limit
         if others and above and self._behind is not None:
             behind, self._behind = self._behind, None
@@ -190,22 +184,6 @@ class CandidateFit:
         found = _go_on(self.coarse, begun, tolerance=tolerance, iterations=iterations)
         if found is not None and found.cost <= self.cost:
             self.best, self.polished, self._tolerance = found, None, tolerance
-
-    def _refine(self, iterations: int, tolerance: float) -> None:
-        """Go on with the tolerance of answers where no step kept its promise: derivatives are no better than it.
-
-        Among laws that do nearly the same a direction is lost in the error of a coarse simulation.
-        """
-        begun = self.best
-        if begun is None or not begun.stuck or begun is self._refined or self.cost <= self.context.noise_limit:
-            return
-        finer, coarse = self._problem(FINE), self.coarse
-        finer.simulator.taken = coarse.simulator.taken
-        found = _go_on(finer, begun, tolerance=tolerance, iterations=iterations)
-        coarse.simulator.taken = finer.simulator.taken
-        if found is not None and found.cost < self.cost - self._alike:
-            self.coarse, self.best, self.polished, self._tolerance = finer, found, None, tolerance
-        self._refined = self.best
 
     def other_valleys(self) -> bool:
         """Try other patterns of sticking, and stronger modes, from the best fit so far; True where one is better."""

@@ -101,7 +101,6 @@ class Optimum:
     cost: float  # sum of squared residuals, m²
     converged: bool
     iterations: int
-    stuck: bool = False  # the last step that was tried did not keep what it promised
 
     @cached_property
     def residual(self) -> Array:
@@ -254,7 +253,7 @@ def minimize(
             converged = damping > _MOST_DAMPING
         if converged:
             break
-    return Optimum(problem, shared, local, solved, cost, converged, accepted, stuck=growth > _GROWTH)
+    return Optimum(problem, shared, local, solved, cost, converged, accepted)
 
 
 def _within(problem: Problem, local: Array) -> Array:

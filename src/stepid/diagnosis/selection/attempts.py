@@ -10,7 +10,6 @@ from stepid.diagnosis.selection.fits import Fits
 from stepid.diagnosis.selection.moves import EXPLORING, SAME, TOGETHER
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.generalize import Generalize
-from stepid.diagnosis.selection.moves.specialize import Specialize
 from stepid.diagnosis.selection.promote import promote
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext
 from stepid.fitting.candidate_fit import is_short
@@ -91,17 +90,16 @@ class Attempts(Fits):
     def _try_exchanges(self) -> None:
         """Where the best larger set leaves a rest, exchange its effects, and those of what that leads to.
 
-        Others take their place, or more general laws from where they stand by now, or the simpler ones inside.
+        Others take their place, or more general laws from where they stand by now.
         """
         aside: set[Key] = set()
         for _ in range(self.effort.beam):
             base = by.largest_beyond(self.nodes.values(), aside)
             if base is None or self._least().cost <= self.noise_limit or self._complete(self._polish_near(base)):
                 return
-            for move in (Generalize(), Specialize(), Exchange()):
+            for move in (Generalize(), Exchange()):
                 self.proposals += move.propose(base, self.context)
             exchanges = by.generals(self.proposals, self.nodes, base)
-            exchanges += by.specials(self.proposals, self.nodes, base)
             exchanges += by.exchanges(self.proposals, self.nodes, base, self.effort.width)
             aside = self.nodes.keys() - {p.key for p in exchanges}
             self._fit_all(exchanges)

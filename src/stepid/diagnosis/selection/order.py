@@ -111,15 +111,6 @@ def generals(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: Nod
     return [p for p in newest.values() if p.key not in nodes or nodes[p.key].cost > base.cost]
 
 
-def specials(proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: Node) -> list[Proposal]:
-    """A simpler law in the place of one of a base's effects, of sets that are new.
-
-    What contains a law leaves no more than it does, unless it is stuck: the simple one may not be.
-    """
-    able = [p for p in proposals if p.move == Specialize.name and p.base == base.key and p.key not in nodes]
-    return list({p.key: p for p in able}.values())  # from where the base stands now
-
-
 def larger(
     proposals: Sequence[Proposal], nodes: Mapping[Key, Node], base: Node | None, share: int, moves: Sequence[Move]
 ) -> list[Proposal]:
