@@ -254,8 +254,8 @@ class Told:
         return self.too_short
 
     def barred(self, found: Candidate) -> bool:
-        open_ = bool(self.undetermined) and found.names == self.best.names
-        return bool(self.imitated) or open_ or found.names in self.not_nameable
+        own = bool(self.undetermined or self.too_short) and found.names == self.best.names
+        return bool(self.imitated) or own or found.names in self.not_nameable
 
     def limited(self, found: Candidate) -> dict[str, Estimate]:
         return self.sized

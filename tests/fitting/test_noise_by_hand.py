@@ -100,7 +100,7 @@ def test_a_fit_that_leaves_plainly_less_lowers_the_floor() -> None:
     assert noise_floor.bounded_floor(counted, 1e-5, 1e-7, 10) == pytest.approx(1e-5 / math.sqrt(12))
 
 
-def test_succession_of_a_wave_is_that_of_its_slope() -> None:
+def test_the_von_neumann_ratio_of_a_wave_is_that_of_its_slope() -> None:
     """2 ⟨r²⟩/⟨(Δr)²⟩ = 1/(1 − cos ωT), whatever the size."""
     made = records(1e-2 * np.sin(0.1 * np.arange(2000)))
     wave = 1e-6 * np.cos(0.5 * np.arange(2000))

@@ -98,13 +98,12 @@ def complete_but_open(e: EvidenceRecord) -> Answer | None:
 
     Or a simpler law inside it that leads: what the general one has beyond it is open.
     """
-    imitated = e.imitators(e.best)
-    if not e.at_floor(e.best) or not (e.undetermined or imitated):
+    if not (e.at_floor(e.best) and e.barred(e.best)):
         return None
     sure = [c for c in e.rivals if e.at_floor(c)] or list(e.simpler)
     sure = [c for c in sure if not e.followed(c) and not e.barred(c)]
     but = ["the data do not determine " + ", ".join(map(parameter_words, e.undetermined))] if e.undetermined else []
-    but += [f"{effect_names((name,))} cannot be told from {what} here" for name, what in imitated.items()]
+    but += [f"{effect_names((name,))} cannot be told from {what} here" for name, what in e.imitators(e.best).items()]
     said = f"{what_leaves(e.best)} only noise, but {', and '.join(but)}."
     if not sure:
         inside = _inside(e)

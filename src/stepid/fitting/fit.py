@@ -203,9 +203,9 @@ def _remarks(context: FitContext, optimum: Optimum, found: Optimum) -> tuple[str
     eccentric = find_eccentricity(optimum, context.floor) if wrong else None
     if eccentric is not None:
         out.append(eccentric.fault.words)
-    record = find_fault(optimum, context.floor) if wrong and eccentric is None else None
-    if record is not None:
-        out.append(record.words)
+    record_fault = find_fault(optimum, context.floor) if wrong and eccentric is None else None
+    if record_fault is not None:
+        out.append(record_fault.words)
     left = left_over(found, context)
     if left is not None:
         out.append(left)

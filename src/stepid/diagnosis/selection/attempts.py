@@ -84,7 +84,7 @@ class Attempts(Fits):
             if self._least().cost > self.noise_limit:
                 self._expand(base, EXPLORING)
                 self._fit_beside(base)
-        promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort, self._foreseen, self._named)
+        self._promote()
         return self._takes_enough(least)
 
     def _try_exchanges(self) -> None:
@@ -140,6 +140,10 @@ class Attempts(Fits):
         """Fit proposals a little, as `_fit` does each; the promising of all sets run on."""
         for proposal in proposals:
             self._fit(proposal, keep)
+        self._promote()
+
+    def _promote(self) -> None:
+        """Let the promising sets run on."""
         promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort, self._foreseen, self._named)
 
     def _able(self) -> list[Proposal]:

@@ -18,7 +18,6 @@ from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.remain import Remain
-from stepid.diagnosis.selection.promote import promote
 from stepid.diagnosis.selection.proposal import Move, Node, Proposal, SearchContext, is_mode
 from stepid.effects.base import Effect
 from stepid.fitting.candidate_fit import CandidateFit
@@ -89,7 +88,7 @@ class Search(Attempts):
                 if not self._idle(proposal):
                     self._fit(proposal)
             if batch:
-                promote(self.nodes.values(), self.fit, self.criteria.tie, self.effort, self._foreseen, self._named)
+                self._promote()
             best = self._polish_best()
             if self._complete(best):
                 break
@@ -206,7 +205,7 @@ class Search(Attempts):
     ) -> list[Proposal]:
         """Rivals to fit next, of those proposed on some bases; of some moves a few that no step foresees, too.
 
-        Sets of no more effects than `most`.
+        Sets of a `Proposal.size` of at most `most`.
         """
         new = self._worthy(lambda p: p.base in bases and p.move in _RIVALS_AND_RUNS and p.size <= most)
         found = self._gaining(new)

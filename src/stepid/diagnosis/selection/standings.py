@@ -162,10 +162,9 @@ class Standings:
         if not at_floor(self.fit, self.criteria, best):
             self.noise_limit = min(self.noise_limit, self._least_above_noise(best) - self._tie)
             return
-        cost = self.nodes[best.key].cost
         law = self._followed(best)
         if law is not None:
-            self.noise_limit = min(self.noise_limit, cost - law.power)
+            self.noise_limit = min(self.noise_limit, self.nodes[best.key].cost - law.power)
 
     def _least_above_noise(self, best: Candidate) -> float:
         """Least cost of what is not at the floor and costs no more than noise may, m²; infinite without any.
