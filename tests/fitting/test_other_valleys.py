@@ -57,7 +57,7 @@ def test_a_faint_mode_that_its_own_start_moves_stands_for_a_strong_one() -> None
     ]
     fit, stuck, true = ended(3, "dev22", shared, local)
     assert stuck.cost > 30 * fit.noise_cost
-    found = stronger(stuck, tolerance=fit.tolerance)
+    found = stronger(stuck, tolerance=fit.tolerance, iterations=40)  # some 20: rounding, which machines differ in
     assert found.cost < fit.noise_cost
     assert found.shared[4:] == pytest.approx(true, rel=0.02)
     assert stronger(found, tolerance=fit.tolerance) is found  # no better one

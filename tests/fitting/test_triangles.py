@@ -12,8 +12,9 @@ from hidden.campaigns import make_campaign
 from stepid.effects import resolve
 from stepid.fitting.correlation import autocorrelations
 from stepid.fitting.covariance import uncertain
+from stepid.fitting.damped_step import Columns, Linearized
 from stepid.fitting.fit import prepare
-from stepid.fitting.levenberg_marquardt import Optimum, Problem, _Columns, _Linearized, minimize
+from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.problem import build, start_local
 from stepid.simulation.simulator import Simulator, Solved
 
@@ -53,7 +54,7 @@ def test_a_damped_step_is_that_of_the_whole_jacobian(names: tuple[str, ...], kin
     decrease = cost - np.sum((residual - scaled @ step) ** 2)
 
     steps = problem.simulator.steps(begun)[: begun.size]
-    linearized = _Linearized(problem, _Columns(problem), solved.derivatives, residual, steps)
+    linearized = Linearized(problem, Columns(problem), solved.derivatives, residual, steps)
     shared, local, gain = linearized.step(damping, np.zeros(n, dtype=bool), np.zeros_like(problem.active))
     assert gain == pytest.approx(decrease, rel=1e-8)
     np.testing.assert_allclose(linearized.pull, (jacobian.T @ residual)[:n], rtol=1e-8)

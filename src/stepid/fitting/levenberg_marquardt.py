@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.fitting.coordinates import Coordinates
+from stepid.fitting.damped_step import Columns, Linearized, Step
 from stepid.simulation.layout import ParameterLayout
 from stepid.simulation.records import Index, Records
 from stepid.simulation.simulator import STEEPEST, Simulator, Solved
@@ -24,7 +25,6 @@ _CRAWL = 5  # steps that together gain less than the tolerance: the rest is not 
 _MOST_DAMPING = 1e12
 _GROWTH = 4.0  # of the damping after a step that failed; twice as much after each further one
 _HOPE = 4.0  # times what a step promises, that each of those to come may bring: in valleys the promise grows
-_ROUNDING = 1e-13  # of the typical displacement: no larger difference of all readings is more than rounding
 
 
 @dataclass(frozen=True)
@@ -116,67 +116,6 @@ class Optimum:
         return float(np.sqrt(np.mean(self.residual[self.problem.records.trusted] ** 2)))
 
 
-class _Columns:
-    """Which parameters enter which run: those of a run enter that run only; runs without any are one block."""
-
-    def __init__(self, problem: Problem) -> None:
-        self.active = active = problem.active
-        free = np.flatnonzero(problem.free)
-        own = active.sum(axis=0)
-        self.n_shared, most = free.size, int(own.max(initial=0))
-        self.columns = np.zeros((own.size, most + free.size), dtype=np.intp)
-        for r, count in enumerate(own):
-            self.columns[r, :count] = problem.layout.n_global + np.flatnonzero(active[:, r])
-            self.columns[r, count : count + free.size] = free
-        self.own, (self.owners,) = own, np.nonzero(own)
-        self.block = np.where(own > 0, np.cumsum(own > 0) - 1, self.owners.size)
-        self.sizes = np.append(own[self.owners], 0)  # of each block, that of runs without own parameters last
-
-
-class _Linearized:
-    """The fit to first order about a point, each run reduced to a triangle."""
-
-    def __init__(
-        self, problem: Problem, columns: _Columns, slopes: tuple[Array, Array], residual: Array, steps: Array
-    ) -> None:
-        from stepid.simulation.triangles import reduce_runs
-
-        r, self._columns = problem.records, columns
-        n, blocks, width = columns.n_shared, columns.sizes.size, columns.columns.shape[1] + 1
-        self._triangles = np.zeros((blocks, width, width))
-        size, own_size, self.pull = np.zeros(n), np.zeros((blocks, width - 1 - n)), np.zeros(n)
-        with np.errstate(all="ignore"):  # plain Python would warn of a runaway
-            self.finite = reduce_runs(
-                *slopes, residual, r.weight, r.bounds, columns.columns, columns.own, columns.block,
-                self._triangles, size, own_size, self.pull,
-            )  # fmt: skip
-        size, own_size = np.sqrt(size), np.sqrt(own_size)
-        seen = size * steps[problem.free] > _ROUNDING * problem.simulator.scale
-        self._size = np.where(seen, size, np.inf)
-        self._own_size = np.where(own_size > 1e-14 * own_size.max(initial=1e-300), own_size, np.inf)
-
-    def step(
-        self, damping: float, blocked: npt.NDArray[np.bool_], held: npt.NDArray[np.bool_]
-    ) -> tuple[Array, Array, float]:
-        """Damped step of the global and of the per-run parameters, and the decrease of the cost that it promises.
-
-        Global parameters that are blocked and per-run ones that are held, shape (Q, R), stay.
-        """
-        from stepid.simulation.triangles import damped_step
-
-        c = self._columns
-        size, own_size = np.where(blocked, np.inf, self._size), self._own_size.copy()
-        for run, sizes in zip(c.owners, own_size, strict=False):
-            still = held[c.active[:, run], run]
-            sizes[: still.size][still] = np.inf
-        shared, own = np.zeros(c.n_shared), np.zeros_like(own_size)
-        gain = damped_step(self._triangles, c.sizes, damping, size, own_size, shared, own)
-        local = np.zeros(c.active.shape)
-        for run, steps, count in zip(c.owners, own, c.sizes, strict=False):
-            local[c.active[:, run], run] = steps[:count]
-        return shared, local, gain
-
-
 def minimize(
     problem: Problem,
     shared: Array,
@@ -212,48 +151,73 @@ def minimize(
     solved = solved or problem.solve(shared, local)
     if solved is None:
         return None
-    residual, cost = problem.weigh(solved)
-    columns = _Columns(problem)
-    damping, growth, converged, accepted = 1e-4, _GROWTH, False, 0
-    costs = [cost]
-    linearized: _Linearized | None = None
+    at = _Descent(problem, shared, local, solved)
     for _ in range(3 * iterations):
-        if accepted >= iterations:
+        if at.accepted >= iterations or not at.linearize():
             break
-        if linearized is None:
-            inner = Coordinates(problem, shared, solved)
-            linearized = _Linearized(problem, columns, inner.slopes(shared, solved), residual, inner.steps(shared))
-            if not linearized.finite:  # a runaway's edge: nothing to follow
-                break
-            blocked = _blocked(problem, shared, linearized.pull)
-        delta, own, predicted = linearized.step(damping, blocked, np.zeros_like(problem.active))
-        held = _held(problem, local, own)
-        if held.any():
-            delta, own, predicted = linearized.step(damping, blocked, held)
-        if predicted <= max(tolerance, 1e-10 * cost):
-            converged = True
+        step = at.step()
+        if step.promised <= max(tolerance, 1e-10 * at.cost):
+            at.converged = True
             break
-        if growth == _GROWTH and cost - _HOPE * predicted * (iterations - accepted) > aim:
+        if at.growth == _GROWTH and at.cost - _HOPE * step.promised * (iterations - at.accepted) > aim:
             break
-        trial, trial_local = inner.moved(shared, delta), _within(problem, local + own)
-        new = problem.solve(trial, trial_local)
-        fresh, fresh_cost = problem.weigh(new) if new is not None else (residual, np.inf)
-        if new is not None and fresh_cost < cost:
-            gain = (cost - fresh_cost) / predicted
-            damping *= max(1 / 10, 1 - (2 * min(gain, 1.0) - 1) ** 3)
-            damping, growth = max(damping, 1e-12), _GROWTH
-            accepted += 1
-            converged = cost - fresh_cost <= max(tolerance, 1e-9 * cost) and gain > 0.25
-            costs.append(fresh_cost)
-            slow = accepted > _CRAWL and costs[-1 - _CRAWL] - fresh_cost <= tolerance
-            converged = converged or slow  # along a curved valley every step promises more than it brings
-            shared, local, solved, residual, cost, linearized = trial, trial_local, new, fresh, fresh_cost, None
-        else:
-            damping, growth = max(damping * growth, 1e-3), growth * 2
-            converged = damping > _MOST_DAMPING
-        if converged:
+        at.take(step, tolerance)
+        if at.converged:
             break
-    return Optimum(problem, shared, local, solved, cost, converged, accepted)
+    return Optimum(problem, at.shared, at.local, at.solved, at.cost, at.converged, at.accepted)
+
+
+class _Descent:
+    """Where a fit is by now, and how far its next step may go."""
+
+    def __init__(self, problem: Problem, shared: Array, local: Array, solved: Solved) -> None:
+        self.problem, self.shared, self.local, self.solved = problem, shared, local, solved
+        self.residual, self.cost = problem.weigh(solved)
+        self.converged, self.accepted = False, 0
+        self.growth, self._damping = _GROWTH, 1e-4
+        self._costs, self._columns = [self.cost], Columns(problem)
+        self._linearized: Linearized | None = None
+
+    def linearize(self) -> bool:
+        """Linearize about where the fit is, where that is not done; False at a runaway's edge: nothing to follow."""
+        if self._linearized is None:
+            self._inner = Coordinates(self.problem, self.shared, self.solved)
+            slopes, steps = self._inner.slopes(self.shared, self.solved), self._inner.steps(self.shared)
+            self._linearized = Linearized(self.problem, self._columns, slopes, self.residual, steps)
+            if not self._linearized.finite:
+                return False
+            self._blocked = _blocked(self.problem, self.shared, self._linearized.pull)
+        return True
+
+    def step(self) -> Step:
+        """The next step, in the coordinates of the last linearization; what sits at a bound stays there."""
+        assert self._linearized is not None
+        none = np.zeros_like(self.problem.active)
+        step = self._linearized.step(self._damping, self._blocked, none)
+        held = _held(self.problem, self.local, step.local)
+        return self._linearized.step(self._damping, self._blocked, held) if held.any() else step
+
+    def take(self, step: Step, tolerance: float) -> None:
+        """Go there if that leaves less, or shorten the next step."""
+        shared = self._inner.moved(self.shared, step.inner)
+        local = _within(self.problem, self.local + step.local)
+        solved = self.problem.solve(shared, local)
+        residual, cost = self.problem.weigh(solved) if solved is not None else (self.residual, np.inf)
+        if solved is None or not cost < self.cost:
+            self._damping, self.growth = max(self._damping * self.growth, 1e-3), self.growth * 2
+            self.converged = self._damping > _MOST_DAMPING
+            return
+        gained = self.cost - cost
+        kept = gained / step.promised
+        self._damping *= max(1 / 10, 1 - (2 * min(kept, 1.0) - 1) ** 3)
+        self._damping, self.growth = max(self._damping, 1e-12), _GROWTH
+        self.accepted += 1
+        self._costs.append(cost)
+        # along a curved valley every step promises more than it brings
+        slow = self.accepted > _CRAWL and self._costs[-1 - _CRAWL] - cost <= tolerance
+        self.converged = slow or (gained <= max(tolerance, 1e-9 * self.cost) and kept > 0.25)
+        self.shared, self.local, self.solved = shared, local, solved
+        self.residual, self.cost, self._linearized = residual, cost, None
 
 
 def _within(problem: Problem, local: Array) -> Array:

@@ -18,14 +18,12 @@ from stepid.core.units import check_numbers, check_release, check_scales, in_si
 from stepid.errors import InputError, naming
 from stepid.io.delimited import Table, join_tables, parse_table
 from stepid.io.ecp import FEWEST
-from stepid.io.one_below import check_one_run, rows_of_files
+from stepid.io.one_below import check_one_run
+from stepid.io.stamps import clocked, stamped
 from stepid.io.step_input import InputValues, sample_input
 from stepid.io.table_layout import Layout
 from stepid.io.textfile import as_path
 from stepid.io.unsaid import check_said
-
-COARSE = 0.05
-"""Of the time stamps: where more repeat they are printed too coarsely; fewer are single wrong ones."""
 
 Column = str | int
 
@@ -195,80 +193,15 @@ def _stretch(start: int, stop: int | None, rows: int, where: str) -> slice:
 def _time(
     table: Table, column: Column | None, scale: float, sample_time: float | None, start: int, where: str
 ) -> Array:
-    index = np.arange(len(table.places), dtype=np.float64)
     if sample_time is not None and not sample_time > 0:
         raise InputError(f"{where}: sample_time is {sample_time:g} s", "Give a positive sample time in seconds.")
     if column is None:
         if sample_time is None:
             raise InputError(f"{where}: nothing says when the rows were taken", "Give time=… or sample_time=… (s).")
-        return (start + index) * sample_time
+        return (start + np.arange(len(table.places), dtype=np.float64)) * sample_time
     time = in_si("time", table.column(column, "time", where), scale, where)
     check_one_run(time, table.places, start=start)
-    with np.errstate(all="ignore"):
-        mean = float((time[-1] - time[0]) / (time.size - 1))
-        step = mean if sample_time is None else sample_time
-        steps, digit = np.diff(time), _stamp_resolution(time)
-        coarse = 0 < digit < np.inf and float(np.mean(steps == 0)) > COARSE
-        if sample_time is None:
-            if np.all(steps > 0):
-                stamps: Array = time
-                return stamps
-            row = int(np.argmax(~(steps > 0))) + 1
-            if coarse:
-                raise InputError(
-                    f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s: time does not increase, "
-                    f"as it is printed to {digit:.3g} s only, and rows are about {mean:.3g} s apart",
-                    "Give sample_time=… (s). Times that are printed rounded may stay: they are checked against it.",
-                )
-            own = " if each file starts a clock of its own" * (len(rows_of_files(table.places)) > 1)
-            remedy = f"Correct it, or give sample_time=… (s) and leave time out{own}."
-            if digit:
-                remedy += " Times that are printed rounded may stay: they are checked against it."
-            cause = f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s: time does not increase"
-            raise InputError(cause, remedy)
-        uniform = _follows(time, index, mean, 0.01)
-        usual = float(np.median(steps)) or mean  # where most printed times repeat
-        odd = np.abs(steps - usual) > 0.02 * abs(usual)
-        rounded = digit > 0 and float(np.ptp(time - index * step)) <= digit + 0.5 * step
-        if rounded or (mean > 0 and _follows(time, index, step, 0.5)):
-            even: Array = time[0] + index * step
-            return even
-    if uniform:
-        raise InputError(
-            f"{where}: sample_time is given as {sample_time:g} s, but rows are {mean:.8g} s apart",
-            "Leave sample_time out, or correct it.",
-        )
-    row = int(np.argmax(odd)) + 1
-    if coarse:
-        off = time - index * step
-        row = int(np.argmax(np.abs(off - np.median(off))))
-        raise InputError(
-            f"{table.places[row]}: {time[row]:.10g} s, printed to {digit:.3g} s only, is more than half a sample off "
-            f"{sample_time:g} s, where rows are about {mean:.3g} s apart",
-            "Correct sample_time, or leave time out if samples were dropped or each file starts a clock of its own.",
-        )
-    raise InputError(
-        f"{table.places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s, where rows are about {usual:.6g} s "
-        f"apart: more than half a sample off {sample_time:g} s",
-        "Leave sample_time out if the samples are uneven; leave time out if each file starts a clock of its own.",
-    )
-
-
-def _stamp_resolution(time: Array) -> float:
-    """Resolution of rounded time stamps, shape (n,), by the steps beside those that repeat; 0 if none does.
-
-    It is 0 where a stamp falls, too, and infinite where all are one.
-    """
-    steps = np.diff(time)
-    same = steps == 0
-    if not same.any() or np.any(steps < 0):
-        return 0.0
-    beside = np.concatenate([steps[1:][same[:-1]], steps[:-1][same[1:]]])
-    return float(np.median(beside[beside > 0])) if np.any(beside > 0) else np.inf
-
-
-def _follows(time: Array, index: Array, step: float, tolerance: float) -> bool:
-    return bool(np.all(np.abs(time - time[0] - step * index) / step <= tolerance))
+    return stamped(time, table.places) if sample_time is None else clocked(time, sample_time, table.places, where)
 
 
 def _input(

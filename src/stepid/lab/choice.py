@@ -74,16 +74,7 @@ def chosen_for(
     stepid.errors.InputError
         If the choice has nothing for the group, or names an effect or a parameter that is not in the catalogue.
     """
-    if isinstance(choice, Draw):
-        hidden: Hidden = choice.pick(stream(seed, group, "effect"))
-    elif isinstance(choice, Mapping):
-        if group not in choice:
-            raise InputError(
-                f"effects says nothing for group {group!r}", "Give each group its effects; () hides nothing."
-            )
-        hidden = choice[group]
-    else:
-        hidden = choice
+    hidden = _of_group(group, choice, seed)
     several = isinstance(hidden, Sequence) and not isinstance(hidden, str)
     if not several or not all(isinstance(h, str | EffectModel) for h in hidden):
         raise InputError(
@@ -92,10 +83,27 @@ def chosen_for(
     effects = resolve([h.name if isinstance(h, EffectModel) else h for h in hidden], catalogue=catalogue)
     given = [h if isinstance(h, EffectModel) else None for h in hidden]
     for effect, values in zip(effects, given, strict=True):
-        wanted = {q.name for q in effect.parameters}
-        if values is not None and values.values.keys() != wanted:
-            raise InputError(
-                f"{effect.name} of group {group!r} has the values {', '.join(values.values) or 'none'}",
-                f"Give {', '.join(q.name for q in effect.parameters)}.",
-            )
+        if values is not None:
+            _check_values(group, effect, values)
     return tuple(zip(effects, given, strict=True))
+
+
+def _of_group(group: str, choice: Choice, seed: int | str) -> Hidden:
+    """What a choice says of one group: drawn, its own, or what all have."""
+    if isinstance(choice, Draw):
+        return choice.pick(stream(seed, group, "effect"))
+    if not isinstance(choice, Mapping):
+        return choice
+    if group not in choice:
+        raise InputError(f"effects says nothing for group {group!r}", "Give each group its effects; () hides nothing.")
+    return choice[group]
+
+
+def _check_values(group: str, effect: Effect, values: EffectModel) -> None:
+    """Refuse values that are not those of the effect's parameters."""
+    wanted = [q.name for q in effect.parameters]
+    if values.values.keys() != set(wanted):
+        raise InputError(
+            f"{effect.name} of group {group!r} has the values {', '.join(values.values) or 'none'}",
+            f"Give {', '.join(wanted)}.",
+        )

@@ -13,7 +13,7 @@ from stepid.core.base import Array
 from stepid.core.quantities import CART, INPUT_UNITS, Quantities
 from stepid.io.ecp import FEWEST
 from stepid.io.guess.words import SCALES
-from stepid.io.table import COARSE
+from stepid.io.stamps import COARSE
 
 T = TypeVar("T")
 TURNS = ("deg", "rad", "mrad")

@@ -142,17 +142,7 @@ def read_title(name: str) -> Title:
     brackets = _unit_brackets(name)
     if _names_rate(name, brackets):
         return Title("other", None, name, False)
-    if brackets:
-        words, unit = _split_brackets(brackets[1])
-        bare, bracketed = name[: brackets.start()] + name[brackets.end() :], True
-        stem = bare + words
-    elif (tail := _TAIL.match(name)) is not None:
-        stem, unit, bracketed = tail["stem"], tail["unit"], False
-    else:
-        stem, unit, bracketed = name, "", False
-    role = role_of(stem)
-    if brackets and role != "other":  # what stands in brackets tells only what the name leaves open
-        role = role_of(bare) or role
+    stem, unit, bracketed, role = _parts(name, brackets)
     if not unit:
         alone = None if role else _unit_of(name.strip(), "position", bracketed=False)
         return Title("position", alone, stem, False) if alone in _ALONE else Title(role, None, stem, False)
@@ -161,11 +151,39 @@ def read_title(name: str) -> Title:
             return Title(role or _role_by_unit(known), known, stem, False)
     if bracketed and not any(char.isdigit() for char in unit):
         return Title(role, None, stem, doubtful=True)
-    if (numbered := re.fullmatch(r"(.*[^\W\d_])[ _.-]?(\d+)\s*", name)) is not None:  # x_mm_1
-        inner = read_title(numbered[1])
-        if inner.unit is not None:
-            return inner._replace(rest=f"{inner.rest} {numbered[2]}")
-    return Title(role_of(name), None, name, False)
+    return _numbered(name) or Title(role_of(name), None, name, False)
+
+
+class _Parts(NamedTuple):
+    """What a column's name is made of: its words, its unit, whether that stands in brackets, and the words' role."""
+
+    stem: str
+    unit: str
+    bracketed: bool
+    role: Role | None
+
+
+def _parts(name: str, brackets: re.Match[str] | None) -> _Parts:
+    """Part a column's name into its words and its unit, in brackets or at the end; '' without a unit."""
+    if brackets:
+        words, unit = _split_brackets(brackets[1])
+        bare = name[: brackets.start()] + name[brackets.end() :]
+        role = role_of(bare + words)
+        if role != "other":  # what stands in brackets tells only what the name leaves open
+            role = role_of(bare) or role
+        return _Parts(bare + words, unit, True, role)
+    tail = _TAIL.match(name)
+    stem, unit = (tail["stem"], tail["unit"]) if tail is not None else (name, "")
+    return _Parts(stem, unit, False, role_of(stem))
+
+
+def _numbered(name: str) -> Title | None:
+    """Read a name that ends in a number after its unit, as in x_mm_1; None where it does not."""
+    numbered = re.fullmatch(r"(.*[^\W\d_])[ _.-]?(\d+)\s*", name)
+    inner = read_title(numbered[1]) if numbered is not None else None
+    if numbered is None or inner is None or inner.unit is None:
+        return None
+    return inner._replace(rest=f"{inner.rest} {numbered[2]}")
 
 
 def _names_rate(name: str, brackets: re.Match[str] | None) -> bool:
