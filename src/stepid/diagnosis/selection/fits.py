@@ -53,17 +53,7 @@ class Fits(Standings):
         """Fit a proposal a little, from so many of its starts."""
         fitted = self._told(proposal)
         known = self.nodes.get(proposal.key)
-        sources = [proposal] if known is not None else by.sources(proposal, self.proposals, RIVALS)
-        for source in sources:
-            most = keep or (1 if source.move in _TOGETHER else self.effort.keep + 1)  # those come near
-            fitted.begin(
-                by.starts_in_order(source, proposal.effects),
-                like=proposal.like,
-                keep=most,
-                iterations=self.effort.begin,
-            )
-        if proposal.move == Instead.name and (best := self.nodes[self.best.key]).key[0] <= proposal.key[0]:
-            fitted.begin([runs.from_the_best(proposal, best)], like=best.best, keep=1, iterations=self.effort.begin)
+        self._begin(fitted, proposal, keep)
         far = keep is not None and proposal.move in _TOGETHER  # from a few iterations there is nothing to tell
         if known is not None or far or proposal.move in _STANDING_IN:  # what stands in for more is fitted as well
             fitted.run(iterations=self.effort.polishing if proposal.move in _IN_PLACE else self.effort.promote)
@@ -72,6 +62,16 @@ class Fits(Standings):
         if fitted.best is None:
             self._failed.add((proposal.base, proposal.key, proposal.move))
         self._keep(fitted, proposal.key)
+
+    def _begin(self, fitted: CandidateFit, proposal: Proposal, keep: int | None) -> None:
+        """Begin a fit from the starts of its proposal, of a new set from those of others of the same set as well."""
+        new, iterations = proposal.key not in self.nodes, self.effort.begin
+        for source in by.sources(proposal, self.proposals, RIVALS) if new else [proposal]:
+            most = keep or (1 if source.move in _TOGETHER else self.effort.keep + 1)  # those come near
+            starts = by.starts_in_order(source, proposal.effects)
+            fitted.begin(starts, like=proposal.like, keep=most, iterations=iterations)
+        if proposal.move == Instead.name and (best := self.nodes[self.best.key]).key[0] <= proposal.key[0]:
+            fitted.begin([runs.from_the_best(proposal, best)], like=best.best, keep=1, iterations=iterations)
 
     def _fit_beside(self, base: Node) -> None:
         """Fit sets of one effect more than a base a few steps, each from its own starts; the best few run on.
