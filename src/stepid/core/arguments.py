@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stepid.core.experiment import Campaign, Experiment
-from stepid.core.takes import a, described
+from stepid.core.takes import a, article, described
 from stepid.errors import InputError
 
 
@@ -12,7 +12,7 @@ def as_campaign(given: object) -> Campaign:
     if isinstance(given, Campaign):
         return given
     raise InputError(
-        f"a Campaign is needed here, not {_called(given)}",
+        f"a Campaign is needed here, not {article(type(given).__name__)}",
         "Make one: stepid.Campaign(name=…, experiments=[…]) of experiments, Campaign.from_dataframe(frame, name=…) of a"
         " data frame, stepid.read_campaign(path) of files.",
     )
@@ -23,7 +23,7 @@ def as_experiment(given: object) -> Experiment:
     if isinstance(given, Experiment):
         return given
     raise InputError(
-        f"an Experiment is needed here, not {_called(given)}",
+        f"an Experiment is needed here, not {article(type(given).__name__)}",
         "Give one run: campaign[name] of a campaign, stepid.Experiment.from_dataframe(frame, …) of a data frame, "
         "stepid.read_table(path, …) or stepid.read_ecp(path, …) of a file.",
     )
@@ -34,11 +34,6 @@ def as_workers(given: object) -> int:
     if isinstance(given, int) and not isinstance(given, bool) and given >= 1:
         return given
     raise InputError(f"workers = {described(given)} is no number of threads", "Give a whole number, 1 or more.")
-
-
-def _called(given: object) -> str:
-    name = type(given).__name__
-    return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
 
 
 a_run = a((str, Experiment), "the name of a run, or the run itself: campaign[name]")

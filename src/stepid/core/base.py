@@ -118,10 +118,10 @@ def _same(a: object, b: object) -> bool:
 
 def _hashable(value: object) -> object:
     if isinstance(value, np.ndarray):
-        return (value.shape, value.tobytes())
+        return (value.shape, (value + 0.0).tobytes() if value.dtype.kind == "f" else value.tobytes())  # -0.0 is 0.0
     if isinstance(value, Mapping):
         return tuple(sorted((str(k), _hashable(v)) for k, v in value.items()))
-    if isinstance(value, tuple):
+    if isinstance(value, tuple | list):
         return tuple(_hashable(v) for v in value)
     return value
 

@@ -42,7 +42,7 @@ def outward(words: str, value: float) -> str:
         return "0"
     scale = 10.0 ** (1 - math.floor(math.log10(abs(value))))
     rounded = math.ceil if words == "at most" else math.floor
-    return f"{rounded(value * scale) / scale:.5g}"
+    return f"{rounded(round(value * scale, 9)) / scale:.5g}"  # 0.29 times 100 is not quite 29
 
 
 def one_end(words: str, value: float) -> str:
@@ -94,12 +94,12 @@ class Estimate(Model):
 
     @property
     def interval(self) -> tuple[float, float] | None:
-        """The 95 % interval: `limits`, else value ± 1.96 standard uncertainties, or None where an end is open."""
-        if self.uncertainty is None:
-            return None
+        """The 95 % interval: `limits`, else value ± 1.96 standard uncertainties; None where an end is open."""
         if self.limits is not None:
             low, high = self.limits
             return None if low is None or high is None else (low, high)
+        if self.uncertainty is None:
+            return None
         return self.value - 1.96 * self.uncertainty, self.value + 1.96 * self.uncertainty
 
     @property

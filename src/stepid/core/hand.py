@@ -141,7 +141,8 @@ def _fall(away: Array) -> tuple[int, int, float] | None:
         if not near.size:
             return None
         end = int(near[0])
-    return top + int(np.flatnonzero(fall[:end] > high)[-1]), top + end, side
+    above = np.flatnonzero(fall[:end] > high)
+    return (top + int(above[-1]), top + end, side) if above.size else None
 
 
 def _carried_back(experiment: Experiment, first: int) -> tuple[Array, Array] | None:

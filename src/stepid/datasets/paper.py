@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 from stepid.core.base import Model
-from stepid.core.experiment import MassOffset
+from stepid.core.mass_offset import WEIGHT_UNCERTAINTY, MassOffset, chained
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
 
 SAMPLE_TIME = 0.0088542  # s, of the ECP plant's usual export
@@ -52,15 +51,7 @@ def burchett() -> PaperData:
     equations for eight numbers. Static gains are Table 2's, in m/V (the printed ones are in cm/V).
     """
     runs = tuple(_characteristics(*values) for values in _RUNS)
-    offsets = tuple(
-        MassOffset(
-            from_run=one.name,
-            to_run=two.name,
-            difference=(two.added_mass or 0.0) - (one.added_mass or 0.0),
-            uncertainty=0.005 * math.sqrt(((two.added_mass or 0.0) - (one.added_mass or 0.0)) / 0.5),
-        )
-        for one, two in pairwise(runs)
-    )
+    offsets = chained([(run.name, run.base, run.added_mass or 0.0) for run in runs], WEIGHT_UNCERTAINTY)
     return PaperData(characteristics=runs, mass_offsets=offsets)
 
 

@@ -124,9 +124,7 @@ def characterize_campaign(
     for experiment in campaign.experiments:
         check_speed(experiment.position, experiment.sample_time, f"run {experiment.name!r}: its positions")
         if off_even_clock(experiment.time).max() > CLOSE:
-            excluded[experiment.name] = (
-                f"run {experiment.name!r}: its samples are uneven in time, which only fit and diagnose can take"
-            )
+            excluded[experiment.name] = "its samples are uneven in time, which only fit and diagnose can take"
             continue
         try:
             used[experiment.name] = _readable(experiment, peak)

@@ -202,12 +202,18 @@ class IdentifiedParameters(Model):
             text_table(("shared", "value", "unit"), shared_rows(self)),
             *(f"left out: {name}: {why}" for name, why in self.excluded.items()),
         ]
-        if self.misfit is not None and self.misfit > _LARGE_MISFIT:
-            parts.append(
-                f"The runs contradict each other {self.misfit:.1f} times more than their uncertainties allow: "
-                "the plant is not linear, or a label or added mass is wrong. The uncertainties hold for a linear one."
-            )
-        return "\n\n".join([*parts, *self.notes])
+        return "\n\n".join([*parts, *self._said])
+
+    @property
+    def _said(self) -> tuple[str, ...]:
+        """The notes, after one of runs that contradict each other."""
+        if self.misfit is None or self.misfit <= _LARGE_MISFIT:
+            return self.notes
+        contradiction = (
+            f"The runs contradict each other {self.misfit:.1f} times more than their uncertainties allow: "
+            "the plant is not linear, or a label or added mass is wrong. The uncertainties hold for a linear one."
+        )
+        return contradiction, *self.notes
 
     def __repr__(self) -> str:
         springs = ", ".join(f"{label!r}: {value:.4g} N/m" for label, value in self.stiffness.items())
@@ -219,7 +225,7 @@ class IdentifiedParameters(Model):
         out = html_table(_RUN_HEADER, self._runs(), title="Identified parameters")
         out += html_table(("shared", "value", "unit"), shared_rows(self))
         out += html_table(("left out", "why"), tuple(self.excluded.items())) if self.excluded else ""
-        return out + "".join(f"<p>{escape(note)}</p>" for note in self.notes)
+        return out + "".join(f"<p>{escape(note)}</p>" for note in self._said)
 
 
 _LARGE_MISFIT = 2.0

@@ -24,6 +24,7 @@ _STILL = 0.3  # of the noise, a swing that no longer counts
 _ENOUGH = 6  # means that say how noise averages out
 _COUNTS = 0.6  # of the resolution, noise below which the errors of rounding are no noise
 _FINE = 2000  # samples a period, beyond which means of neighbors tell the rates as well
+_EXACT = 1e-9  # of the motion: no reading is finer
 _FEW = 8  # changes of the input, beyond which convolving is cheaper than adding up their responses
 
 
@@ -81,7 +82,7 @@ def remainder(run: Experiment, *, damped_frequency: float, damping_ratio: float)
     decay = damped_frequency * damping_ratio / math.sqrt(1 - damping_ratio**2)
     rates, residual, fitted = _fitted(_samples(run, time, y), np.array([decay, damped_frequency]))
     grid = run.resolution or 0.0
-    noise = noise_level(residual, resolution=grid)
+    noise = max(noise_level(residual, resolution=grid), _EXACT * float(np.ptp(y)))
     period = 2 * math.pi / rates[1]
     width = max(2, round(0.1 * period / run.sample_time))
     last = np.flatnonzero(np.diff(run.input[first:]))

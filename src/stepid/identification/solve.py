@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stepid.core.base import Array
-from stepid.core.mass_offset import WEIGHT, WEIGHT_UNCERTAINTY
+from stepid.core.mass_offset import WEIGHT, WEIGHT_UNCERTAINTY, MassOffset
 from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.takes import a, able, optional, takes
@@ -89,7 +89,7 @@ def solve(system: StackedSystem, *, solver: Solver | None = None) -> IdentifiedP
     known = np.diag(inputs) == 0  # exact inputs need no derivative; exact differences must not be moved
     jacobian = _jacobian(system, method, outputs, unknowns, measured, differences, known)
     covariance = jacobian @ inputs @ jacobian.T
-    base_variance = outputs.added_weight_variance()
+    base_variance = outputs.added_weight_variance(system.mass_offsets)
     index = [outputs.labels.index(label) for label in base_variance]
     covariance[index, index] += list(base_variance.values())
     misfit = None
@@ -143,12 +143,11 @@ class _Outputs:
             ]
         )
 
-    def added_weight_variance(self) -> dict[str, float]:
-        """Variance that the lightest run's own weights add to the base mass, kg²."""
-        return {
-            f"base_mass[{base}]": WEIGHT_UNCERTAINTY**2 * (self.runs[i].added_mass or 0.0) / WEIGHT
-            for base, i in self.bases.items()
-        }
+    def added_weight_variance(self, offsets: Sequence[MassOffset]) -> dict[str, float]:
+        """Variance that the lightest run's own weights add to the base mass, kg²: known as the differences are."""
+        known = [offset.uncertainty**2 / abs(offset.difference) for offset in offsets if offset.difference]
+        per_mass = sum(known) / len(known) if known else WEIGHT_UNCERTAINTY**2 / WEIGHT
+        return {f"base_mass[{base}]": per_mass * (self.runs[i].added_mass or 0.0) for base, i in self.bases.items()}
 
 
 def _pooling_weights(runs: Sequence[Characteristics]) -> dict[str, Array]:

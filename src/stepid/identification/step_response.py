@@ -23,6 +23,7 @@ from stepid.identification.steady_state import (
     settling_time_measured,
     steady_state,
 )
+from stepid.identification.step_refusals import no_overshoot, not_settled, swinging
 from stepid.identification.steps import Step
 
 _MOVING = 0.05  # swing left at the end, as a fraction of the steady displacement, that is too much
@@ -48,7 +49,10 @@ def static_gain(steady: float, step: float) -> float:
 
 
 class _Response(NamedTuple):
-    """A step's response from rest, turned upward: s and m; `rest` is the standard uncertainty of the rest position."""
+    """A step's response from rest, turned upward: s and m; `rest` is the standard uncertainty of the rest position.
+
+    `lead` is that of the step.
+    """
 
     who: str
     time: Array
@@ -57,11 +61,16 @@ class _Response(NamedTuple):
     noise: float
     grid: float
     rest: float
+    lead: float
 
     @property
     def tolerance(self) -> float:
         """What stands out of noise and grid, m."""
         return max(5 * self.noise, 2 * self.grid)
+
+    def excess(self, peak: float, level: float, frequency: float) -> float:
+        """Overshoot of a step: a ramp of twice the lead's length leaves sin(ω_d·lead)/(ω_d·lead) of its swing."""
+        return overshoot(peak, level) / float(np.sinc(frequency * self.lead / math.pi))
 
 
 class _Reading(NamedTuple):
@@ -122,7 +131,7 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
         damper=experiment.damper,
         base=experiment.base,
         added_mass=experiment.added_mass,
-        start=float(experiment.time[step.start]),
+        start=float(experiment.time[step.start]) - step.lead,
         step=step.size,
         notes=() if read.left <= _RINGING * level else (still,),
     )
@@ -131,7 +140,7 @@ def step_characteristics(experiment: Experiment, step: Step, *, peak: Peak) -> C
 def _response(experiment: Experiment, step: Step) -> _Response:
     """The response to a step from the rest before it; refused where there is none, or where it is cut."""
     who = _who(experiment, step)
-    time = experiment.time[step.start : step.stop + 1] - experiment.time[step.start]
+    time = experiment.time[step.start : step.stop + 1] - experiment.time[step.start] + step.lead
     position = experiment.position[step.start : step.stop + 1]
     if time.size < 8:
         raise NotSettledError(
@@ -150,11 +159,11 @@ def _response(experiment: Experiment, step: Step) -> _Response:
             "Check that the amplifier was on, and that the right encoder column was read.",
         )
     sign = math.copysign(1.0, rough)
-    out = _Response(who, time, sign * swing, sign, noise, grid, rest_spread)
+    out = _Response(who, time, sign * swing, sign, noise, grid, rest_spread, step.lead)
     _require_peak(who, time, out.swing, out.tolerance)
     first_peak = float(time[np.argmax(out.swing)])
     if time[-1] < 1.9 * first_peak and last_swing(time, out.swing, 0.5 * float(time[-1])) > _MOVING * abs(rough):
-        raise _not_settled(who, f"ends {time[-1] / first_peak:.2f} peak times after the step")
+        raise not_settled(who, f"ends {time[-1] / first_peak:.2f} peak times after the step")
     return out
 
 
@@ -166,29 +175,30 @@ def _read(response: _Response, peak: Peak) -> _Reading:
     level = float(np.mean(swing[time >= time[-1] - 2 * first_peak]))
     left = last_swing(time, swing, min(first_peak, float(time[-1]) - first_peak)) - 3 * noise
     if left > 2 * _MOVING * abs(level):
-        raise _swinging(who, left / abs(level))
+        raise swinging(who, left / abs(level))
     for _ in range(_ROUNDS):
         try:
             found = peak.locate(time, swing, level=level, noise=noise)
         except NoOvershootError as error:
             raise NoOvershootError(f"{who}: {error.cause}", error.remedy) from None
-        excess = overshoot(found.height, level)
+        frequency = damped_frequency(found.time)
+        excess = response.excess(found.height, level, frequency)
         vague = found.time_uncertainty > _VAGUE * found.time
         if vague or not response.tolerance < excess * level < level:
-            raise _no_overshoot(who, excess, level, noise, response.grid)
-        frequency, ratio = damped_frequency(found.time), damping_ratio(excess)
+            raise no_overshoot(who, excess, level, noise, response.grid)
+        ratio = damping_ratio(excess)
         tail = _tail(response, found, frequency, ratio, excess)
         change, level = abs(tail.level - level), tail.level
         if level <= 0 or change < 1e-12 * level:
             break
     left = max(last_swing(time, swing, found.time) - 3 * noise, 0.0)
     if level <= 0 or left > _MOVING * level:
-        raise _swinging(who, left / abs(level))
+        raise swinging(who, left / abs(level))
     check_onset(who, time, swing, level=level, peak_time=found.time, tolerance=response.tolerance)
     colored = colored_noise(tail.residual, float(time[1] - time[0]), found.time, noise)
     if colored > noise:
         found = peak.locate(time, swing, level=level, noise=colored)
-    excess = overshoot(found.height, level)
+    excess = response.excess(found.height, level, frequency)
     return _Reading(found, tail, frequency, damping_ratio(excess), excess, left)
 
 
@@ -239,7 +249,7 @@ def _who(experiment: Experiment, step: Step) -> str:
 
 def _rest(experiment: Experiment, step: Step, who: str, noise: float, grid: float) -> tuple[float, float]:
     """Rest position before a step and its standard uncertainty, m."""
-    before = experiment.position[step.rest : step.start + 1]
+    before = experiment.position[step.before]
     if step.number > 1:
         before = before[-20:]  # the one before may ring further back
     after = experiment.position[step.start : step.stop + 1]
@@ -255,11 +265,10 @@ def _rest(experiment: Experiment, step: Step, who: str, noise: float, grid: floa
 
 def _ringing(experiment: Experiment, step: Step, half_period: float, noise: float) -> float:
     """Swing left from the step before, m: it adds to the new one with any phase, up to ring/level radians."""
-    before = slice(step.rest, step.start + 1)
-    time = experiment.time[before]
+    time = experiment.time[step.before]
     if time.size < 8:
         return 0.0
-    return max(last_swing(time, experiment.position[before], half_period) - 4 * noise, 0.0)
+    return max(last_swing(time, experiment.position[step.before], half_period) - 4 * noise, 0.0)
 
 
 def _require_peak(who: str, time: Array, swing: Array, tolerance: float) -> None:
@@ -273,27 +282,3 @@ def _require_peak(who: str, time: Array, swing: Array, tolerance: float) -> None
             "it is cut before its peak, or does not overshoot",
             "Record until the plant rests; less damping or more mass gives an overshoot.",
         )
-
-
-def _no_overshoot(who: str, excess: float, level: float, noise: float, grid: float) -> NoOvershootError:
-    if excess * level >= level:
-        return NoOvershootError(
-            f"{who}: the peak is {excess:.2f} times the steady displacement above it, no damped step response",
-            "Check the rest position before the step and that the input was held.",
-        )
-    return NoOvershootError(
-        f"{who}: no overshoot to be seen ({100 * excess:.2f} % of {length(level)}, "
-        f"noise {length(noise)}, resolution {length(grid)})",
-        "Eqs. 7 and 8 need an overshoot: less damping, more mass or a stiffer spring; stepid.fit needs none.",
-    )
-
-
-def _swinging(who: str, fraction: float) -> NotSettledError:
-    return _not_settled(who, f"still swings ±{100 * fraction:.1f} % of its steady displacement at the end")
-
-
-def _not_settled(who: str, how: str) -> NotSettledError:
-    return NotSettledError(
-        f"{who}: the response has not settled, it {how}",
-        "Record longer, until the swing is below 2 % of the steady displacement.",
-    )

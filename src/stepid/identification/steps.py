@@ -26,6 +26,9 @@ class Step(NamedTuple):
         Which step of how many.
     rest : int
         First sample of the rest before it.
+    lead : float
+        s from the step to its first sample: half of one where the input is not held. The response to a ramp is the
+        mean of those to steps along it, to second order that to a step in its middle.
     """
 
     start: int
@@ -34,6 +37,12 @@ class Step(NamedTuple):
     number: int
     total: int
     rest: int
+    lead: float = 0.0
+
+    @property
+    def before(self) -> slice:
+        """Samples at rest before it, its first one as well where the input has not moved until then."""
+        return slice(self.rest, self.start + (self.lead == 0))
 
 
 def find_steps(experiment: Experiment) -> tuple[Step, ...]:
@@ -69,15 +78,17 @@ def find_steps(experiment: Experiment) -> tuple[Step, ...]:
             "The peak method needs steps held until the plant rests; stepid.fit takes any input.",
         )
     bounds = [int(start) for start in starts] + [experiment.input.size - 1]
+    ramps = experiment.input_between != "held"  # to the next step's first sample it is under way already
     return tuple(
         Step(
             start=start,
-            stop=stop,
+            stop=stop - (ramps and i + 1 < len(starts)),
             # the levels before and after, not the single change: the rest may carry noise
             size=float(np.median(experiment.input[start : max(stop, start + 1)]) - level[start]),
             number=i + 1,
             total=len(starts),
             rest=max(bounds[i - 1] if i else 0, start - _REST),
+            lead=0.5 * experiment.sample_time if ramps and start > 0 else 0.0,
         )
         for i, (start, stop) in enumerate(pairwise(bounds))
     )

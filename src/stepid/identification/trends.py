@@ -100,7 +100,7 @@ class Trends(Model):
 
     def summary(self) -> str:
         """Return the tables of all trends."""
-        return "\n\n".join(trend.summary() for trend in self.trends) or "No two runs differ in one thing only."
+        return "\n\n".join(trend.summary() for trend in self.trends) or _NONE
 
     def __repr__(self) -> str:
         return f"Trends({', '.join(trend.varies for trend in self.trends)})"
@@ -108,9 +108,10 @@ class Trends(Model):
     __str__ = summary
 
     def _repr_html_(self) -> str:
-        return "".join(trend._repr_html_() for trend in self.trends)
+        return "".join(trend._repr_html_() for trend in self.trends) or f"<p>{_NONE}</p>"
 
 
+_NONE = "No two runs differ in one thing only."
 _HEADER = ("run", *(f"{quantity.replace('_', ' ')} [{unit}]" for quantity, unit in _QUANTITIES))
 
 

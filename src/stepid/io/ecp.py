@@ -16,7 +16,17 @@ from stepid.core.takes import described, taken
 from stepid.core.takes import number as a_number
 from stepid.core.units import check_numbers
 from stepid.errors import InputError, naming
-from stepid.io.ecp_layout import COMMANDED, EFFORT, SAMPLE, TIME, Export, encoder_column, parse_export, repeats
+from stepid.io.ecp_layout import (
+    COMMANDED,
+    EFFORT,
+    SAMPLE,
+    TIME,
+    Export,
+    encoder_column,
+    is_encoder,
+    parse_export,
+    repeats,
+)
 from stepid.io.sample_clock import real_stamps, rebuild_time
 from stepid.io.step_input import InputValues, StepInput, sample_input
 from stepid.io.textfile import as_path, read_lines
@@ -178,7 +188,7 @@ def export_experiment(
 
 
 def _encoder(export: Export, encoder: object, where: str) -> str:
-    there = [name for name in export.columns if name.startswith("Encoder ")]
+    there = [name for name in export.columns if is_encoder(name)]
     listed = ", ".join(there) or "none"
     if isinstance(encoder, bool) or not isinstance(encoder, Integral) or not 1 <= int(encoder) < 10**9:
         raise InputError(

@@ -28,6 +28,11 @@ def encoder_column(number: int) -> str:
     return f"Encoder {number} Pos"
 
 
+def is_encoder(column: str) -> bool:
+    """Tell whether a column is an encoder's: "Encoder 1 Pos"."""
+    return re.fullmatch(r"Encoder \d+ Pos", column) is not None
+
+
 @dataclass(frozen=True)
 class Export:
     """An export's rows: column names, values of shape (n, columns), file line of each row."""
@@ -250,7 +255,7 @@ def _fits(known: Sequence[str], values: Array) -> bool:
     sample, time, encoder = (columns[name] for name in (SAMPLE, TIME, encoder_column(1)))
     if np.unique(encoder).size <= 10:  # it hardly moves, or there is one row
         return False
-    counted = [sample, *(readings for name, readings in columns.items() if name.startswith("Encoder "))]
+    counted = [sample, *(readings for name, readings in columns.items() if is_encoder(name))]
     whole = all(np.mean(readings == np.rint(readings)) > _MOST for readings in counted)
     rises = np.mean(np.diff(sample) > 0) > _MOST and np.mean(np.diff(time) >= 0) > _MOST
     return bool(whole and rises and repeats(columns[COMMANDED], encoder))

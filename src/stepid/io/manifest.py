@@ -10,10 +10,10 @@ from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from stepid.core.quantities import CART, INPUT_UNITS, MOTIONS, Quantities, middle_dot
+from stepid.core.takes import WantedError
 from stepid.errors import InputError
 from stepid.io.manifest_values import (
     Check,
-    WantedError,
     check_between,
     check_input_unit,
     check_mass,

@@ -7,13 +7,10 @@ from collections.abc import Callable
 
 from stepid.core.quantities import INPUT_UNITS, MOTIONS, middle_dot
 from stepid.core.samples import STARTS, WAYS
+from stepid.core.takes import WantedError
 from stepid.io.step_input import StepInput
 
 Check = Callable[[object], object]
-
-
-class WantedError(Exception):
-    """What a value should have been."""
 
 
 def check_text(value: object) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from html import escape
 from typing import Literal
 
 from stepid.core.base import Finite, Label, Model, NonNegative
@@ -151,7 +152,8 @@ class Check(Model):
     __str__ = summary
 
     def _repr_html_(self) -> str:
-        return f"<p>{self.words}</p>{html_table(_HEADER, self._rows(), title=self._title)}<p>{self._counts}</p>"
+        table = html_table(_HEADER, self._rows(), title=self._title)
+        return f"<p>{escape(self.words)}</p>{table}<p>{escape(self._counts)}</p>"
 
 
 def _off(off: float, unit: str) -> str:

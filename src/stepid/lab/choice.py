@@ -84,7 +84,7 @@ def chosen_for(
     given = [h if isinstance(h, EffectModel) else None for h in hidden]
     for effect, values in zip(effects, given, strict=True):
         if values is not None:
-            _check_values(group, effect, values)
+            check_values(f"{effect.name} of group {group!r}", effect, values)
     return tuple(zip(effects, given, strict=True))
 
 
@@ -99,11 +99,14 @@ def _of_group(group: str, choice: Choice, seed: int | str) -> Hidden:
     return choice[group]
 
 
-def _check_values(group: str, effect: Effect, values: EffectModel) -> None:
-    """Refuse values that are not those of the effect's parameters."""
+def check_values(who: str, effect: Effect, model: EffectModel) -> None:
+    """Refuse values that are not those of the effect's parameters.
+
+    Raises
+    ------
+    stepid.errors.InputError
+        Of `who`, with the names to give.
+    """
     wanted = [q.name for q in effect.parameters]
-    if values.values.keys() != set(wanted):
-        raise InputError(
-            f"{effect.name} of group {group!r} has the values {', '.join(values.values) or 'none'}",
-            f"Give {', '.join(wanted)}.",
-        )
+    if model.values.keys() != set(wanted):
+        raise InputError(f"{who} has the values {', '.join(model.values) or 'none'}", f"Give {', '.join(wanted)}.")

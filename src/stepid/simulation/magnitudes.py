@@ -12,7 +12,7 @@ from stepid.effects.base import Parameter
 
 _SYMBOLS = ("N", "m", "s", "kg", "V")
 _POWERS = {"²": 2, "³": 3}
-_ALIASES = {"Hz": ("s", -1), "J": ("N", 1)}
+_ALIASES = {"Hz": ("s", -1)}
 
 
 @lru_cache(maxsize=1024)

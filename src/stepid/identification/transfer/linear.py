@@ -243,7 +243,8 @@ def free_responses(parameters: IdentifiedParameters, run: str, *, samples: int, 
     """
     import control
 
-    m, c, k = parameters.masses[run], parameters.damping[run], parameters.run_stiffness(run)
+    k = parameters.run_stiffness(run)  # refuses a run that was not identified
+    m, c = parameters.masses[run], parameters.damping[run]
     model = control.ss([[0.0, 1.0], [-k / m, -c / m]], [[0.0], [1.0 / m]], [[1.0, 0.0]], [[0.0]])
     sampled = control.sample_system(model, sample_time, method="zoh")
     still = np.zeros(samples)

@@ -21,6 +21,7 @@ from stepid.identification.transfer.linear import sampled
 if TYPE_CHECKING:
     import control
 
+_STATE = "Give one finite number for each of the system's states, as stepid.initial_state(model, run) does."
 _RELATIVE, _ABSOLUTE = 1e-10, 1e-13  # tolerances of the states; m and m/s, or the effects' own units
 
 
@@ -75,7 +76,7 @@ def simulate_system(
     begin = release_index(run)
     volts = run.input[begin:]
     time: Array = run.sample_time * np.arange(begin, run.input.size, dtype=np.float64)
-    start: Array = np.zeros(system.nstates) if initial_state is None else np.asarray(initial_state, dtype=np.float64)
+    start = np.zeros(system.nstates) if initial_state is None else _state(initial_state)
     if isinstance(system, control.LTI):
         stepped: Any = system
         pieces = course(run.time, run.input, run.input_between)[begin:]
@@ -130,6 +131,17 @@ def _integrate(system: Any, time: Array, volts: Array, start: Array, *, held: bo
         states.append(response.x[:, :end])
         outputs.append(response.y[:, :end])
     return np.concatenate(states, axis=1), np.concatenate(outputs, axis=1)
+
+
+def _state(given: npt.ArrayLike) -> Array:
+    """The numbers of an initial state."""
+    try:
+        out: Array = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"initial_state is no array of numbers ({error})", _STATE) from None
+    if not np.isfinite(out).all():
+        raise InputError("initial_state has values that are not finite", _STATE)
+    return out
 
 
 def _is_linear(system: Any) -> bool:

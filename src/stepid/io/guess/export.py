@@ -9,7 +9,7 @@ import numpy as np
 
 from stepid.errors import InputError
 from stepid.io.ecp import FULL_SCALE, VOLTS_PER_DAC_UNIT
-from stepid.io.ecp_layout import EFFORT, SAMPLE, TIME, Export, parse_export
+from stepid.io.ecp_layout import EFFORT, SAMPLE, TIME, Export, is_encoder, parse_export
 from stepid.io.guess.draft import ALL, Draft, Found, falls
 from stepid.io.guess.file_names import plain_name, read_name
 from stepid.io.guess.named import named
@@ -27,7 +27,7 @@ def export_of(lines: Sequence[str], where: str) -> Export | None:
         ):
             raise
         return None
-    return export if any(name.startswith("Encoder ") for name in export.columns) else None
+    return export if any(map(is_encoder, export.columns)) else None
 
 
 def from_export(export: Export, file: Path, chosen: Mapping[str, str]) -> Draft:
@@ -35,7 +35,7 @@ def from_export(export: Export, file: Path, chosen: Mapping[str, str]) -> Draft:
 
     It has columns of its own: those that are `chosen`, as in `stepid.io.guess.understand.draft_runs`, must be these.
     """
-    encoders = [name for name in export.columns if name.startswith("Encoder ")]
+    encoders = [name for name in export.columns if is_encoder(name)]
     moved = [name for name in encoders if np.ptp(export[name]) > 0]
     encoder = (moved or encoders)[0]
     readings = {"position": export[encoder]}

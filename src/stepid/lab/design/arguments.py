@@ -63,7 +63,7 @@ def checked(
         masses=numbers("masses", masses, "kg, for example (0.0, 0.5, 1.0)"),
         levels=numbers("levels", levels, "V, for example (0.5, -0.5)"),
         sample_times=numbers("sample_times", sample_times, "s, for example (0.005, 0.01)"),
-        runs=tuple(int(n) for n in numbers("runs", runs, "how many runs, for example (2, 4, 8)")),
+        runs=_counts(runs),
         duration=None if duration is None else number("duration", duration, "s"),
         travel=None if travel is None else number("travel", travel, "m"),
         noise_time=number("noise_time", noise_time, "s, 0 for white noise", least=0.0),
@@ -107,6 +107,14 @@ def numbers(name: str, given: object, unit: str) -> tuple[float, ...]:
     if not several or len(good) < len(several):
         raise InputError(f"{name} = {described(given)} is not a list of numbers", f"Give {unit}.")
     return tuple(dict.fromkeys(good))
+
+
+def _counts(given: object) -> tuple[int, ...]:
+    """How many runs: whole numbers."""
+    several = numbers("runs", given, "how many runs, for example (2, 4, 8)")
+    if not all(one.is_integer() for one in several):
+        raise InputError(f"runs = {described(given)} are not whole numbers", "Give how many runs: (2, 4, 8).")
+    return tuple(map(int, several))
 
 
 def _finite(given: object) -> float | None:

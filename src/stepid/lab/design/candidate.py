@@ -117,7 +117,7 @@ class Design(Model):
 
 def record(step: Step, plant: PlantModel, duration: float, name: str) -> Experiment:
     """Make the record of one run without positions."""
-    count = max(round(duration / step.sample_time), LEAST)
+    count = round(duration / step.sample_time)
     volts = np.full(count, step.level)
     volts[:BEFORE] = 0.0
     if step.back:

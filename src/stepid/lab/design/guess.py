@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 
 from stepid.effects import Effect, Scales, resolve
 from stepid.errors import InputError
+from stepid.identification.second_order import overshoot_of
+from stepid.lab.choice import check_values
 from stepid.simulation.model import EffectModel, PlantModel
 
 LABELS = {"base_mass": "cart", "stiffness": "spring", "damping": "damper"}
@@ -69,7 +71,7 @@ def reach(plant: PlantModel, level: float, heaviest: float) -> float:
     """Farthest displacement of the linear plant under a step and one back, m."""
     mass, stiffness, damping, gain = values_of(plant)
     ratio = damping / 2 / math.sqrt(stiffness * (mass + heaviest))
-    overshoot = math.exp(-math.pi * ratio / math.sqrt(1 - ratio**2)) if ratio < 1 else 0.0
+    overshoot = overshoot_of(ratio) if ratio < 1 else 0.0
     return abs(gain * level / stiffness) * (1 + overshoot)
 
 
@@ -116,6 +118,7 @@ def sized(
             usual = effect.starts(scales)[0]
             values = {q.name: float(v) for q, v in zip(effect.parameters, usual, strict=True)}
             model = EffectModel(name=effect.name, values=values)
+        check_values(effect.name, effect, model)
         out.append(model)
     return tuple(out)
 

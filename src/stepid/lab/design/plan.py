@@ -22,7 +22,7 @@ from stepid.core.takes import a, each, one_of, optional, takes
 from stepid.effects import CATALOGUE, Effect, Scales, a_catalogue, resolve
 from stepid.errors import InputError
 from stepid.lab.design.arguments import Asked, checked, wants
-from stepid.lab.design.candidate import Design, Step, enumerate_designs
+from stepid.lab.design.candidate import LEAST, Design, Step, enumerate_designs
 from stepid.lab.design.guess import Given, Guess, as_plant, lasting, parameter_values, reach, sized, typical
 from stepid.lab.design.information import covariances, information, lay_out_steps, simulated
 from stepid.lab.design.result import Plan
@@ -31,7 +31,6 @@ from stepid.simulation.model import EffectModel, PlantModel
 from stepid.simulation.threads import single_threaded
 
 _TRIED = 6  # designs whose separation is looked at by a full fit
-_FEWEST = 8  # samples of a record
 
 
 _given = each(a((str, EffectModel), ""), 'names of effects, as ("coulomb_friction",), or stepid.EffectModel(…)')
@@ -158,11 +157,11 @@ def plan(
 
 def _often_enough(sample_times: tuple[float, ...], length: float) -> tuple[float, ...]:
     """Sample times [s] of which a record of some length [s] has a few."""
-    kept = tuple(time for time in sample_times if _FEWEST * time <= length)
+    kept = tuple(time for time in sample_times if LEAST * time <= length)
     if not kept:
         raise InputError(
-            f"sample_times: {min(sample_times):g} s leaves fewer than {_FEWEST} samples in records of {length:.3g} s",
-            f"Give sample times of at most {length / _FEWEST:.2g} s, or a longer duration.",
+            f"sample_times: {min(sample_times):g} s leaves fewer than {LEAST} samples in records of {length:.3g} s",
+            f"Give sample times of at most {length / LEAST:.2g} s, or a longer duration.",
         )
     return kept
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from stepid.core.base import Model, NonNegative, Positive
 from stepid.core.frames import make_frame
 from stepid.core.quantities import InputUnit, Motion
+from stepid.core.takes import described
+from stepid.errors import InputError
 from stepid.lab.design.arguments import white_variance
 from stepid.lab.design.candidate import Design
 from stepid.lab.design.separation import NEEDED, VISIBLE
@@ -97,8 +99,18 @@ class Plan(Model):
         return worst
 
     def best(self, runs: int) -> Design:
-        """The design with that many runs that comes nearest to what is wanted."""
-        return min((d for d in self.designs if d.runs == runs), key=self.shortfall)
+        """The design with that many runs that comes nearest to what is wanted.
+
+        Raises
+        ------
+        stepid.errors.InputError
+            If none has so many.
+        """
+        able = [d for d in self.designs if d.runs == runs]
+        if not able:
+            counts = ", ".join(map(str, sorted({d.runs for d in self.designs})))
+            raise InputError(f"runs is {described(runs)}: no design has so many", f"Give one of {counts}.")
+        return min(able, key=self.shortfall)
 
     def check(self, count: int = 100, *, seed: int = 0) -> PlanCheck:
         """Carry out the advice in simulation, fit each campaign, and compare the scatter with the prediction.

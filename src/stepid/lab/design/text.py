@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from html import escape
 from typing import TYPE_CHECKING
 
 from stepid.core.mass_offset import WEIGHT
@@ -35,7 +36,7 @@ def as_text(plan: Plan) -> str:
 def as_html(plan: Plan) -> str:
     """The summary for notebooks."""
     header, rows = _table(plan)
-    return "".join(f"<p>{words}</p>" for words in sentences(plan)) + html_table(header, rows, title=_TITLE)
+    return "".join(f"<p>{escape(words)}</p>" for words in sentences(plan)) + html_table(header, rows, title=_TITLE)
 
 
 def sentences(plan: Plan) -> list[str]:

@@ -1,0 +1,33 @@
+"""Why a step response yields no characteristics: it has not settled, or does not overshoot."""
+
+from __future__ import annotations
+
+from stepid.core.words import length
+from stepid.errors import NoOvershootError, NotSettledError
+
+
+def no_overshoot(who: str, excess: float, level: float, noise: float, grid: float) -> NoOvershootError:
+    """The peak is none that stands out, or as high as the level itself; lengths in m."""
+    if excess * level >= level:
+        return NoOvershootError(
+            f"{who}: the peak is {excess:.2f} times the steady displacement above it, no damped step response",
+            "Check the rest position before the step and that the input was held.",
+        )
+    return NoOvershootError(
+        f"{who}: no overshoot to be seen ({100 * excess:.2f} % of {length(level)}, "
+        f"noise {length(noise)}, resolution {length(grid)})",
+        "Eqs. 7 and 8 need an overshoot: less damping, more mass or a stiffer spring; stepid.fit needs none.",
+    )
+
+
+def swinging(who: str, fraction: float) -> NotSettledError:
+    """It swings at the end, by a fraction of its steady displacement."""
+    return not_settled(who, f"still swings ±{100 * fraction:.1f} % of its steady displacement at the end")
+
+
+def not_settled(who: str, how: str) -> NotSettledError:
+    """It has not settled, in words that follow "it"."""
+    return NotSettledError(
+        f"{who}: the response has not settled, it {how}",
+        "Record longer, until the swing is below 2 % of the steady displacement.",
+    )
