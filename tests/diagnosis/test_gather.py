@@ -24,8 +24,9 @@ def _all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(vetoes, "estimates", lambda *_: ({}, None))
     monkeypatch.setattr(gather, "imitators", lambda *_: {})
     monkeypatch.setattr(left_out, "starts_kept", lambda *_: frozenset())
+    monkeypatch.setattr(left_out, "judging", lambda *_: range(RUNS))
     monkeypatch.setattr(left_out, "held_out_residuals", as_much_as_is_left)
-    monkeypatch.setattr(left_out, "repeatability", lambda _: None)
+    monkeypatch.setattr(left_out, "repeatability", lambda *_: None)
 
 
 def as_much_as_is_left(optimum: Any, **_: object) -> dict[int, np.ndarray]:
@@ -113,10 +114,47 @@ def test_a_share_is_of_what_repeats(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         left_out, "held_out_residuals", lambda optimum, **_: after if optimum is FRICTION.optimum else before
     )
-    monkeypatch.setattr(left_out, "repeatability", lambda _: None)
     share, steady = e.share(FRICTION)
     assert share == pytest.approx(1 - (3 * 15 + 3) / (4 * 99))
     assert steady == pytest.approx((1 - 15 / 99) / (1 - 3 / 99))
+
+
+def test_a_run_that_shows_no_misfit_says_nothing_of_how_steady_an_answer_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A release shows nothing of what acts on the drive: by chance it had made the answer unsteady."""
+    e = evidence(FRICTION)
+    before = {i: np.full(100, (10.0 if i else 1.05) * FLOOR) for i in range(RUNS)}
+    after = {i: np.full(100, (2.0 if i else 1.05) * FLOOR) for i in range(RUNS)}
+    monkeypatch.setattr(
+        left_out, "held_out_residuals", lambda optimum, **_: after if optimum is FRICTION.optimum else before
+    )
+    assert e.share(FRICTION)[1] == pytest.approx(1.0)
+
+
+def test_two_fits_are_held_against_runs_that_judge_both(monkeypatch: pytest.MonkeyPatch) -> None:
+    able = {id(FRICTION.optimum): [1], id(LINEAR.optimum): [0, 1, 2]}
+    asked: list[list[int]] = []
+
+    def left(optimum: Any, *, among: list[int], **_: object) -> dict[int, np.ndarray]:
+        asked.append(among)
+        return dict.fromkeys(among, optimum.residual[:SAMPLES])
+
+    monkeypatch.setattr(left_out, "judging", lambda optimum, *_: able[id(optimum)])
+    monkeypatch.setattr(left_out, "held_out_residuals", left)
+    before, after = evidence(FRICTION).left_out.of_two(LINEAR.optimum, FRICTION.optimum)
+    assert (asked, [*before], [*after]) == ([[1], [1]], [1], [1])
+
+
+def test_what_repeats_differ_by_is_what_free_conditions_leave_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Gains that differ by 10 floors and are free are in neither residual: what is left is no repeats'."""
+    e = evidence(FRICTION)
+    before, after = ({i: np.full(100, times * FLOOR) for i in range(RUNS)} for times in (15.0, 9.0))
+    monkeypatch.setattr(
+        left_out, "held_out_residuals", lambda optimum, **_: after if optimum is FRICTION.optimum else before
+    )
+    asked: list[Any] = []
+    monkeypatch.setattr(left_out, "repeatability", lambda records, left: asked.append(left))
+    assert e.share(FRICTION)[0] == pytest.approx(1 - (81 - 1) / (225 - 1))
+    assert asked[0] is e.linear.optimum.residual
 
 
 def test_includes() -> None:
@@ -155,8 +193,8 @@ def test_a_law_among_decimated_samples_is_one_of_all_samples(
     e = evidence(FRICTION)
     e.context.decimated = object()
 
-    def laws(context: Any, _: Any, records: Any) -> tuple[FreeLaw, ...]:
-        return (FreeLaw("position", 0.1, 1e-12, 9.0 if records is context.decimated else every),)
+    def laws(context: Any, _: Any, records: Any = None) -> tuple[FreeLaw, ...]:
+        return (FreeLaw("position", 0.1, 1e-12, 9.0 if records is None else every),)
 
     monkeypatch.setattr(free_law, "free_laws", laws)
     assert e.followed(FRICTION) == told
@@ -170,6 +208,14 @@ def test_what_a_complete_model_leaves_follows_no_state(
     laws = FreeLaw("position", 0.9, 1.0, 1.0), FreeLaw("velocity", 0.1, 1e-12, beyond)
     monkeypatch.setattr(free_law, "free_laws", lambda *_: laws)
     assert evidence(FRICTION).followed(FRICTION) == told
+
+
+def test_a_law_that_takes_too_little_hides_none_that_takes_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside noise that is not known a law has to take power as well: the most certain one may not."""
+    laws = FreeLaw("time", 0.1, 1e-30, 9.0, own=True), FreeLaw("velocity", 0.2, 1.0, 7.0)
+    monkeypatch.setattr(free_law, "free_laws", lambda *_: laws)
+    monkeypatch.setattr(free_law, "allowed", lambda *_, **__: (5.0, 1e-20))
+    assert evidence(FRICTION).followed(FRICTION) == "velocity"
 
 
 def predicting(monkeypatch: pytest.MonkeyPatch, *those: Candidate) -> None:

@@ -215,7 +215,7 @@ def test_what_is_left_has_to_be_noise_and_not_only_small() -> None:
     assert leading.reasons[-1] == found.reasons[-1]
     changing = ask("rest_follows_the_motion", still_followed=CONDITIONS, lead=LINEAR)
     assert changing is not None
-    assert "what it leaves changes with added mass and input: its law is another" in changing.reasons[-1]
+    assert "what it leaves changes with added mass, labels and input: its law is another" in changing.reasons[-1]
     assert ask("rest_follows_the_motion") is None
     assert ask("rest_follows_the_motion", still_followed="velocity", floored=()) is None
 

@@ -40,7 +40,7 @@ def test_parameters_that_change_with_the_conditions_refute_a_lead() -> None:
     assert found is not None
     assert found.verdict == "unexplained"
     assert found.reasons[-1] == (
-        "Its parameters would have to change with the added mass or the input: no effect is named."
+        "Its parameters would have to change with the added mass, the labels or the input: no effect is named."
     )
 
 

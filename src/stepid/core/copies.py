@@ -45,12 +45,16 @@ def copies(runs: Iterable[Experiment]) -> dict[str, str]:
     return left_out
 
 
-def are_repeats(one: Experiment, other: Experiment) -> bool:
-    """Tell whether two runs have in common what repeats have: labels, added mass, clock and input."""
+def are_repeats(one: Experiment, other: Experiment, *, within: float = 0.0) -> bool:
+    """Tell whether two runs have in common what repeats have: labels, added mass, clock and input.
+
+    Inputs `within` so much of their range of each other count as one: what is measured never is the same.
+    """
     if one.input.size != other.input.size or not have_one_label(one, other):
         return False
     late = np.abs((one.time - one.time[0]) - (other.time - other.time[0])).max()
-    return bool(late <= EVEN * one.sample_time) and np.array_equal(one.input, other.input)
+    apart = np.abs(one.input - other.input).max()
+    return bool(late <= EVEN * one.sample_time and apart <= within * np.ptp(one.input))
 
 
 def have_one_label(one: Experiment, other: Experiment) -> bool:

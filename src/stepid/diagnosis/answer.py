@@ -104,7 +104,7 @@ def _left(context: FitContext, final: Optimum) -> float:
     records = context.records
     rest = records.position - final.solved.reading
     motion = records.position - (rest - final.residual)
-    size = rms(motion)
+    size = rms(motion[records.trusted])
     return 100.0 * final.rms / size if size > 0 else 0.0
 
 

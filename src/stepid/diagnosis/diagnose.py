@@ -166,7 +166,7 @@ def _diagnosed(
         corrected = without_eccentricity(campaign, eccentric).experiments
         done = _anew(campaign, corrected, how, (*accused, _and(eccentric.fault, "It is subtracted.")))
         if done.effects or done.verdict == "adequate":
-            return done
+            return _noting(done, doubts)
         faults += (eccentric.fault,)
     evidence = EvidenceRecord(found.context, how.criteria, found.candidates, wrong_input, faults)
     return _noting(report(campaign, evidence, judge(evidence)), doubts)

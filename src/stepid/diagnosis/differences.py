@@ -66,7 +66,8 @@ def scatter_of(
     """
     optimum = found.optimum
     values = scatter_values(optimum) | {"rest": scatter_values(shown)["rest"]}
-    spread = deviation_std({kind: v for kind, v in values.items() if kind == "rest" or kind in found.deviations})
+    told = {kind: v for kind, v in values.items() if kind == "rest" or kind in found.deviations}
+    spread = deviation_std(told, context.records.damper)
     samples = np.add.reduceat(context.records.weight**2, context.records.first)
     out = {}
     for kind in sorted(found.deviations & spread.keys()):  # runs that are held at rest differ in no start
@@ -95,7 +96,7 @@ def _at_most(optimum: Optimum, kind: str) -> bool:
 def _without(context: FitContext, found: Candidate, kind: str, candidates: Sequence[Candidate]) -> float:
     """Cost [m²] that is left where one condition is the same in all runs."""
     fewer = found.deviations - {kind}
-    known = [c for c in candidates if c.effects == found.effects and c.deviations == fewer]
+    known = [c for c in candidates if c.key == (found.key[0], fewer)]
     if known:
         return known[0].optimum.cost
     problem = found.optimum.problem

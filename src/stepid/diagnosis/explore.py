@@ -111,22 +111,23 @@ def explored(
     tell: Callable[[Progress], object],
 ) -> Found:
     """Search; where the linear plant leaves white noise there is nothing to search for."""
-    look = 0
     if context.by_weights is not None:  # one effect may be as good an answer, several are not
         effort = effort.model_copy(update={"rounds": 1})
-    while True:
+
+    def searched(context: FitContext) -> Found:
         linear = linear_candidate(context)
         if at_floor(context, criteria, linear) and is_white(context, linear, criteria.white):
-            found = Found(context, (linear,))
-        else:
-            found = Found(context, tuple(_search(context, catalogue, criteria, effort, tell)))
-        again = refined(context, found.best, found.likeliest, found.simpler) if look < _LOOKS else None
+            return Found(context, (linear,))
+        return Found(context, tuple(_search(context, catalogue, criteria, effort, tell)))
+
+    found = searched(context)
+    for _ in range(_LOOKS):
+        again = refined(found.context, found.best, found.likeliest, found.simpler)
         if again is None:
-            return found
+            break
         same = Found(again, _fitted_again(again, found.candidates))
-        if _stands(found, same, criteria):
-            return same
-        context, look = again, look + 1
+        found = same if _stands(found, same, criteria) else searched(again)
+    return found
 
 
 def _stands(before: Found, after: Found, criteria: Criteria) -> bool:
@@ -150,6 +151,7 @@ def _fitted_again(context: FitContext, candidates: tuple[Candidate, ...]) -> tup
             out.append(replace(c, structure=block_means(context, c.optimum)))
             continue
         problem = with_deviations(build(context.records, c.effects, workers=context.workers), c.deviations)
+        problem = replace(problem, active=problem.active & c.optimum.problem.active)  # who is at rest stays so
         local = np.where(problem.active, c.optimum.local, 0.0)
         fitted = minimize(problem, c.optimum.shared, local, tolerance=context.tolerance, iterations=_STEPS)
         if fitted is not None:

@@ -30,7 +30,8 @@ def free_forces(context: FitContext, optimum: Optimum) -> list[tuple[str, list[A
     """
     x, v = optimum.solved.states[:2]
     volts = context.motion.volts
-    where, speed, when = _pieces(x), _pieces(v), _pieces(context.motion.time)
+    begun = np.concatenate([t - t[0] for t in (context.motion.time[piece] for piece in context.records.pieces())])
+    where, speed, when = _pieces(x), _pieces(v), _pieces(begun)
     free = {"position": where, "velocity": speed, "position and velocity": [f * v for f in where]}
     free |= {"position and time": [f * x for f in when], "velocity and time": [f * v for f in when]}
     if volts.any():

@@ -200,15 +200,11 @@ def followed(context: FitContext, criteria: Criteria, found: Candidate, part: fl
     """
     if found.optimum.rms <= context.rounding:
         return None
-    law = _strongest(context, found, context.decimated)
     beyond, power = allowed(context, criteria, found, noise=True, part=part)
-    if law.beyond <= beyond or law.power <= power:
+    seen = [law for law in free_laws(context, found.optimum) if law.beyond > beyond and law.power > power]
+    if not seen or all(law.beyond <= beyond for law in free_laws(context, found.optimum, context.records)):
         return None
-    return law if _strongest(context, found, context.records).beyond > beyond else None
-
-
-def _strongest(context: FitContext, found: Candidate, records: Records) -> FreeLaw:
-    return max(free_laws(context, found.optimum, records), key=lambda one: one.beyond)
+    return max(seen, key=lambda law: law.beyond)
 
 
 def allowed(

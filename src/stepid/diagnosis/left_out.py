@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +12,7 @@ from stepid.core.base import Array
 from stepid.diagnosis.evidence import part_left
 from stepid.diagnosis.selection.candidate import Candidate, Deviations, is_free
 from stepid.effects.base import Effect
-from stepid.fitting.cross_validation import held_out_residuals
+from stepid.fitting.cross_validation import held_out_residuals, judging
 from stepid.fitting.deviations import starts_kept, with_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.noise_floor import repeatability
@@ -46,9 +48,15 @@ class LeftOut:
 
     def of_two(self, one: Optimum, other: Optimum, first: float = 1.0) -> tuple[dict[int, Array], dict[int, Array]]:
         """Residuals of the runs that two fits can both be held against; see `held_out_residuals`."""
-        how = {"tolerance": self._told.context.tolerance, "first": first, "part": self._told.criteria.first}
-        before = held_out_residuals(one, **how)
-        after = held_out_residuals(other, **how) if other is not one else before
+        part = self._told.criteria.first
+        able = [i for i in judging(one, first, part) if i in judging(other, first, part)]
+
+        def held_out(optimum: Optimum) -> dict[int, Array]:
+            tolerance = self._told.context.tolerance
+            return held_out_residuals(optimum, tolerance=tolerance, first=first, part=part, among=able)
+
+        before = held_out(one)
+        after = held_out(other) if other is not one else before
         both = sorted(before.keys() & after.keys())
         return {i: before[i] for i in both}, {i: after[i] for i in both}
 
@@ -86,6 +94,9 @@ class LeftOut:
             of, problem, like = whole.problem.layout, build(linear.problem.records, effects), whole
             values = [whole.shared[v] for e, v in zip(of.effects, of.values, strict=True) if e in effects]
             shared = np.concatenate([whole.shared[of.linear], *values])
+            begun = problem.active.copy()
+            begun[:2] &= whole.problem.active[:2]  # runs that are at rest with the candidate are so
+            problem = replace(problem, active=begun)
         problem = with_deviations(problem, conditions)
         tolerance = self._told.context.tolerance
         return minimize(problem, shared, start_local(problem, like), tolerance=tolerance)
@@ -93,14 +104,17 @@ class LeftOut:
     def share(self, found: Candidate) -> tuple[float, float]:
         """Share of the misfit's repeatable power that a candidate takes on runs left out, and its steadiness.
 
-        Zero where no run can be left out.
+        Zero where no run can be left out. Runs that show no misfit, such as releases of what acts on the drive, say
+        nothing of how steady it is.
         """
         before, after = self.residuals(found)
         if not before:
             return 0.0, 0.0
-        single = [self._taken({i: before[i]}, after) for i in before]
+        noise = self._noise(found)
+        shown = [i for i in before if _shows(before[i], noise)] or list(before)
+        single = [_taken({i: before[i]}, after, noise) for i in shown]
         steady = min(single) / max(single) if max(single) > 0 else 0.0
-        return self._taken(before, after), max(steady, 0.0)
+        return _taken(before, after, noise), max(steady, 0.0)
 
     def share_of_free(self, found: Candidate) -> float:
         """Share of what a candidate's other effects leave that those with a freedom in every run take."""
@@ -108,18 +122,34 @@ class LeftOut:
         if not others:
             return self.share(found)[0]
         beside = self._with(others, found)
-        return self._taken(*self.of_two(beside, found.optimum, self._told.criteria.first)) if beside else 0.0
+        if beside is None:
+            return 0.0
+        return _taken(*self.of_two(beside, found.optimum, self._told.criteria.first), self._noise(found))
 
     def judges(self, found: Candidate) -> bool:
         """Tell whether some run left out has power that a candidate could take: else its share says nothing."""
         before, _ = self.residuals(found)
-        return self._power(before, before) > 0
+        return _power(before, before, self._noise(found)) > 0
 
-    def _taken(self, before: dict[int, Array], after: dict[int, Array]) -> float:
-        """Share of a residual's repeatable power that is gone, in the runs of the first; 0 where there was none."""
-        return 1.0 - part_left(self._power(before, before), self._power(after, before))
+    def _noise(self, found: Candidate) -> float:
+        """Square that each sample holds of noise and of what repeats differ by beyond a candidate's conditions, m²."""
+        differ = repeatability(self._told.context.records, self._plain(found).residual)
+        return max(self._told.context.floor, differ or 0.0) ** 2
 
-    def _power(self, seen: dict[int, Array], runs: dict[int, Array]) -> float:
-        """Power of residuals in some runs beyond what repeats differ by, m²."""
-        noise = max(self._told.context.floor, repeatability(self._told.context.records) or 0.0) ** 2
-        return sum(float(np.sum(seen[i] ** 2)) - noise * seen[i].size for i in runs)
+
+_Residuals = Mapping[int, Array]
+
+
+def _taken(before: _Residuals, after: _Residuals, noise: float) -> float:
+    """Share of a residual's repeatable power that is gone, in the runs of the first; 0 where there was none."""
+    return 1.0 - part_left(_power(before, before, noise), _power(after, before, noise))
+
+
+def _power(seen: _Residuals, runs: Iterable[int], noise: float) -> float:
+    """Power of residuals in some runs beyond a square [m²] that each sample holds, m²."""
+    return sum(float(np.sum(seen[i] ** 2)) - noise * seen[i].size for i in runs)
+
+
+def _shows(residual: Array, noise: float) -> bool:
+    """Tell whether a run left out shows more than chance does: its power, by two standard deviations of noise's."""
+    return bool(residual @ residual > noise * (residual.size + 2 * np.sqrt(2 * residual.size)))

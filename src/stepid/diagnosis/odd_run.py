@@ -180,8 +180,14 @@ def _fitted(problem: Problem, shared: Array, row: int | None = None, size: float
 
 def _stands_alone(records: Records, run: int) -> bool:
     """Tell whether a law may do what it likes in a run: its mass, input or travel is beyond the others', or its way."""
-    way, others = np.sign([push(one) for one in records.runs]), np.delete(records.added_mass, run)
+    way, others = np.sign([_push(records, i) for i in range(len(records.runs))]), np.delete(records.added_mass, run)
     travel = np.array([np.ptp(records.position[piece]) for piece in records.pieces()])
     beyond = not others.min() <= records.added_mass[run] <= others.max()
     beyond |= bool(travel[run] > _FARTHER * np.delete(travel, run).max())
     return beyond or not np.any(np.delete(way, run) == way[run]) or is_extreme(records, run)
+
+
+def _push(records: Records, run: int) -> float:
+    """What sets a run in motion, with its sign: the input's largest change, or how far from its end it is let go."""
+    one, y = records.runs[run], records.position[records.pieces()[run]]
+    return float(y[0] - y[-1]) if one.is_release else push(one)

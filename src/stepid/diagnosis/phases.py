@@ -44,18 +44,15 @@ def phase_of_samples(records: Records, linear: Optimum, motion: Motion, floor: f
     for r, (run, piece) in enumerate(zip(records.runs, records.pieces(), strict=True)):
         label, x, v = out[piece], motion.x[piece], motion.v[piece]
         if records.moving[r]:
-            label[_settled(x, float(np.ptp(x)), floor) :] = REST
+            _label_driven(label, np.diff(records.volts[piece], prepend=records.volts[piece][0]), x, floor)
             continue
         try:
             steps = find_steps(run)
         except NoStepError:
-            changes = np.flatnonzero(np.diff(run.input, prepend=run.input_before))
-            if not changes.size:
-                label[:] = REST
-                continue
-            last = int(changes[-1]) + 1
-            label[: changes[0]], label[changes[0] : last] = BEFORE, DRIVEN
-            label[last + _settled(x[last:], float(np.ptp(x)), floor) :] = REST
+            change = np.diff(run.input, prepend=run.input_before)
+            label[:] = BEFORE if change.any() else REST
+            if change.any():
+                _label_driven(label, change, x, floor)
             continue
         label[: steps[0].start] = BEFORE
         for step in steps:
@@ -64,6 +61,15 @@ def phase_of_samples(records: Records, linear: Optimum, motion: Motion, floor: f
             steady = float(gain[r] * (run.input[step.start] - run.input_before))
             _label_step(label[here], x[here], v[here], steady, floor)
     return out
+
+
+def _label_driven(label: Index, change: Array, x: Array, floor: float) -> None:
+    """Label a run from its input's first change to the last as driven, and where it settles after that as at rest."""
+    changes = np.flatnonzero(change)
+    last = int(changes[-1]) + 1 if changes.size else 0
+    label[int(changes[0]) if changes.size else 0 : last] = DRIVEN
+    label[last:] = RING_DOWN
+    label[last + _settled(x[last:], float(np.ptp(x)), floor) :] = REST
 
 
 def _settled(x: Array, travel: float, floor: float) -> int:

@@ -13,6 +13,7 @@ from stepid.fitting.multistart import FitContext
 from stepid.fitting.weak_form import force_along
 
 _SEEN = 200  # samples of the motion that tell what a force depends on
+_ENDS = 20  # further ones at each end of the motion, where a stop is
 
 
 def states_of(context: FitContext, effect: Effect, values: tuple[float, ...]) -> frozenset[str]:
@@ -30,7 +31,7 @@ def states_of(context: FitContext, effect: Effect, values: tuple[float, ...]) ->
     if effect.n_extra or effect.n_memory or effect.run_parameters:
         return frozenset()
     motion = _some(context.motion)
-    zero, one = np.zeros(_SEEN), np.ones(_SEEN)
+    zero, one = np.zeros(motion.x.size), np.ones(motion.x.size)
 
     def alike(**changed: Array) -> bool:
         return np.array_equal(force, force_along(effect, values, motion._replace(**changed)))
@@ -62,7 +63,8 @@ def cancelling(context: FitContext, optimum: Optimum, states: tuple[frozenset[st
 
 
 def _some(motion: Motion) -> Motion:
-    some = np.linspace(0, motion.x.size - 1, _SEEN).astype(np.intp)
+    ends = [order[k] for order in map(np.argsort, (motion.x, motion.v)) for k in (slice(_ENDS), slice(-_ENDS, None))]
+    some = np.unique(np.concatenate([np.linspace(0, motion.x.size - 1, _SEEN).astype(np.intp), *ends]))
     return Motion(*(field[some] for field in motion))
 
 

@@ -34,7 +34,7 @@ def scatter_is_a_law(e: EvidenceRecord) -> Answer | None:
         return None
     said = (
         f"{what_leaves(e.best)} only noise where the {effect_names((found.kind,))} differs from "
-        f"run to run, but that goes with {found.words}: it is a law, no scatter, and none of the catalogue's."
+        f"run to run, but that goes with {found.words}: it is a law, no scatter."
     )
     return _only_a_lead(e, said)
 
@@ -62,9 +62,12 @@ def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
     noise = rest_follows_nothing(e)
     if noise is not None:
         return replace(noise, rule=rest_follows_nothing.__name__)
-    said = (
-        f"{what_leaves(e.best)} only noise, but that is no prediction: fitted to the first part of a run that was left "
-        f"out, it takes {whole_percent(max(share, 0.0))} of {of} in the rest."
+    said = f"{what_leaves(e.best)} only noise, but "
+    said += (
+        f"that is no prediction: fitted to the first part of a run that was left out, it takes "
+        f"{whole_percent(max(share, 0.0))} of {of} in the rest."
+        if e.judges(e.best)
+        else "no run can be left out to test what is free in every run."
     )
     return Answer("unexplained", e.best, (), (said, "No effect is named."))
 
@@ -127,7 +130,7 @@ def complete(e: EvidenceRecord) -> Answer | None:
     sized = e.limited(e.best).items()
     said += tuple(f"The data limit {parameter_words(name)} on one side only: {size}." for name, size in sized)
     return _with_rivals(e, e.best, e.rivals, said) or Answer(
-        "named", e.best, (), (*said, "No other candidate comes near.")
+        "named", e.best, (), (*said, "No other candidate that is as simple comes near.")
     )
 
 

@@ -33,5 +33,5 @@ def follows(state: str) -> str:
 def better(state: str) -> str:
     """Say why a law of any shape refutes a lead."""
     if state == CONDITIONS:
-        return "Its parameters would have to change with the added mass or the input: no effect is named."
+        return "Its parameters would have to change with the added mass, the labels or the input: no effect is named."
     return f"A force of {state} whose law is none of the catalogue's does as well or better: no effect is named."

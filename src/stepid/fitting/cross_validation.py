@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
 
@@ -34,8 +35,28 @@ def qualifying(records: Records) -> list[int]:
     return out
 
 
+def judging(optimum: Optimum, first: float, part: float | None) -> list[int]:
+    """Runs that a fit can be held against, by index: those that qualify, or that tell enough in their first part.
+
+    Parameters
+    ----------
+    optimum : Optimum
+    first, part : float
+        As of `held_out_residuals`.
+    """
+    able = qualifying(optimum.problem.records)
+    if able or part is None or len(optimum.problem.records.runs) < 2:
+        return able
+    return _judges(optimum, min(first, part))
+
+
 def held_out_residuals(
-    optimum: Optimum, *, tolerance: float, first: float = 1.0, part: float | None = None
+    optimum: Optimum,
+    *,
+    tolerance: float,
+    first: float = 1.0,
+    part: float | None = None,
+    among: Collection[int] | None = None,
 ) -> dict[int, Array]:
     """Residuals [m] of up to three runs, each under a fit to the others; only the run's own parameters are refitted.
 
@@ -52,6 +73,8 @@ def held_out_residuals(
         Where no run qualifies: share of the run left out on which all is estimated that the others do not determine
         of the linear plant (a damper that no other run has, the mass of one of two); the residual is that of the rest.
         Runs are passed over whose first part does not tell it, or that alone tell a parameter of an effect.
+    among : collection of int, optional
+        Runs that may be left out, by index: those that another fit can be held against, too.
 
     Returns
     -------
@@ -59,11 +82,11 @@ def held_out_residuals(
         Run index to residual without wrong readings, shape (n,); empty where no run qualifies and `part` is not given.
     """
     records = optimum.problem.records
-    able, told = qualifying(records), {}
-    if not able and part is not None and len(records.runs) > 1:
-        first = min(first, part)
-        able = _judges(optimum, first)
+    able, told = judging(optimum, first, part), {}
+    if able and not qualifying(records):
+        first = min(first, part or first)
         told = {i: _told_by(optimum.problem, i) for i in able}
+    able = able if among is None else [i for i in able if i in among]
     chosen = sorted({able[round(k)] for k in np.linspace(0, len(able) - 1, _RUNS)}) if able else []
     out: dict[int, Array] = {}
     for i in chosen:

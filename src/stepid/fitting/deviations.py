@@ -15,6 +15,7 @@ from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.problem import free_starts
 from stepid.simulation.layout import STARTS
+from stepid.simulation.records import Index
 
 SCATTER = ("start_time", "gain", "damping", "friction")
 """What runs of a healthy plant differ by; their rest positions differ, too, and need no parameter."""
@@ -176,10 +177,23 @@ def scatter_values(optimum: Optimum) -> dict[str, Array]:
     return out
 
 
-def deviation_std(values: Mapping[str, Array]) -> dict[str, float]:
-    """Standard deviation of each kind over the runs that have it, in its unit; see `scatter_values`."""
-    found = {kind: v[np.isfinite(v)] for kind, v in values.items()}
-    return {kind: float(np.sqrt(np.sum(v**2) / (v.size - 1))) for kind, v in found.items() if v.size > 1}
+def deviation_std(values: Mapping[str, Array], damper: Index) -> dict[str, float]:
+    """Standard deviation of each kind over the runs that have it, in its unit.
+
+    Parameters
+    ----------
+    values : mapping
+        Of `scatter_values`.
+    damper : array of int, shape (R,)
+        Label of each run: damping is about as many means.
+    """
+    out = {}
+    for kind, v in values.items():
+        has = np.isfinite(v)
+        means = 0 if kind in _STARTS else np.unique(damper[has]).size if kind == "damping" else 1
+        if has.sum() > max(means, 1):
+            out[kind] = float(np.sqrt(np.sum(v[has] ** 2) / (has.sum() - means)))
+    return out
 
 
 def promised(optimum: Optimum, kinds: Iterable[Kind]) -> dict[Kind, Promise]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +11,7 @@ import numpy.typing as npt
 from stepid.core.base import Array
 from stepid.core.copies import grouped
 from stepid.core.experiment import Experiment
+from stepid.core.hand import period_of
 from stepid.core.noise import STILL, clipped_spread, predicted_noise
 from stepid.core.once import once
 from stepid.core.samples import divided_differences, is_even, means_of_blocks
@@ -42,7 +44,7 @@ def _moving_differences(run: Experiment, begin: int) -> Array:
         return np.empty(0)
     use = _moves(run, y)
     jumps = np.flatnonzero(np.diff(np.concatenate([[run.input_before], run.input])))
-    for jump in jumps - begin if jumps.size < 0.05 * y.size else []:
+    for jump in jumps - begin if jumps.size < _BUSY * y.size else []:
         use[max(0, jump - _ORDER - 1) : max(0, jump + 3)] = False
     if not is_even(run.time):
         return divided_differences(clock(run)[begin:], y, order=_ORDER)[use]
@@ -111,20 +113,13 @@ def _predicted(records: Records) -> float | None:
     square, count = 0.0, 0
     for run, piece in zip(records.runs, records.pieces(), strict=True):
         y, u = records.position[piece], records.volts[piece]
-        if np.count_nonzero(np.diff(u)) <= _BUSY * u.size and _swing(y) > _FAST:
+        if np.count_nonzero(np.diff(u)) <= _BUSY * u.size and period_of(y) > _FAST:
             continue
         own = predicted_noise(y, u, resolution=run.resolution)
         if own is None:
             return None
         square, count = square + own**2 * y.size, count + y.size
     return math.sqrt(square / count) if count else None
-
-
-def _swing(y: Array) -> float:
-    """Samples of a period of the strongest oscillation."""
-    amplitude = np.abs(np.fft.rfft((y - y.mean()) * np.hanning(y.size)))[1:]
-    order = np.arange(1, amplitude.size + 1)
-    return y.size / float(order[np.argmax(amplitude**2 * order)])
 
 
 def repeats(records: Records) -> list[tuple[int, ...]]:
@@ -134,24 +129,39 @@ def repeats(records: Records) -> list[tuple[int, ...]]:
     return [tuple(resting[i] for i in group) for group in groups if len(group) > 1]
 
 
-def _spreads(records: Records) -> list[tuple[tuple[int, ...], float, float]]:
-    """Groups of repeated runs, each with the sum of squares of their spread and of their motion, m²."""
-    out = []
-    pieces = records.pieces()
+def _spreads(records: Records, left: Array | None = None) -> list[tuple[tuple[int, ...], float, float]]:
+    """Groups of repeated runs, each with the sum of squares of their spread and of their motion, m².
+
+    The spread of the readings, or of what a fit has left of them, shape (S,).
+    """
+    out, pieces = [], records.pieces()
+    left = records.position if left is None else left
     for group in repeats(records):
-        stack = np.array([records.position[pieces[i]] for i in group])
-        stack = stack - stack.mean(axis=1, keepdims=True)
+        motion, stack = (_centered(values, pieces, group) for values in (records.position, left))
         between = float(np.sum((stack - stack.mean(axis=0)) ** 2)) / (len(group) - 1) * len(group)
-        out.append((group, between, float(np.sum(stack**2))))
+        out.append((group, between, float(np.sum(motion**2))))
     return out
 
 
-def repeatability(records: Records) -> float | None:
+def _centered(values: Array, pieces: Sequence[slice], runs: Sequence[int]) -> Array:
+    """Values of some runs of as many samples, each about its mean, shape (n, samples)."""
+    stack = np.array([values[pieces[i]] for i in runs])
+    out: Array = stack - stack.mean(axis=1, keepdims=True)
+    return out
+
+
+def repeatability(records: Records, left: Array | None = None) -> float | None:
     """Run-to-run spread of repeated runs, m: what no model of one plant can explain; None without repeats.
 
     Runs under the same labels that differ by a tenth of their motion are no repeats: a label, scale or sign is wrong.
+
+    Parameters
+    ----------
+    records : Records
+    left : array, shape (S,), optional
+        m, residual of a fit in which runs may differ: the spread is what it leaves of that of the readings.
     """
-    found = [(group, between) for group, between, motion in _spreads(records) if between <= _ALIKE**2 * motion]
+    found = [(group, between) for group, between, motion in _spreads(records, left) if between <= _ALIKE**2 * motion]
     if not found:
         return None
     counts = np.diff(records.bounds)

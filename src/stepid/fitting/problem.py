@@ -263,7 +263,7 @@ def scales(records: Records, linear: Optimum, floor: float) -> Scales:
         volts=float(volts.max()) or 1.0,
         volts_least=float(volts[volts > 0].min()) if volts.any() else 1.0,
         sample_time=float(records.sample_time.mean()),
-        duration=float(np.max(records.time)),
+        duration=max(float(np.ptp(records.time[piece])) for piece in records.pieces()),
         floor=floor,
         low=float(states[0].min()),
         high=float(states[0].max()),
