@@ -122,3 +122,15 @@ def test_runs_of_one_condition_ask_nothing() -> None:
     ]
     context = prepare(stepid.Campaign(name="repeats", experiments=tuple(repeats)))
     assert all(law.state != CONDITIONS for law in free_laws(context, context.linear))
+
+
+def test_inputs_that_are_measured_make_no_conditions_of_their_own() -> None:
+    """What is read of one step differs by a thousandth: with that each run had been free in all of an effect."""
+    made = make_campaigns([Request(3, ("cubic_stiffness",), None, 8.0, "four")])
+    first, *others = made[0][0].experiments
+    read = first.input + 1e-3 * np.ptp(first.input) * np.random.default_rng(3).standard_normal(first.input.size)
+    again = first.model_copy(update={"name": "again", "position": first.position + 1e-9, "input": read})
+    larger = first.model_copy(update={"name": "larger", "position": first.position * 1.1, "input": 1.1 * first.input})
+    records = prepare(stepid.Campaign(name="read", experiments=(first, *others, again, larger))).records
+    number = {run.name: n for run, n in zip(records.runs, conditions_of(records), strict=True)}
+    assert number[first.name] == number["again"] != number["larger"]

@@ -14,8 +14,11 @@ from made_up_evidence import candidate, context
 from scattered_campaigns import scattered
 from stepid import Criteria, Effort
 from stepid.diagnosis import diagnose, explore
-from stepid.effects import CATALOGUE
+from stepid.diagnosis.selection.candidate import Candidate
+from stepid.effects import CATALOGUE, resolve
 from stepid.effects.drive import acts_on_input
+from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.record_fault import RecordFault
 
 OF_THE_DRIVE = {"actuator_lag", "input_delay", "actuator_dead_zone", "actuator_saturation", "actuator_rate_limit"}
@@ -116,3 +119,43 @@ def test_a_fault_outweighs_by_what_it_leaves(names: list[str], plain: float, lef
     found = explore.Found(context(), (linear, best) if names else (linear,))
     cost = linear.optimum.cost * (left / plain) ** 2
     assert explore.outweighs(cost, linear.optimum, found, Criteria()) is outweighed
+
+
+def test_runs_that_the_search_left_at_rest_stay_so_when_the_readings_are_looked_at_again() -> None:
+    """With friction a cart may begin off its rest: that freedom costs as much as a further effect does."""
+    seen = prepare(scattered(1, level=0.4))
+    fitted = fit_effects(seen, resolve(["coulomb_friction"]))
+    assert fitted is not None
+    held = replace(fitted.problem, active=np.zeros_like(fitted.problem.active))
+    rested = minimize(held, fitted.shared, np.zeros_like(fitted.local))
+    assert rested is not None
+    weight = seen.records.weight.copy()
+    weight[100] = 0.0
+    again: Any = SimpleNamespace(
+        records=seen.records.reweighted(weight),
+        workers=1,
+        tolerance=seen.tolerance,
+        floor=seen.floor,
+        period=seen.period,
+    )
+    (found,) = explore._fitted_again(again, (Candidate(resolve(["coulomb_friction"]), frozenset(), rested, 0.0),))
+    assert not found.optimum.problem.active[:2].any()
+
+
+def test_the_readings_are_looked_at_again_where_that_left_the_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What one look finds, as colored noise, can hide what the next one does, as two wrong readings."""
+    looks = [context() for _ in range(4)]
+    found = candidate(["cogging"])
+    searches: list[Any] = []
+
+    def refined(seen: Any, *_: object) -> Any:
+        at = looks.index(seen)
+        return looks[at + 1] if at < 2 else None
+
+    monkeypatch.setattr(explore, "linear_candidate", lambda _: candidate(times=9.0))
+    monkeypatch.setattr(explore, "_search", lambda seen, *_: searches.append(seen) or [found])
+    monkeypatch.setattr(explore, "refined", refined)
+    monkeypatch.setattr(explore, "_fitted_again", lambda _, candidates: candidates)
+    done = explore.explored(looks[0], (), Criteria(), Effort(), lambda _: None)
+    assert done.context is looks[2]
+    assert searches == [looks[0]]

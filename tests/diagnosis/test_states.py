@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 
 from hidden.campaigns import Request, make_campaigns
-from stepid.diagnosis.states import cancelling, states_of_all
+from stepid.diagnosis.states import cancelling, states_of, states_of_all
 from stepid.effects import resolve
 from stepid.fitting.fit import fit_effects, prepare
 from stepid.fitting.levenberg_marquardt import Optimum
@@ -48,3 +51,15 @@ def test_effects_of_other_states_cancel_nothing(bent: FitContext) -> None:
     assert cancelled(bent, having(bent, "quadratic_damping", "sine_stiffness", values=(-9.0, curvature))) == ""
     assert cancelled(bent, having(bent, "sine_stiffness", values=(curvature,))) == ""
     assert cancelled(bent, bent.linear) == ""
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_stop_that_is_met_at_the_end_of_the_motion_only_has_a_state(bent: FitContext, side: float) -> None:
+    """Of 200 samples all along a long record none need be in contact."""
+    (stop,) = resolve(["end_stop"])
+    x = 0.009 * np.sin(0.01 * np.arange(20_001))
+    x[10_001:10_021] = side * 0.0101  # between the 10,000th sample and the next of the 200
+    motion = bent.motion._replace(**{name: np.zeros(x.size) for name in bent.motion._fields} | {"x": x})
+    context: Any = SimpleNamespace(motion=motion)
+    given = tuple(side * 0.01 if q.name == "position" else 1e4 for q in stop.parameters)
+    assert states_of(context, stop, given) == {"position"}

@@ -30,7 +30,7 @@ def states_of(context: FitContext, effect: Effect, values: tuple[float, ...]) ->
     """
     if effect.n_extra or effect.n_memory or effect.run_parameters:
         return frozenset()
-    motion = _some(context.motion)
+    motion = _some(context.motion, _ENDS)
     zero, one = np.zeros(motion.x.size), np.ones(motion.x.size)
 
     def alike(**changed: Array) -> bool:
@@ -62,9 +62,11 @@ def cancelling(context: FitContext, optimum: Optimum, states: tuple[frozenset[st
     return ""
 
 
-def _some(motion: Motion) -> Motion:
-    ends = [order[k] for order in map(np.argsort, (motion.x, motion.v)) for k in (slice(_ENDS), slice(-_ENDS, None))]
-    some = np.unique(np.concatenate([np.linspace(0, motion.x.size - 1, _SEEN).astype(np.intp), *ends]))
+def _some(motion: Motion, ends: int = 0) -> Motion:
+    """Samples all along a motion, and so many more at each end of position and velocity."""
+    orders = [np.argsort(values) for values in (motion.x, motion.v)] if ends else []
+    far = [order[k] for order in orders for k in (slice(ends), slice(-ends, None))]
+    some = np.unique(np.concatenate([np.linspace(0, motion.x.size - 1, _SEEN).astype(np.intp), *far]))
     return Motion(*(field[some] for field in motion))
 
 
