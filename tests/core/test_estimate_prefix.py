@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from stepid.core.estimate import Estimate, prefixed
+from stepid.core.estimate import Estimate, outward, prefixed
 
 
 @pytest.mark.parametrize(
@@ -28,3 +28,11 @@ def test_short_ones_have_a_prefix(value: float, uncertainty: float | None, unit:
 
 def test_others_are_left_alone() -> None:
     assert prefixed(0.01, 0.001, "kg") == (0.01, 0.001, "kg")
+
+
+@pytest.mark.parametrize(
+    ("value", "least", "most"), [(0.29, "0.29", "0.29"), (0.2951, "0.29", "0.3"), (57.0, "57", "57")]
+)
+def test_the_end_of_an_interval_holds_no_less_and_no_more_than_it_has_to(value: float, least: str, most: str) -> None:
+    """0.29 times 100 is a little less than 29."""
+    assert (outward("at least", value), outward("at most", value)) == (least, most)

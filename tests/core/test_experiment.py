@@ -241,3 +241,10 @@ def test_a_list_of_runs_is_a_campaign():
     assert campaign == Campaign.model_validate_json(campaign.model_dump_json())
     with pytest.raises(InputError, match="experiments"):
         Campaign(name="c", experiments=runs[0])
+
+
+def test_what_is_equal_has_one_hash():
+    fields = {"time": 0.1 * np.arange(20), "position": np.arange(20), "added_mass": 0.0, "spring": "s", "damper": "d"}
+    zero, minus = (Experiment(name="x", input=z * np.ones(20), **fields) for z in (0.0, -0.0))
+    assert zero == minus
+    assert hash(zero) == hash(minus)

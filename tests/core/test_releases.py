@@ -263,3 +263,17 @@ def test_a_slow_push_breaks_what_swings(periods: float) -> None:
     free = control.ss([[0, 1], [-(rate**2), -2 * decay]], [[0], [1]], [[1, 0]], [[0]])
     pushed = control.forced_response(free, time, force, [0.01, 0.0]).outputs
     assert len(stepid.split_releases(record(pushed, noise=3e-5, starts="motion"))) == 2
+
+
+@pytest.mark.parametrize("samples", [40, 300])
+def test_a_last_reading_that_is_off_is_no_hand(samples: int) -> None:
+    position = np.append(np.zeros(samples - 1), 0.01)
+    made = stepid.Experiment(
+        name="end", time=0.01 * np.arange(samples), position=position, input=np.zeros(samples),
+        added_mass=0.0, spring="s", damper="d",
+    )  # fmt: skip
+    found = hand(made)
+    assert found is not None
+    assert (found.first, found.seen) == (0, False)
+    parts = stepid.Campaign(name="one", experiments=(made,)).in_parts(2)
+    assert [run.name for run in parts.experiments] == ["end, part 1", "end, part 2"]

@@ -66,3 +66,21 @@ def test_the_base_mass_is_as_uncertain_as_the_weights_on_the_lightest_run(known:
     found = stepid.identify(stepid.Campaign(name="heavy", experiments=runs, weight_uncertainty=known))
     lightest = found.uncertainty.masses["0.5 kg"]
     assert found.uncertainty.base_mass["cart"] == pytest.approx(np.hypot(lightest, known), rel=1e-6)
+
+
+def test_a_notebook_shows_what_the_summary_says() -> None:
+    found = stepid.identify(campaign(0.01))
+    fields = found.model_dump() | {"uncertainty": found.uncertainty, "misfit": 7.0}
+    wrong = stepid.IdentifiedParameters(**fields)
+    said = "The runs contradict each other 7.0 times more"
+    assert said in wrong.summary()
+    assert said in wrong._repr_html_()
+    alone = stepid.find_trends([stepid.characterize(responding(0.0, 0.01, 2e-6))])
+    assert alone._repr_html_() == f"<p>{alone.summary()}</p>"
+
+
+def test_why_a_run_is_left_out_names_it_once() -> None:
+    made = campaign(0.01).experiments
+    late = made[0].model_copy(update={"name": "uneven", "time": made[0].time ** 1.01})
+    found = stepid.identify(stepid.Campaign(name="one uneven", experiments=(*made, late)))
+    assert found.excluded["uneven"].startswith("its samples are uneven")

@@ -198,6 +198,10 @@ def test_what_does_not_fit_the_run_is_refused() -> None:
         stepid.simulate_system(system, run)
     with pytest.raises(InputError, match=r"has 3 values, system 'steps' has 2 states.*displacement, velocity"):
         stepid.simulate_system(system, run, initial_state=[0.0, 0.0, 0.0])
+    with pytest.raises(InputError, match=r"initial_state is no array of numbers"):
+        stepid.simulate_system(system, run, initial_state=["a", "b"])
+    with pytest.raises(InputError, match=r"initial_state has values that are not finite"):
+        stepid.simulate_system(system, run, initial_state=[np.nan, 0.0])
     with pytest.raises(InputError, match=r"transfer function, which has no states.*state_space"):
         stepid.simulate_system(stepid.transfer_function(example.model(), run), run, initial_state=[0.0, 0.0])
     with pytest.raises(InputError, match="has 2 inputs, a run has one"):

@@ -96,6 +96,11 @@ def test_a_run_whose_name_has_a_dot_is_a_system_too() -> None:
     assert [run.name for run in stepid.verify(found, campaign).runs] == ["case 4, 1.5 kg", "case 5, 1.5 kg"]
 
 
+def test_free_responses_of_a_run_that_was_not_identified_are_refused() -> None:
+    with pytest.raises(InputError, match="'other'"):
+        free_responses(plant(1.5, 4.0, 300.0), "other", samples=40, sample_time=0.005)
+
+
 def test_free_responses_match_the_closed_form() -> None:
     m, c, k, dt = 1.5, 4.0, 300.0, 0.005
     t = dt * np.arange(400)

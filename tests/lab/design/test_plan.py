@@ -154,7 +154,7 @@ def test_a_plan_is_told_drawn_and_kept(pair: stepid.Plan, plain: stepid.Plan) ->
         ({"levels": (0.0, 0.5)}, "levels"),
         ({"runs": (1, 2)}, "runs"),
         ({"sample_times": (-0.01,)}, "sample_times"),
-        ({"sample_times": (5.0, 9.0)}, "sample_times: 5 s leaves fewer than 8 samples .*at most 0"),
+        ({"sample_times": (5.0, 9.0)}, "sample_times: 5 s leaves fewer than 40 samples .*at most 0"),
         ({"wanted": {"weight": 0.1}}, "weight"),
         ({"wanted": {"base_mass": 0}}, "base_mass"),
         ({"separate": ("coulomb_friction",)}, "separate"),
@@ -198,3 +198,31 @@ def test_the_command_line_says_the_same(tmp_path: Path, capsys: pytest.CaptureFi
     assert run(["plan", *guess.split(), "--weight-uncertainty", "-1"]) == 2
     assert "cannot be. Give a number of 0 or above: kg, 0 for exact weights." in capsys.readouterr().err
     mpl.pyplot.close("all")
+
+
+def test_a_plan_predicts_for_records_as_long_as_it_says() -> None:
+    """Too few samples had been made more behind its back: twice the data."""
+    with pytest.raises(InputError, match=r"sample_times: 0\.05 s leaves fewer than 40 samples in records of 1 s"):
+        stepid.plan(GUESS, noise=50e-6, **{**SMALL, "sample_times": (0.05,), "duration": 1.0})
+    found = stepid.plan(GUESS, noise=50e-6, **{**SMALL, "sample_times": (0.01, 0.05), "duration": 1.5})
+    assert found.advice.sample_time == 0.01
+    made = found.advice.campaign(found.plant).experiments
+    assert sum(run.time.size for run in made) == found.advice.samples
+
+
+def test_what_a_plan_cannot_do_is_refused(plain: stepid.Plan) -> None:
+    with pytest.raises(InputError, match=r"runs = \(2\.7,\) are not whole numbers"):
+        stepid.plan(GUESS, noise=50e-6, **{**SMALL, "runs": (2.7,)})
+    with pytest.raises(InputError, match=r"runs is 5: no design has so many. Give one of 2, 4\."):
+        plain.best(5)
+    with pytest.raises(InputError, match="seed = -1 cannot be"):
+        plain.check(10, seed=-1)
+    with pytest.raises(InputError, match=r"coulomb_friction has the values none. Give level\."):
+        stepid.plan(GUESS, noise=50e-6, effects=(stepid.EffectModel(name="coulomb_friction", values={}),), **SMALL)
+
+
+def test_labels_are_no_html_in_a_notebook() -> None:
+    plant = stepid.PlantModel(base_mass={"c": 0.95}, stiffness={"<b>k": 216.0}, damping={"d": 12.0}, force_gain=7.8)
+    found = stepid.plan(plant, noise=50e-6, wanted={"stiffness[<b>k]": 1e-9}, **SMALL)
+    assert "<b>k" in found.summary()
+    assert "<b>k" not in found._repr_html_()
