@@ -94,3 +94,10 @@ def test_only_added_masses_are_taken_from_the_lines_above(line: str, mass: float
 )
 def test_sample_times_above_the_rows(line: str, period: float | None) -> None:
     assert sample_time_above((line,)) == pytest.approx(period)
+
+
+@pytest.mark.parametrize("name", ["r_0_3kg", "r_0-3kg", "run_2_3kg"])
+def test_a_number_that_may_go_on_from_another_is_asked(name: str) -> None:
+    """A point is written so where file systems or people do not like it: 0_3kg had been 3 kg."""
+    assert read_name(name).mass is None
+    assert read_name(f"{name}.5").mass is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -260,3 +261,33 @@ def test_a_column_called_by_its_unit_may_be_the_position(unit: str, scale: float
     assert question.startswith(f"Which column is the position (x, y, {unit};")
     run = stepid.draft_campaign(tmp_path, time_unit="s", position=unit, **RELEASED).campaign()[0]
     np.testing.assert_allclose(run.position, -scale * X.round(5), atol=2e-5)
+
+
+def test_an_index_that_nobody_named_is_no_clock(tmp_path: Path) -> None:
+    """As pandas writes it: rows 0, 1, 2… had been milliseconds, whatever was said of the sample time."""
+    rows = [f"{i},{x:.5f}\n" for i, x in enumerate(X)]
+    (tmp_path / "run.csv").write_text(",x (rad)\n" + "".join(rows), encoding="utf-8")
+    with pytest.raises(InputError, match="How many seconds are two samples apart"):
+        stepid.draft_campaign(tmp_path, **RELEASED).campaign()
+    (run,) = stepid.draft_campaign(tmp_path, **RELEASED, sample_time=1 / 30).campaign().experiments
+    np.testing.assert_allclose(run.time, np.arange(X.size) / 30)
+    clock = [f"2024-05-03T14:59:{30 + i // 30:02d}.{1000 * (i % 30) // 30:03d}" for i in range(600)]
+    moments = [f"{i},{moment},{x:.5f}\n" for i, (moment, x) in enumerate(zip(clock, X, strict=True))]
+    (tmp_path / "run.csv").write_text(",timestamp,x (rad)\n" + "".join(moments), encoding="utf-8")
+    (run,) = stepid.draft_campaign(tmp_path, **RELEASED).campaign().experiments
+    assert run.sample_time == pytest.approx(1 / 30, rel=0.03)
+
+
+def test_a_trigger_is_no_drive_and_of_several_inputs_it_is_said_which_is_taken(tmp_path: Path) -> None:
+    step = np.where(T > 1.0, 1.0, 0.0)
+    early = np.where(T > 0.8, 5.0, 0.0)
+    rows = [f"{t:.4f},{e:g},{x:.5f},{u:g}\n" for t, e, x, u in zip(T, early, X, step, strict=True)]
+    for name, said in (("trigger_in (V)", False), ("force (V)", True)):
+        (tmp_path / "run.csv").write_text(f"t (s),{name},x (rad),drive (V)\n" + "".join(rows), encoding="utf-8")
+        draft = stepid.draft_campaign(tmp_path, added_mass=0.0, spring="s", damper="d")
+        told = [words for words in draft.summary().splitlines() if "may be the input, too" in words]
+        assert bool(told) is said
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            (run,) = draft.campaign().experiments
+        assert run.input.max() == (5.0 if said else 1.0)

@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepid.core.base import Array
-from stepid.io.guess.content import kind, rises_evenly
+from stepid.io.guess.content import counts_rows, kind, rises_evenly
 from stepid.io.guess.draft import ALL
 from stepid.io.guess.file_names import FileName, read_name
+from stepid.io.guess.inputs import others, without_triggers
 from stepid.io.guess.motion import alike, copies, moves
 from stepid.io.guess.run_names import is_within, runs_of, sensors_of, without_run
 from stepid.io.guess.text import Block
@@ -36,7 +37,10 @@ class Column:
 
 @dataclass(frozen=True)
 class Group:
-    """The columns of one run; `label` tells it from others of the table, `doubt` what is not clear."""
+    """The columns of one run; `label` tells it from others of the table, `doubt` what is not clear.
+
+    `others` may be the input as well as the one that is taken.
+    """
 
     time: Column | None
     position: Column | None
@@ -45,6 +49,7 @@ class Group:
     said: FileName
     doubt: str = ""
     choices: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
 
 
 def find_columns(block: Block, chosen: Mapping[str, str] | None = None) -> tuple[Column, ...]:
@@ -89,6 +94,7 @@ def _in_known_units(columns: Sequence[Column]) -> list[Column]:
 def group_columns(columns: Sequence[Column], block: Block, *, said: str | None = None) -> tuple[Group, ...]:
     """Put the columns of a table together to runs; `said` names that of the position, with `ALL` each is one."""
     times, positions, inputs = ([c for c in columns if c.role == role] for role in ("time", "position", "input"))
+    inputs = without_triggers(inputs)
     sure = said is not None and (said == ALL or bool(called(columns, said)))
     if not sure and (doubt := _unclear(times, positions, columns, block)):
         return (_open(doubt, times, inputs, columns),)
@@ -98,7 +104,7 @@ def group_columns(columns: Sequence[Column], block: Block, *, said: str | None =
     if said != ALL and not _several_runs(positions, times, inputs, labels, block):
         choices = sensors_of(_called(positions)) or _names(positions, columns)
         doubt = f"several columns may be the position: {', '.join(choices)}" + _said_of_copies(positions, columns)
-        return (Group(_best_time(times), None, _one(inputs), "", read_name(""), doubt, choices),)
+        return (_open(doubt, times, inputs, columns, *choices),)
     time_labels, input_labels = _labels(times, block), _labels(inputs, block)
     return tuple(
         Group(
@@ -125,13 +131,17 @@ def _lone(
     (position,) = positions
     label, run = block.groups[position.index], runs_of([position.name])
     times, inputs = ([c for c in others if run and runs_of([c.name]) == run] or others for others in (times, inputs))
-    return Group(_best_time(times), position, _one(inputs), label, read_name(label))
+    more = _names(others(inputs), columns)
+    return Group(_best_time(times), position, next(iter(inputs), None), label, read_name(label), others=more)
 
 
-def _open(doubt: str, times: Sequence[Column], inputs: Sequence[Column], columns: Sequence[Column]) -> Group:
-    """A run of which any column but the time may be the position."""
-    choices = _names([c for c in columns if c.role != "time"], columns)
-    return Group(_best_time(times), None, _one(inputs), "", read_name(""), doubt, choices)
+def _open(
+    doubt: str, times: Sequence[Column], inputs: Sequence[Column], columns: Sequence[Column], *choices: str
+) -> Group:
+    """A run of which some columns may be the position, any but the time where no choices are given."""
+    choices = choices or _names([c for c in columns if c.role != "time"], columns)
+    more = _names(others(inputs), columns)
+    return Group(_best_time(times), None, next(iter(inputs), None), "", read_name(""), doubt, choices, more)
 
 
 def _unclear(
@@ -207,13 +217,14 @@ def _by_content(columns: Sequence[Column], told: Collection[str]) -> tuple[Colum
     rests = "position" in found and not any(moves(c.values) for c in columns if c.role == "position")
     if rests:  # another that moves may be the position, too
         found.remove("position")
-    if not any(c.name for c in columns):
+    named = any(c.name for c in columns)
+    if not named:
         found &= {"time"}  # without names, several columns may be positions or inputs
     taken: set[str | None] = {*told, *found}
     out = []
     for c in columns:
         if c.role is None:
-            looks = kind(c.values, c.index)
+            looks = "other" if named and not c.name and counts_rows(c.values) else kind(c.values, c.index)
             still = rests and looks == "position" and not moves(c.values)
             c = replace(c, role="other" if still or looks in taken else looks)
             if looks == "time":  # another that rises evenly is none
@@ -229,10 +240,6 @@ def _abscissa_as_time(columns: Sequence[Column]) -> Sequence[Column]:
         return columns
     abscissa = next((c for c in positions if c.unit is None and kind(c.values, c.index) == "time"), None)
     return [replace(c, role="time") if c is abscissa else c for c in columns]
-
-
-def _one(columns: Sequence[Column]) -> Column | None:
-    return columns[0] if columns else None
 
 
 def _best_time(times: Sequence[Column]) -> Column | None:

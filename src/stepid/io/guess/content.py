@@ -30,6 +30,12 @@ def kind(values: Array, index: int) -> Role:
     return "position"
 
 
+def counts_rows(values: Array) -> bool:
+    """Tell the numbers of rows, from 0 or 1 on, as a table's index that nobody named: no clock."""
+    kept = values[np.isfinite(values)]
+    return bool(kept.size >= _FEWEST and kept[0] in (0.0, 1.0) and np.all(np.diff(kept) == 1.0))
+
+
 def rises_evenly(values: Array) -> bool:
     """Tell readings, NaN where there is none, that rise by one step from row to row, as a time or an index does.
 

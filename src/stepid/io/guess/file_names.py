@@ -18,6 +18,7 @@ _MASS = re.compile(
     re.IGNORECASE,
 )
 _JOINED = re.compile(r"\d\s*(?:kg|g)?\s*[+&]\s*[.,]?\d|\d\s*[x×*]\s*$", re.IGNORECASE)
+_POINT = re.compile(r"\d[_-]$")  # before a number: 0_3kg is 0.3 kg, or the third of its kind
 _WEIGHTS = re.compile(
     r"(?<![\d.,])(?P<number>\d{1,2}|no|without|ohne|sans|zero|one|two|three|four)[\s_-]*(?:extra[\s_-]*)?"
     r"(?:mass(?:es|en)?|weights?|wts?|gewichte?|poids|pesi|pesas|bricks?|brass|lod(?:der)?)(?![a-z])",
@@ -101,7 +102,8 @@ def read_name(name: str) -> FileName:
         weights = _SPELLED[word] if word in _SPELLED else int(word)
         masses = [one for one in masses if one["kilo"]]  # what is in g may be anything beside a number of weights
     if masses:
-        mass, weights = _one_mass(masses, text, 1 if weights is None else weights), None
+        may_go_on = masses[0]["kilo"] is not None and _POINT.search(name[: masses[0].start()]) is not None
+        mass, weights = None if may_go_on else _one_mass(masses, text, 1 if weights is None else weights), None
     elif weights is not None and _JOINED.search(text):
         weights = None
     elif weights is None and _EMPTY.search(text):

@@ -120,6 +120,9 @@ def _check_one_run(draft: Draft, block: Block, where: str) -> None:
 def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object], *, several: bool) -> Draft:
     columns = {role: column for role in ROLES if (column := getattr(group, role)) is not None}
     readings, doubts = _readings(columns)
+    if group.others and group.input is not None:
+        taken = group.input.name or f"column {group.input.index}"
+        doubts.append(f"{', '.join(group.others)} may be the input, too; {taken} is taken: say input=…")
     doubts += [group.doubt] if group.doubt else []
     rows = block.values.shape[0]
     ends = _ends(columns) if several else rows
