@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 _SMALL, _LEAST = 0.095, 1e-4  # µm
 
@@ -32,3 +33,8 @@ def digits(value: float) -> str:
     size = abs(value)
     places = 0 if size >= 99.95 else 1 if size >= 9.995 else 2
     return f"{value:.{places}f}"
+
+
+def listed(parts: Sequence[str], word: str) -> str:
+    """Write a list as people speak: ``"a, b and c"``."""
+    return f" {word} ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)

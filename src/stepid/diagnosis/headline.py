@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from stepid.core.words import capitalized
+from stepid.core.words import capitalized, listed
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.wording import candidate_name, effect_names, listed
+from stepid.diagnosis.wording import candidate_name, effect_names
 
 if TYPE_CHECKING:
     from stepid.diagnosis.result import Diagnosis

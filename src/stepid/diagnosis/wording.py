@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from stepid.core.latex import parameter_name
-from stepid.core.words import capitalized, length
+from stepid.core.words import capitalized, length, listed
 from stepid.diagnosis.residual_force import CLEAR, Shape
 
 _CLEAR_TREND = 0.7  # correlation
@@ -26,11 +26,6 @@ def taken_in_words(names: Sequence[str], share: float) -> str:
     takes = "takes" if len(names) == 1 else "take"
     percent = math.floor(100 * share + 1e-9)
     return f"{capitalized(said)} {takes} {percent} % of the misfit's power on runs that the fit did not see"
-
-
-def listed(parts: Sequence[str], word: str) -> str:
-    """Write a list as people speak: ``"a, b and c"``."""
-    return f" {word} ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
 
 
 def effect_names(names: Iterable[str]) -> str:

@@ -22,6 +22,7 @@ from stepid.fitting.eccentricity import find_eccentricity
 from stepid.fitting.fit_result import Fit as Fit
 from stepid.fitting.hum import find_hum, without_hum
 from stepid.fitting.input_fault import find_input_fault
+from stepid.fitting.input_noise import at_levels
 from stepid.fitting.left_over import left_over
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import centered
@@ -62,14 +63,20 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
         If no linear plant can be fitted at all.
     """
     screened = screen(as_campaign(campaign))
-    records, linear, floor = _begun(screened.campaign, screened.wrong, workers)
+    campaign, notes = screened.campaign, screened.notes
+    records, linear, floor = _begun(campaign, screened.wrong, workers)
+    levels = at_levels(campaign)
+    if levels is not None:
+        held = _begun(levels.campaign, screened.wrong, workers)
+        if held[1].cost < linear.cost:  # the cart does not follow what is read beside the levels
+            campaign, (records, linear, floor), notes = levels.campaign, held, (*notes, levels.note)
     hums = find_hum(records, linear)
     if hums:
-        records, linear, floor = _begun(without_hum(screened.campaign, hums), screened.wrong, workers)
+        records, linear, floor = _begun(without_hum(campaign, hums), screened.wrong, workers)
     faults = (*screened.faults, *(hum.fault for hum in hums))
     floor, colored = colored_floor(records, records.position - linear.solved.reading, white=floor)
     floor = bounded_floor(records, floor, linear.rms, int(linear.problem.free.sum() + linear.problem.active.sum()))
-    return FitContext(records, linear, floor, workers=workers, faults=faults, colored=colored, notes=screened.notes)
+    return FitContext(records, linear, floor, workers=workers, faults=faults, colored=colored, notes=notes)
 
 
 def _begun(campaign: Campaign, wrong: Mapping[str, Mask], workers: int) -> tuple[Records, Optimum, float]:

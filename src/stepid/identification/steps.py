@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.experiment import Experiment
+from stepid.core.input_levels import STEP, level_bounds
 from stepid.errors import NoStepError
 
 _REST = 200  # samples before a step that count for its rest position
@@ -55,7 +56,8 @@ def find_steps(experiment: Experiment) -> tuple[Step, ...]:
     Returns
     -------
     tuple of Step
-        In order of time; changes below 5 % of the input's range are taken for noise on it.
+        In order of time; changes below 5 % of the input's range, or within the noise of one that was measured, are
+        taken for noise on it.
 
     Raises
     ------
@@ -65,13 +67,17 @@ def find_steps(experiment: Experiment) -> tuple[Step, ...]:
     level = np.concatenate([[experiment.input_before], experiment.input])
     change = np.diff(level)
     span = float(level.max() - level.min())
-    starts = np.flatnonzero(np.abs(change) > 0.05 * span) if span > 0 else np.array([], dtype=int)
+    starts = np.flatnonzero(np.abs(change) > STEP * span) if span > 0 else np.array([], dtype=int)
     if not starts.size:
         raise NoStepError(
             f"run {experiment.name!r}: the input stays at {experiment.input_before:g} V, there is no step in it",
             "Record the step itself, or give input_before: the input that the plant rested at before the first sample.",
         )
-    if starts.size > max(2, experiment.input.size // 8):
+    few = max(2, experiment.input.size // 8)
+    levels = level_bounds(experiment.input) if starts.size > few else None
+    if levels is not None:  # an input that was measured, with noise
+        starts = starts[np.isin(starts, levels[1:-1])]
+    if not 0 < starts.size <= few:
         raise NoStepError(
             f"run {experiment.name!r}: the input changes at {starts.size} of {experiment.input.size} samples, "
             "it is not a sequence of steps",

@@ -1,0 +1,42 @@
+"""Levels that an input is held at, where it was measured: readings scatter about each like white noise."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from stepid.core.base import Array
+
+Index = npt.NDArray[np.intp]
+
+STEP = 0.05
+"""Of the input's range: a smaller change is noise on it."""
+_CLEAR = 6.0  # standard deviations of a change by noise, beyond which it is a step
+_FEWEST = 8  # samples of a level whose scatter says something
+_WHITE = 0.5  # von Neumann ratio over 2, below which a level drifts or sags: what the drive did, and no noise
+_RARE = 8  # samples a level holds on average, or more
+
+
+def level_bounds(values: Array) -> Index | None:
+    """First sample of each level, and the number of samples; None where the input is exact, or no noise on levels.
+
+    Parameters
+    ----------
+    values : array, shape (n,)
+        V.
+    """
+    change = np.abs(np.diff(values))
+    clear = max(STEP * float(np.ptp(values)), _CLEAR * 1.4826 * float(np.median(change))) if change.size else 0.0
+    bounds = np.concatenate([[0], np.flatnonzero(change > clear) + 1, [values.size]]).astype(np.intp)
+    if bounds.size > max(2, values.size // _RARE):
+        return None
+    about = [part - part.mean() for part in (values[a:b] for a, b in pairwise(bounds)) if part.size >= _FEWEST]
+    scatters = any(np.ptp(part) > 0 for part in about)
+    return bounds if scatters and all(map(_is_white, about)) else None
+
+
+def _is_white(scatter: Array) -> bool:
+    """Tell whether what is read of a level knows nothing of its neighbors."""
+    return float(np.sum(np.diff(scatter) ** 2)) >= 2 * _WHITE * float(scatter @ scatter)

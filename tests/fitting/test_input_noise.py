@@ -1,0 +1,71 @@
+"""Inputs that were measured: what is read beside their levels is left out where the cart does not follow it."""
+
+from __future__ import annotations
+
+import control
+import numpy as np
+import pytest
+
+import stepid
+from stepid.fitting.fit import prepare
+from stepid.fitting.input_noise import at_levels
+
+MASS, STIFFNESS, DAMPING, GAIN = 0.9, 220.0, 3.0, 7.8
+STEP_TIME, SAMPLES = 0.01, 500
+
+
+def measured(noise: float, *, followed: bool = False, adc: float = 0.0, offset: float = 0.0) -> stepid.Campaign:
+    """Steps of 1 V whose input is read with noise, which the cart may follow."""
+    rng, runs = np.random.default_rng(7), []
+    time = STEP_TIME * np.arange(SAMPLES)
+    held = np.where(np.arange(SAMPLES) >= 30, 1.0, 0.0)
+    for added in (0.0, 0.5, 1.0):
+        read = held + noise * rng.standard_normal(SAMPLES)
+        plant = control.ss(control.tf([GAIN], [MASS + added, DAMPING, STIFFNESS]))
+        sampled = control.sample_system(plant, STEP_TIME, method="zoh")
+        position = control.forced_response(sampled, time, read if followed else held).outputs
+        position = position + 15e-6 * rng.standard_normal(SAMPLES)
+        shown = np.round((read + offset) / adc) * adc if adc else read
+        runs.append(
+            stepid.Experiment(
+                name=f"{added} kg", time=time, position=position, input=shown, added_mass=added, spring="s", damper="d"
+            )
+        )
+    return stepid.Campaign(name="measured", experiments=tuple(runs))
+
+
+@pytest.mark.parametrize("noise", [0.005, 0.02, 0.05])
+def test_the_levels_are_taken_and_that_is_said(noise: float) -> None:
+    context = prepare(measured(noise))
+    (note,) = (note for note in context.notes if "is read with noise of up to" in note)
+    assert float(note.split("up to ")[1].split(" V.")[0]) == pytest.approx(noise, rel=0.1)
+    assert context.linear.rms < 1.05 * context.floor
+    assert np.unique(context.records.volts.round(3)).size <= 4
+
+
+def test_an_input_that_the_cart_follows_is_taken_as_it_is_read() -> None:
+    context = prepare(measured(0.05, followed=True))
+    assert context.notes == ()
+    assert context.linear.rms < 1.05 * context.floor
+    assert np.unique(context.records.volts).size > SAMPLES
+
+
+def test_exact_inputs_have_no_noise() -> None:
+    assert at_levels(measured(0.0)) is None
+
+
+@pytest.mark.parametrize("how", [{"noise": 0.05}, {"noise": 0.004, "adc": 0.005, "offset": 0.03}])
+def test_the_noise_of_an_input_is_no_dead_zone_and_no_saturation(how: dict[str, float]) -> None:
+    """These two clip it, and had been named with 95 % whatever its size."""
+    campaign = measured(**how)  # type: ignore[arg-type]
+    found = stepid.diagnose(campaign)
+    assert (found.verdict, found.effects) == ("adequate", ())
+    gain = found.parameters["force_gain"]
+    assert gain.uncertainty is not None
+    assert abs(gain.value - GAIN) < 3 * gain.uncertainty
+
+
+def test_the_peak_method_finds_the_step_in_the_noise() -> None:
+    found = stepid.identify(measured(0.05))
+    assert len(found.masses) == 3
+    assert abs(found.base_mass["cart"] - MASS) < 3 * found.uncertainty.base_mass["cart"]
