@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import hypot
 from statistics import fmean, stdev
 
 from stepid.core.estimate import Estimate, format_value
@@ -78,11 +79,19 @@ def _by_hand(found: IdentifiedParameters, *, several: bool) -> dict[str, Estimat
     take("base_mass", found.base_mass, u.base_mass, "kg")
     take("stiffness", found.stiffness, u.stiffness, "N/m")
     take("damping", found.pooled_damping, u.pooled_damping, "N·s/m")
-    gains = [gain * found.run_stiffness(name) for name, gain in found.static_gain.items() if name in found.masses]
-    if gains:
-        scatter = stdev(gains) if len(gains) > 1 else None
-        out["force_gain"] = Estimate(value=fmean(gains), uncertainty=scatter, unit="N/V")
+    known = {name: gain for name, gain in found.static_gain.items() if name in found.masses}
+    if known:
+        out["force_gain"] = _gain(found, known)
     return out
+
+
+def _gain(found: IdentifiedParameters, static: Mapping[str, float]) -> Estimate:
+    """Force gain of static gains [m/V] by run: uncertain by their scatter and, as all of them are, by the stiffness."""
+    gains = [gain * found.run_stiffness(name) for name, gain in static.items()]
+    spread = found.uncertainty.stiffness
+    common = fmean(abs(gain) * spread.get(found.springs[name], 0.0) for name, gain in static.items())
+    scatter = hypot(stdev(gains), common) if len(gains) > 1 else None
+    return Estimate(value=fmean(gains), uncertainty=scatter, unit="N/V")
 
 
 def _cell(estimate: Estimate | None) -> str:
