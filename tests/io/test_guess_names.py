@@ -28,6 +28,8 @@ from stepid.io.guess.file_names import mass_above, read_name, sample_time_above
         ("1mass_0.5kg", 0.5, None),
         ("500g+500g", None, None),
         ("0.5+1kg", None, None),
+        ("step_0.5kg_+1.0V", 0.5, None),
+        ("0.5kg +0.8 volts", 0.5, None),
         ("0.5 x 2kg", None, None),
         ("1 kg 500 g", None, None),
         ("group 3 g 500g", None, None),

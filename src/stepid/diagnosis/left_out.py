@@ -49,7 +49,7 @@ class LeftOut:
     def of_two(self, one: Optimum, other: Optimum, first: float = 1.0) -> tuple[dict[int, Array], dict[int, Array]]:
         """Residuals of the runs that two fits can both be held against; see `held_out_residuals`."""
         part = self._told.criteria.first
-        able = [i for i in judging(one, first, part) if i in judging(other, first, part)]
+        able = sorted({*judging(one, first, part)} & {*judging(other, first, part)})
 
         def held_out(optimum: Optimum) -> dict[int, Array]:
             tolerance = self._told.context.tolerance

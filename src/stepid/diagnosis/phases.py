@@ -66,8 +66,8 @@ def phase_of_samples(records: Records, linear: Optimum, motion: Motion, floor: f
 def _label_driven(label: Index, change: Array, x: Array, floor: float) -> None:
     """Label a run from its input's first change to the last as driven, and where it settles after that as at rest."""
     changes = np.flatnonzero(change)
-    last = int(changes[-1]) + 1 if changes.size else 0
-    label[int(changes[0]) if changes.size else 0 : last] = DRIVEN
+    first, last = (int(changes[0]), int(changes[-1]) + 1) if changes.size else (0, 0)
+    label[first:last] = DRIVEN
     label[last:] = RING_DOWN
     label[last + _settled(x[last:], float(np.ptp(x)), floor) :] = REST
 

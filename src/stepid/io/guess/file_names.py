@@ -17,7 +17,9 @@ _MASS = re.compile(
     r"(?:(?P<kilo>kg|kilo(?:gram(?:me)?)?s?)|g|gr|gramm?e?s?|gramos|grammi)(?![a-z])",
     re.IGNORECASE,
 )
-_JOINED = re.compile(r"\d\s*(?:kg|g)?\s*[+&]\s*[.,]?\d|\d\s*[x×*]\s*$", re.IGNORECASE)
+_JOINED = re.compile(  # two masses, but not a mass and the volts of a step
+    r"\d\s*(?:kg|g)?\s*[+&]\s*(?![\d.,]+\s*(?:m?v|volts?)(?![a-z]))[.,]?\d|\d\s*[x×*]\s*$", re.IGNORECASE
+)
 _POINT = re.compile(r"\d[_-]$")  # before a number: 0_3kg is 0.3 kg, or the third of its kind
 _WEIGHTS = re.compile(
     r"(?<![\d.,])(?P<number>\d{1,2}|no|without|ohne|sans|zero|one|two|three|four)[\s_-]*(?:extra[\s_-]*)?"
