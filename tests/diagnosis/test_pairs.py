@@ -117,7 +117,15 @@ FA560 = "fa56062e012ceb97357fe9fe57248148fef3cc6e"
 @pytest.mark.parametrize(
     ("which", "number"),
     [
-        pytest.param("triples", 42, id="a rate limit stands for a lag"),
+        pytest.param(
+            "triples",
+            42,
+            id="a rate limit stands for a lag",
+            marks=pytest.mark.xfail(
+                reason="the race's way hangs on rounding, in which machines differ: on some it ends at the rate limit",
+                strict=False,
+            ),
+        ),
         pytest.param("triples", 49, id="a sine in position for a cubic spring, a lag for a rate limit: one by one"),
         pytest.param("triples", 32, id="the set itself, stopped on its way to the noise"),
         pytest.param("single-all", 170, id="play, found by way of two others in the last round"),

@@ -12,7 +12,6 @@ from stepid.effects import resolve
 from stepid.fitting.deviations import (
     FAULTS,
     SCATTER,
-    deviation_std,
     promised,
     scatter_values,
     with_deviations,
@@ -22,6 +21,7 @@ from stepid.fitting.deviations import (
 from stepid.fitting.fit import fit_effects, prepare, unpack
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import build, start_local
+from stepid.fitting.random_effects import deviation_std
 
 JITTER = (0.7, -0.4, 1.0, 0.15, -0.95, 0.3)
 GAINS = (0.02, -0.015, 0.03, 0.0, -0.025, 0.01)

@@ -12,7 +12,7 @@ from scipy.stats import chi2
 
 import stepid
 from stepid.core.base import Array
-from stepid.fitting import covariance, deviations, left_over, problem, run_fault, score_test
+from stepid.fitting import covariance, deviations, left_over, problem, random_effects, run_fault, score_test
 from stepid.fitting.coordinates import Coordinates
 from stepid.fitting.input_fault import InputFault, changes_throughout
 from stepid.fitting.multistart import FitContext
@@ -96,7 +96,7 @@ def test_runs_scatter_about_the_mean_of_those_that_have_it(monkeypatch: pytest.M
     np.testing.assert_allclose(found["rest"], rest - rest.mean())
     np.testing.assert_allclose(found["start_time"], [-0.2, -0.1, 0.3, np.nan])
     np.testing.assert_allclose(found["damping"], [1 - 8 / 3, 2 - 8 / 3, 5 - 8 / 3, np.nan])  # one run of the other
-    spread = deviations.deviation_std(found, problem.records.damper)
+    spread = random_effects.deviation_std(found, problem.records.damper)
     assert spread["start_time"] == pytest.approx(float(np.std([0.1, 0.2, 0.6], ddof=1)))
     assert spread["damping"] == pytest.approx(float(np.std([1, 2, 5], ddof=1)))  # one label
     assert spread["start_offset"] == pytest.approx(float(np.sqrt(np.mean(np.square(begun[:3])))))  # about no mean

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from exports import NAMES, PERIOD, columns_of, export_bytes, motion, rows_of, write
-from stepid import StepInput, draft_campaign, read_ecp
+from stepid import StepInput, read_ecp
 from stepid.errors import InputError
 
 SCALE = 56000.0
@@ -298,10 +298,3 @@ def test_sign_of_the_scale_turns_the_record(tmp_path_factory, scale):
     np.testing.assert_array_equal(plus.input, minus.input)
     assert plus.resolution == minus.resolution
     assert type(plus).model_validate_json(plus.model_dump_json()) == plus
-
-
-def test_an_encoder_without_a_number_is_asked_about(tmp_path):
-    """It had ended in an error of Python's."""
-    file = write(tmp_path / "run_1.txt", export_bytes().replace(b"Encoder 1 Pos", b"Encoder Pos  "))
-    with pytest.raises(InputError, match="Which column is the position"):
-        draft_campaign(file, added_mass=0.0, spring="s", damper="d").campaign()

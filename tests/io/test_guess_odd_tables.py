@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stepid
+from exports import export_bytes, write
 from stepid.errors import InputError
 from stepid.io.guess.understand import draft_runs
 from stepid.io.guess.words import read_title
@@ -285,9 +286,15 @@ def test_a_trigger_is_no_drive_and_of_several_inputs_it_is_said_which_is_taken(t
     for name, said in (("trigger_in (V)", False), ("force (V)", True)):
         (tmp_path / "run.csv").write_text(f"t (s),{name},x (rad),drive (V)\n" + "".join(rows), encoding="utf-8")
         draft = stepid.draft_campaign(tmp_path, added_mass=0.0, spring="s", damper="d")
-        told = [words for words in draft.summary().splitlines() if "may be the input, too" in words]
-        assert bool(told) is said
+        assert ("may be the input, too" in draft.summary()) is said
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             (run,) = draft.campaign().experiments
         assert run.input.max() == (5.0 if said else 1.0)
+
+
+def test_an_encoder_without_a_number_is_asked_about(tmp_path: Path) -> None:
+    """It had ended in an error of Python's."""
+    file = write(tmp_path / "run_1.txt", export_bytes().replace(b"Encoder 1 Pos", b"Encoder Pos  "))
+    with pytest.raises(InputError, match="Which column is the position"):
+        stepid.draft_campaign(file, added_mass=0.0, spring="s", damper="d").campaign()

@@ -27,7 +27,7 @@ from stepid.report import captions, provenance
 from stepid.report.hand import HandMethod
 from stepid.report.page import Still, _tiles
 from stepid.report.pictures import pictures
-from stepid.report.pull import _by_hand, hand_method_rows
+from stepid.report.pull import hand_method_rows
 from stepid.report.story import tell
 from stepid.report.write import hand_of
 
@@ -106,17 +106,6 @@ def test_nothing_has_no_sign() -> None:
     alt = captions.pull(d).alt
     assert "−0.0" not in alt
     assert "base mass 0.00 %" in alt
-
-
-def test_the_force_gain_by_peaks_is_as_uncertain_as_the_stiffness() -> None:
-    """It is the product of both: the scatter of the runs alone says nothing of the stiffness, which they share."""
-    found = by_hand_of(example.named()).found
-    told = _by_hand(found, several=False)
-    (label,) = found.stiffness
-    gain, stiffness = told["force_gain"], told[f"stiffness[{label}]"]
-    assert gain.uncertainty is not None
-    assert stiffness.uncertainty is not None
-    assert gain.uncertainty / gain.value >= stiffness.uncertainty / stiffness.value
 
 
 def by_hand_of(d: Diagnosis) -> HandMethod:

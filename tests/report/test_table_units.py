@@ -14,6 +14,7 @@ from stepid.core.quantities import quantities_of
 from stepid.report import provenance
 from stepid.report.chapter import Table
 from stepid.report.hand import HandMethod, by_hand
+from stepid.report.pull import _by_hand
 from stepid.report.story import tell
 from stepid.report.tables import characteristics_table
 
@@ -92,3 +93,16 @@ def test_the_check_of_a_plan_has_units() -> None:
         "damping[damper]": "N·m·s/rad",
         "force_gain": "N·m/V",
     }
+
+
+def test_the_force_gain_by_peaks_is_as_uncertain_as_the_stiffness() -> None:
+    """It is the product of both: the scatter of the runs alone says nothing of the stiffness, which they share."""
+    hand = by_hand(example.campaign())
+    assert isinstance(hand, HandMethod)
+    found = hand.found
+    told = _by_hand(found, several=False)
+    (label,) = found.stiffness
+    gain, stiffness = told["force_gain"], told[f"stiffness[{label}]"]
+    assert gain.uncertainty is not None
+    assert stiffness.uncertainty is not None
+    assert gain.uncertainty / gain.value >= stiffness.uncertainty / stiffness.value

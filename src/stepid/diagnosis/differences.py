@@ -11,9 +11,10 @@ from stepid.core.base import Finite, Model, NonNegative
 from stepid.core.words import length
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.wording import whole_percent
-from stepid.fitting.deviations import deviation_std, scatter_values
+from stepid.fitting.deviations import scatter_values
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
+from stepid.fitting.random_effects import deviation_std
 from stepid.simulation.layout import DEVIATIONS, STARTS
 
 _UNITS = {q.name: q.unit for q in (*DEVIATIONS, *STARTS)} | {"rest": "m"}

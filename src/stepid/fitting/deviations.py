@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,7 +15,6 @@ from stepid.effects.base import Effect
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.problem import free_starts
 from stepid.simulation.layout import STARTS
-from stepid.simulation.records import Index
 
 SCATTER = ("start_time", "gain", "damping", "friction")
 """What runs of a healthy plant differ by; their rest positions differ, too, and need no parameter."""
@@ -174,25 +173,6 @@ def scatter_values(optimum: Optimum) -> dict[str, Array]:
                 common = 0.0 if kind in _STARTS else optimum.local[row, own].mean()
                 values[own] = optimum.local[row, own] - common
         out[kind] = values
-    return out
-
-
-def deviation_std(values: Mapping[str, Array], damper: Index) -> dict[str, float]:
-    """Standard deviation of each kind over the runs that have it, in its unit.
-
-    Parameters
-    ----------
-    values : mapping
-        Of `scatter_values`.
-    damper : array of int, shape (R,)
-        Label of each run: damping is about as many means.
-    """
-    out = {}
-    for kind, v in values.items():
-        has = np.isfinite(v)
-        means = 0 if kind in _STARTS else np.unique(damper[has]).size if kind == "damping" else 1
-        if has.sum() > max(means, 1):
-            out[kind] = float(np.sqrt(np.sum(v[has] ** 2) / (has.sum() - means)))
     return out
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from stepid.core.once import once
 from stepid.fitting.deviations import SCATTER
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import centered
+from stepid.simulation.layout import STARTS
+from stepid.simulation.records import Index
 
 
 def price_of_scatter(optimum: Optimum, counts: Array, variance: float) -> float:
@@ -71,4 +74,23 @@ def _information(optimum: Optimum) -> Array:
         square = records.weighted(by_run) ** 2
     seen = np.add.reduceat(np.nan_to_num(square, posinf=0.0), records.first, axis=1)
     out: Array = np.where(active, seen / np.add.reduceat(records.weight**2, records.first), 0.0)
+    return out
+
+
+def deviation_std(values: Mapping[str, Array], damper: Index) -> dict[str, float]:
+    """Standard deviation of each kind over the runs that have it, in its unit.
+
+    Parameters
+    ----------
+    values : mapping
+        Of `stepid.fitting.deviations.scatter_values`.
+    damper : array of int, shape (R,)
+        Label of each run: damping is about as many means, what a start is off its rest by about none.
+    """
+    starts, out = {q.name for q in STARTS}, {}
+    for kind, v in values.items():
+        has = np.isfinite(v)
+        means = 0 if kind in starts else np.unique(damper[has]).size if kind == "damping" else 1
+        if has.sum() > max(means, 1):
+            out[kind] = float(np.sqrt(np.sum(v[has] ** 2) / (has.sum() - means)))
     return out

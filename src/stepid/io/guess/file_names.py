@@ -104,7 +104,8 @@ def read_name(name: str) -> FileName:
         weights = _SPELLED[word] if word in _SPELLED else int(word)
         masses = [one for one in masses if one["kilo"]]  # what is in g may be anything beside a number of weights
     if masses:
-        may_go_on = masses[0]["kilo"] is not None and _POINT.search(name[: masses[0].start()]) is not None
+        whole = masses[0]["kilo"] is not None and masses[0]["number"].isdigit()
+        may_go_on = whole and _POINT.search(name[: masses[0].start()]) is not None
         mass, weights = None if may_go_on else _one_mass(masses, text, 1 if weights is None else weights), None
     elif weights is not None and _JOINED.search(text):
         weights = None
