@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 
+import numpy as np
 from matplotlib.axes import Axes
 
 from stepid.core.takes import a, takes
@@ -17,6 +18,7 @@ from stepid.plot.style import OTHER, SERIES, an_axes, dress, in_own_words, style
 
 _what = a((Diagnosis, Where), "a Diagnosis, or its `where`")
 _SHOWN = 6  # candidates, for which there is room
+_FEWEST = 3  # candidates in any case
 _WIDE = 60  # letters of a candidate's name on one line
 
 
@@ -134,10 +136,15 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
     matplotlib.axes.Axes
         The same axes, with a logarithmic scale.
     """
-    shown, noise, span = ranked_candidates(d, most=_SHOWN)
+    most = _SHOWN
+    while sum(_height(one) for one, _, _ in ranked_candidates(d, most=most)[0]) > _SHOWN + 1 and most > _FEWEST:
+        most -= 1  # the linear model has its own place
+    shown, noise, span = ranked_candidates(d, most=most)
+    heights = np.array([_height(one) for one, _, _ in shown])
+    places = np.cumsum(heights) - 1.0
     with styled():
         dress(axes)
-        for place, (one, left, named) in enumerate(shown):
+        for place, (one, left, named) in zip(places.tolist(), shown, strict=True):
             color, marker = (AFTER, "o") if named else (BEFORE, "D")
             axes.plot([left], [place], marker, color=color, markersize=5, zorder=3)
             said = f"{digits(left)}{_explains(one)}"
@@ -161,9 +168,9 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
             low, high = 0.5 * span[0], span[1] ** 1.5 / span[0] ** 0.5 * 1.6  # with room for the numbers
             axes.set_xlim(low, high)
             plain_logarithm(axes.xaxis, marks=(1.0,) if high > 50 * low else (1.0, 2.0, 5.0))
-        axes.set_yticks(range(len(shown)), [""] * len(shown))
+        axes.set_yticks(places.tolist(), [""] * len(shown))
         axes.tick_params(axis="y", length=0)
-        axes.set_ylim(max(len(shown), 1) - 0.7, -0.85)
+        axes.set_ylim(max(float(heights.sum()), 1.0) - 0.7, -0.85)
         axes.set_xlabel("RMS left [µm] (dashed: noise; %: explained, probable)")
         axes.set_title("candidates")
     return axes
@@ -174,6 +181,11 @@ def _explains(one: Ranked) -> str:
     if not (one.effects or one.deviations):
         return ""
     return f"  ({per_cent(one.explained)}, {chance(one.probability)})"
+
+
+def _height(one: Ranked) -> float:
+    """Places that a candidate takes: more where its name has further lines."""
+    return 1.0 + 0.8 * _candidate(one).count("\n")
 
 
 def _candidate(one: Ranked) -> str:
