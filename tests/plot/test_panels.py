@@ -120,3 +120,17 @@ def test_what_is_nothing_has_no_place_on_a_logarithmic_axis() -> None:
     empty = silent.model_copy(update={"ranking": ()})
     assert ranked_candidates(empty, most=6).span is None
     assert len(pictures(empty.model_copy(update={"runs": ()}), ())["records"]["data"]) == 0
+
+
+def test_candidates_with_long_names_are_fewer_and_farther_apart(axes: Axes) -> None:
+    """In the place of a name of one line a second one had been drawn over the numbers of the candidate above."""
+    d = example.named()
+    (best, *_) = (one for one in d.ranking if one.effects)
+    differs = ("damping", "friction", "gain", "start_time")
+    long = [best.model_copy(update={"deviations": differs, "rms": best.rms * (1 + 0.01 * i)}) for i in range(6)]
+    ranking = (*long, *(one for one in d.ranking if not one.effects))
+    plot.candidates(example.changed(d, ranking=ranking), axes=axes)
+    names = [text for text in axes.texts if "differ" in text.get_text()]
+    assert 3 <= len(names) < 6
+    assert all("\n" in text.get_text() for text in names)
+    assert np.diff([text.get_position()[1] for text in names]).min() > 1.5
