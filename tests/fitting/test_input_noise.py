@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 import stepid
+from stepid.errors import NoStepError
 from stepid.fitting.fit import prepare
 from stepid.fitting.input_noise import at_levels
+from stepid.identification.steps import find_steps
 
 MASS, STIFFNESS, DAMPING, GAIN = 0.9, 220.0, 3.0, 7.8
 STEP_TIME, SAMPLES = 0.01, 500
@@ -69,3 +71,14 @@ def test_the_peak_method_finds_the_step_in_the_noise() -> None:
     found = stepid.identify(measured(0.05))
     assert len(found.masses) == 3
     assert abs(found.base_mass["cart"] - MASS) < 3 * found.uncertainty.base_mass["cart"]
+
+
+def test_a_measured_step_may_stand_at_the_first_sample_and_noise_alone_is_no_step() -> None:
+    rng = np.random.default_rng(3)
+    (run, *_) = measured(0.05).experiments
+    begun = run.model_copy(update={"input": run.input[30:], "time": run.time[30:], "position": run.position[30:]})
+    (step,) = find_steps(begun)
+    assert (step.start, step.size) == (0, pytest.approx(1.0, abs=0.02))
+    still = run.model_copy(update={"input": 0.05 * rng.standard_normal(SAMPLES)})
+    with pytest.raises(NoStepError, match=r"the input changes at 4\d\d of 500 samples"):
+        find_steps(still)

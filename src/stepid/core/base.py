@@ -37,6 +37,7 @@ else:
     _PydanticMeta = type(BaseModel)
 
 Array = npt.NDArray[np.float64]
+Index = npt.NDArray[np.intp]
 
 
 def _vector(value: object) -> Array:

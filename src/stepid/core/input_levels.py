@@ -5,18 +5,19 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
-from stepid.core.base import Array
-
-Index = npt.NDArray[np.intp]
+from stepid.core.base import Array, Index
 
 STEP = 0.05
 """Of the input's range: a smaller change is noise on it."""
 _CLEAR = 6.0  # standard deviations of a change by noise, beyond which it is a step
 _FEWEST = 8  # samples of a level whose scatter says something
 _WHITE = 0.5  # von Neumann ratio over 2, below which a level drifts or sags: what the drive did, and no noise
-_RARE = 8  # samples a level holds on average, or more
+
+
+def most_steps(samples: int) -> int:
+    """Changes of an input of so many samples beyond which it is no sequence of levels that are held."""
+    return max(2, samples // 8)
 
 
 def level_bounds(values: Array) -> Index | None:
@@ -30,7 +31,7 @@ def level_bounds(values: Array) -> Index | None:
     change = np.abs(np.diff(values))
     clear = max(STEP * float(np.ptp(values)), _CLEAR * 1.4826 * float(np.median(change))) if change.size else 0.0
     bounds = np.concatenate([[0], np.flatnonzero(change > clear) + 1, [values.size]]).astype(np.intp)
-    if bounds.size > max(2, values.size // _RARE):
+    if bounds.size > most_steps(values.size):
         return None
     about = [part - part.mean() for part in (values[a:b] for a, b in pairwise(bounds)) if part.size >= _FEWEST]
     scatters = any(np.ptp(part) > 0 for part in about)

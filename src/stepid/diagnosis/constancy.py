@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.core.copies import are_repeats, group_of_each, have_one_label
 from stepid.core.experiment import Experiment
+from stepid.diagnosis.exchangeable import ALIKE
 from stepid.fitting.deviations import SCATTER, applies, columns_by
 from stepid.fitting.levenberg_marquardt import Optimum
-from stepid.simulation.records import Index, Records
-
-_ALIKE = 0.02  # of its range, by which an input that is measured may differ
+from stepid.simulation.records import Records
 
 CONDITIONS = "added mass, labels and input"
 """What the parameters of a law that is another follow, as a state in words."""
@@ -25,7 +24,7 @@ def conditions_of(records: Records) -> Index:
 def _in_one_condition(one: Experiment, other: Experiment) -> bool:
     """Tell whether two runs are repeats, or releases of one plant, however long they are."""
     released = one.is_release and other.is_release
-    return have_one_label(one, other) if released else are_repeats(one, other, within=_ALIKE)
+    return have_one_label(one, other) if released else are_repeats(one, other, within=ALIKE)
 
 
 def by_condition(optimum: Optimum, place: Index, jacobian: Array, records: Records) -> Array:

@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import fdtrc, ndtri
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.core.copies import group_of_each
 from stepid.core.experiment import Experiment
 from stepid.fitting.deviations import SCATTER, applies, columns_by, scatter_values
 from stepid.fitting.levenberg_marquardt import Optimum
-from stepid.simulation.records import Index
 
-_ALIKE = 0.02  # relative, by which inputs of one size differ
+ALIKE = 0.02
+"""Relative, by which inputs of one size differ, and of its range an input that is measured."""
 _LEAST = 1e-300  # probability, below which all are alike
 
 
@@ -93,7 +93,7 @@ def push(run: Experiment) -> float:
 
 _CONDITIONS: dict[str, Callable[[Experiment, Experiment], bool]] = {
     "the direction of the input": lambda a, b: bool(np.sign(push(a)) == np.sign(push(b))),
-    "the size of the input": lambda a, b: math.isclose(abs(push(a)), abs(push(b)), rel_tol=_ALIKE),
+    "the size of the input": lambda a, b: math.isclose(abs(push(a)), abs(push(b)), rel_tol=ALIKE),
     "the added mass": lambda a, b: a.added_mass == b.added_mass,
     "the spring": lambda a, b: a.spring == b.spring,
 }

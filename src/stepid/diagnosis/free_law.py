@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.diagnosis.constancy import CONDITIONS, by_condition, scatter_columns
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import effective_samples
@@ -18,7 +18,7 @@ from stepid.fitting.covariance import at_bound
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.score_test import responses_along
-from stepid.simulation.records import Index, Records
+from stepid.simulation.records import Records
 from stepid.simulation.simulator import COARSE, Simulator, Solved
 
 _OPEN = 1e-6  # singular value of a direction that the data leave open

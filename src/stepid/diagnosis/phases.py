@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.effects.base import Motion
 from stepid.errors import NoStepError
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.identification.steps import find_steps
-from stepid.simulation.records import Index, Records
+from stepid.simulation.records import Records
 
 PHASES = ("before", "driven", "rise", "overshoot", "ring-down", "rest")
 BEFORE, DRIVEN, RISE, OVERSHOOT, RING_DOWN, REST = range(len(PHASES))

@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.diagnosis.phases import BEFORE, REST
 from stepid.effects.base import Motion
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.spectrum import strongest_period
-from stepid.simulation.records import Index, Records
+from stepid.simulation.records import Records
 
 _NOISE = 0.25  # of the force: noise that may be left in it before averaging
 _WIDEST = 0.2  # of the period: half width of the widest bump

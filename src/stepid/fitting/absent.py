@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.fitting.levenberg_marquardt import Optimum
-from stepid.simulation.records import Index
 
 OPEN = 1e-5  # singular value of a direction that the data leave open: no start moves along it
 

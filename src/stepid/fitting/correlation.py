@@ -8,10 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.spectrum import fast_length
-from stepid.simulation.records import Index
 
 _QUIET = 5  # lags in a row without correlation that end it (Politis 2003)
 _SAME = 1e-3  # relative difference of sample times that are the same

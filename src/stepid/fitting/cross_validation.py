@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -56,7 +56,7 @@ def held_out_residuals(
     tolerance: float,
     first: float = 1.0,
     part: float | None = None,
-    among: Collection[int] | None = None,
+    among: Sequence[int] | None = None,
 ) -> dict[int, Array]:
     """Residuals [m] of up to three runs, each under a fit to the others; only the run's own parameters are refitted.
 
@@ -73,8 +73,8 @@ def held_out_residuals(
         Where no run qualifies: share of the run left out on which all is estimated that the others do not determine
         of the linear plant (a damper that no other run has, the mass of one of two); the residual is that of the rest.
         Runs are passed over whose first part does not tell it, or that alone tell a parameter of an effect.
-    among : collection of int, optional
-        Runs that may be left out, by index: those that another fit can be held against, too.
+    among : sequence of int, optional
+        Runs of `judging` that may be left out, by index: those that another fit can be held against, too.
 
     Returns
     -------
@@ -82,11 +82,10 @@ def held_out_residuals(
         Run index to residual without wrong readings, shape (n,); empty where no run qualifies and `part` is not given.
     """
     records = optimum.problem.records
-    able, told = judging(optimum, first, part), {}
+    able, told = judging(optimum, first, part) if among is None else list(among), {}
     if able and not qualifying(records):
         first = min(first, part or first)
         told = {i: _told_by(optimum.problem, i) for i in able}
-    able = able if among is None else [i for i in able if i in among]
     chosen = sorted({able[round(k)] for k in np.linspace(0, len(able) - 1, _RUNS)}) if able else []
     out: dict[int, Array] = {}
     for i in chosen:

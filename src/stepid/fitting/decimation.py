@@ -8,10 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import build
-from stepid.simulation.records import Index, Records
+from stepid.simulation.records import Records
 
 _FEWEST = 200  # samples
 _PER_PERIOD = 16.0  # samples to keep of the fastest run's period

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepid.core.base import Index
 from stepid.core.experiment import Campaign, Experiment
-from stepid.core.input_levels import STEP, Index, level_bounds
+from stepid.core.input_levels import STEP, level_bounds
 from stepid.core.words import listed
 
 _APART = 3.0  # standard uncertainties of a difference, within which two levels are one

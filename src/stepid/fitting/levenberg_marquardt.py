@@ -14,11 +14,11 @@ from functools import cached_property, partial
 import numpy as np
 import numpy.typing as npt
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.fitting.coordinates import Coordinates
 from stepid.fitting.damped_step import Columns, Linearized, Step
 from stepid.simulation.layout import ParameterLayout
-from stepid.simulation.records import Index, Records
+from stepid.simulation.records import Records
 from stepid.simulation.simulator import STEEPEST, Simulator, Solved
 
 _CRAWL = 5  # steps that together gain less than the tolerance: the rest is not worth its time

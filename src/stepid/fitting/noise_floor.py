@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.core.copies import grouped
 from stepid.core.experiment import Experiment
 from stepid.core.hand import period_of
@@ -17,7 +17,7 @@ from stepid.core.once import once
 from stepid.core.samples import divided_differences, is_even, means_of_blocks
 from stepid.core.words import length
 from stepid.simulation.clock import clock
-from stepid.simulation.records import Index, Records
+from stepid.simulation.records import Records
 from stepid.simulation.simulator import FINE
 
 _ORDER = 8  # of the differences: a swing sampled 12 times a period leaves 1e-5 of itself

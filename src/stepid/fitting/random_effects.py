@@ -7,13 +7,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.core.once import once
 from stepid.fitting.deviations import SCATTER
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import centered
 from stepid.simulation.layout import STARTS
-from stepid.simulation.records import Index
 
 
 def price_of_scatter(optimum: Optimum, counts: Array, variance: float) -> float:

@@ -91,6 +91,18 @@ def overshoot_of(damping_ratio: float) -> float:
     return math.exp(-damping_ratio * math.pi / damped_fraction(damping_ratio))
 
 
+def overshoot_of_plant(mass: float, stiffness: float, damping: float) -> float:
+    """Overshoot M_p of a plant's step response, 0 where it does not swing.
+
+    Parameters
+    ----------
+    mass, stiffness, damping : float
+        kg, N/m, N·s/m.
+    """
+    ratio = damping / 2 / math.sqrt(stiffness * mass)
+    return overshoot_of(ratio) if ratio < 1 else 0.0
+
+
 def damped_fraction(damping_ratio: float) -> float:
     """Ratio of damped to undamped natural frequency, √(1 − ζ²).
 

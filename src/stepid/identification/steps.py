@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepid.core.base import Array, Index
 from stepid.core.experiment import Experiment
-from stepid.core.input_levels import STEP, level_bounds
+from stepid.core.input_levels import STEP, level_bounds, most_steps
 from stepid.errors import NoStepError
 
 _REST = 200  # samples before a step that count for its rest position
@@ -65,19 +66,13 @@ def find_steps(experiment: Experiment) -> tuple[Step, ...]:
         If the input never changes, or changes so often that it is no sequence of steps.
     """
     level = np.concatenate([[experiment.input_before], experiment.input])
-    change = np.diff(level)
-    span = float(level.max() - level.min())
-    starts = np.flatnonzero(np.abs(change) > STEP * span) if span > 0 else np.array([], dtype=int)
+    starts = _starts(level)
     if not starts.size:
         raise NoStepError(
             f"run {experiment.name!r}: the input stays at {experiment.input_before:g} V, there is no step in it",
             "Record the step itself, or give input_before: the input that the plant rested at before the first sample.",
         )
-    few = max(2, experiment.input.size // 8)
-    levels = level_bounds(experiment.input) if starts.size > few else None
-    if levels is not None:  # an input that was measured, with noise
-        starts = starts[np.isin(starts, levels[1:-1])]
-    if not 0 < starts.size <= few:
+    if starts.size > most_steps(experiment.input.size):
         raise NoStepError(
             f"run {experiment.name!r}: the input changes at {starts.size} of {experiment.input.size} samples, "
             "it is not a sequence of steps",
@@ -98,3 +93,15 @@ def find_steps(experiment: Experiment) -> tuple[Step, ...]:
         )
         for i, (start, stop) in enumerate(pairwise(bounds))
     )
+
+
+def _starts(level: Array) -> Index:
+    """Samples at which an input steps, of its level before the first and then at each, shape (n + 1,)."""
+    span = float(np.ptp(level))
+    starts = np.flatnonzero(np.abs(np.diff(level)) > STEP * span)
+    bounds = level_bounds(level[1:]) if starts.size > most_steps(level.size - 1) else None
+    if bounds is None:
+        return starts
+    begins = abs(float(level[1 : 1 + bounds[1]].mean()) - level[0]) > STEP * span
+    clear = bounds[0 if begins else 1 : -1]  # of an input that was measured: the rest is its noise
+    return clear if clear.size else starts  # one level alone may be a drive at random

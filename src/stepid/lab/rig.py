@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from stepid.core.base import Array, Finite, Label, Model, NonNegative, Positive
 from stepid.core.experiment import Experiment
 from stepid.core.takes import number, taken
-from stepid.identification.second_order import overshoot_of
+from stepid.identification.second_order import overshoot_of_plant
 
 _FEWEST = 20  # samples before and after the step back
 
@@ -178,7 +178,8 @@ def draw_plant(rig: Rig, stream: np.random.Generator) -> Plant:
 def scale_of(rig: Rig, plant: Plant) -> Scale:
     """Magnitudes of the motion that a rig's runs give to a plant."""
     volts = max(abs(run.level) for run in rig.runs)
-    peaks = [plant.gain * run.level / plant.stiffness * (1 + _overshoot(plant, run.added_mass)) for run in rig.runs]
+    swings = [overshoot_of_plant(plant.mass + run.added_mass, plant.stiffness, plant.damping) for run in rig.runs]
+    peaks = [plant.gain * run.level / plant.stiffness * (1 + m) for run, m in zip(rig.runs, swings, strict=True)]
     return Scale(
         plant=plant,
         reach=plant.gain * volts / plant.stiffness,
@@ -189,8 +190,3 @@ def scale_of(rig: Rig, plant: Plant) -> Scale:
         duration=rig.before + rig.hold + rig.after,
         sample_time=rig.sample_time,
     )
-
-
-def _overshoot(plant: Plant, added: float) -> float:
-    ratio = plant.damping / 2 / math.sqrt(plant.stiffness * (plant.mass + added))
-    return overshoot_of(ratio) if ratio < 1 else 0.0

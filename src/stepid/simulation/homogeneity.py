@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.effects.base import Effect
-from stepid.simulation.layout import Index, ParameterLayout
+from stepid.simulation.layout import ParameterLayout
 from stepid.simulation.magnitudes import lengths, masses, times
 
 Mask = npt.NDArray[np.bool_]

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.effects.base import Effect, Parameter
 from stepid.simulation.records import Records
 
-Index = npt.NDArray[np.intp]
 DEVIATIONS: tuple[Parameter, ...] = (
     Parameter("start_time", "s", -np.inf),
     Parameter("gain", "", -np.inf),

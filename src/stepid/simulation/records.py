@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.hand import release_index
 from stepid.core.samples import InputBetween, course, is_even
@@ -19,7 +19,6 @@ from stepid.core.slices import of_one_recording
 from stepid.simulation.clock import clock
 from stepid.simulation.starts import starts_in_motion
 
-Index = npt.NDArray[np.intp]
 _NONE = 1e-4  # square-root weight of a reading that is left out
 
 

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-import numpy.typing as npt
-
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.simulation.compiled import compiled
-
-Index = npt.NDArray[np.intp]
 
 
 @compiled

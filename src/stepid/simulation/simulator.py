@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.effects.base import Effect
 from stepid.simulation.homogeneity import Homogeneity
 from stepid.simulation.layout import ParameterLayout
@@ -19,7 +19,6 @@ from stepid.simulation.magnitudes import exponents, magnitudes
 from stepid.simulation.records import Records
 
 Mask = npt.NDArray[np.bool_]
-Index = npt.NDArray[np.intp]
 
 FINE = 1e-8  # of the typical displacement, error of one step: RMS errors below a thousandth of a count on a 2 cm swing
 COARSE = 1e-6  # the same while searching

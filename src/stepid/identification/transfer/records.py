@@ -43,7 +43,8 @@ def to_time_response(run: Experiment, *, position: npt.ArrayLike | None = None) 
     import control
 
     run = as_experiment(run)
-    shown = run.position if position is None else _numbers(position, run.name)
+    what = f"run {run.name!r}: the position handed over"
+    shown = run.position if position is None else as_numbers(position, what, "Give positions in m, one a sample.")
     if shown.shape != run.time.shape:
         raise InputError(
             f"run {run.name!r} has {run.time.size} samples, the position handed over has shape {shown.shape}",
@@ -61,16 +62,14 @@ def to_time_response(run: Experiment, *, position: npt.ArrayLike | None = None) 
     )
 
 
-def _numbers(position: npt.ArrayLike, run: str) -> Array:
+def as_numbers(given: npt.ArrayLike, what: str, remedy: str) -> Array:
+    """Take numbers that somebody hands over; InputError says `what` is none."""
     try:
-        if isinstance(position, np.ma.MaskedArray):
+        if isinstance(given, np.ma.MaskedArray):
             raise TypeError("a masked array")
-        return np.array(position, dtype=np.float64)
+        return np.array(given, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(
-            f"run {run!r}: the position handed over is no array of numbers ({error})",
-            "Give positions in m, one a sample.",
-        ) from None
+        raise InputError(f"{what} is no array of numbers ({error})", remedy) from None
 
 
 @takes(data=able("to_pandas", "the TimeResponseData that a simulation of python-control returns"))

@@ -17,6 +17,7 @@ from stepid.core.samples import CLOSE, course, off_even_clock
 from stepid.core.takes import described
 from stepid.errors import ConvergenceError, InputError
 from stepid.identification.transfer.linear import sampled
+from stepid.identification.transfer.records import as_numbers
 
 if TYPE_CHECKING:
     import control
@@ -135,10 +136,7 @@ def _integrate(system: Any, time: Array, volts: Array, start: Array, *, held: bo
 
 def _state(given: npt.ArrayLike) -> Array:
     """The numbers of an initial state."""
-    try:
-        out: Array = np.array(given, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"initial_state is no array of numbers ({error})", _STATE) from None
+    out = as_numbers(given, "initial_state", _STATE)
     if not np.isfinite(out).all():
         raise InputError("initial_state has values that are not finite", _STATE)
     return out

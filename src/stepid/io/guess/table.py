@@ -120,10 +120,7 @@ def _check_one_run(draft: Draft, block: Block, where: str) -> None:
 def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object], *, several: bool) -> Draft:
     columns = {role: column for role in ROLES if (column := getattr(group, role)) is not None}
     readings, doubts = _readings(columns)
-    if group.others and group.input is not None:
-        taken = group.input.name or f"column {group.input.index}"
-        doubts.append(f"{', '.join(group.others)} may be the input, too; {taken} is taken: say input=…")
-    doubts += [group.doubt] if group.doubt else []
+    doubts += _doubts(group)
     rows = block.values.shape[0]
     ends = _ends(columns) if several else rows
     if block.unread or ends < rows:
@@ -146,6 +143,15 @@ def _from_group(group: Group, block: Block, file: Path, layout: dict[str, object
     draft = named(draft, FileName(None, None, said.spring, said.damper, said.release) if several else said, None)
     draft = _counted(_timed(draft, block), encoder_above(block.above))
     return draft if several else _weighed(draft, mass_above(block.above))
+
+
+def _doubts(group: Group) -> list[str]:
+    """What is not clear about a run's columns."""
+    out = []
+    if group.others and group.input is not None:
+        taken = group.input.name or f"column {group.input.index}"
+        out.append(f"{', '.join(group.others)} may be the input, too; {taken} is taken: say input=…")
+    return [*out, group.doubt] if group.doubt else out
 
 
 def _readings(columns: Mapping[str, Column]) -> tuple[dict[str, Array], list[str]]:

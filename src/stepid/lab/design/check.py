@@ -77,10 +77,9 @@ class PlanCheck(Model):
 @single_threaded
 def check(plan: Plan, *, count: int, seed: int) -> PlanCheck:
     """Simulate the advice `count` times and fit each; see `Plan.check`."""
-    if not isinstance(count, int) or isinstance(count, bool) or count < _FEWEST:
-        raise InputError(f"count = {count!r} cannot be", f"Give a whole number, {_FEWEST} or more.")
-    if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
-        raise InputError(f"seed = {seed!r} cannot be", "Give a whole number, 0 or more.")
+    for name, given, least in (("count", count, _FEWEST), ("seed", seed, 0)):
+        if not isinstance(given, int) or isinstance(given, bool) or given < least:
+            raise InputError(f"{name} = {given!r} cannot be", f"Give a whole number, {least} or more.")
     design, stream = plan.advice, np.random.default_rng(seed)
     effects = resolve([e.name for e in plan.plant.effects])
     truth = simulated(plan.plant, effects, lay_out_steps(design.steps, plan.plant, design.duration))

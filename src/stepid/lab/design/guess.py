@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 from stepid.effects import Effect, Scales, resolve
 from stepid.errors import InputError
-from stepid.identification.second_order import overshoot_of
+from stepid.identification.second_order import overshoot_of_plant
 from stepid.lab.choice import check_values
 from stepid.simulation.model import EffectModel, PlantModel
 
@@ -70,9 +70,7 @@ def lasting(plant: PlantModel, heaviest: float) -> float:
 def reach(plant: PlantModel, level: float, heaviest: float) -> float:
     """Farthest displacement of the linear plant under a step and one back, m."""
     mass, stiffness, damping, gain = values_of(plant)
-    ratio = damping / 2 / math.sqrt(stiffness * (mass + heaviest))
-    overshoot = overshoot_of(ratio) if ratio < 1 else 0.0
-    return abs(gain * level / stiffness) * (1 + overshoot)
+    return abs(gain * level / stiffness) * (1 + overshoot_of_plant(mass + heaviest, stiffness, damping))
 
 
 def typical(plant: PlantModel, level: float, added: float, sample_time: float, duration: float) -> Scales:
