@@ -69,3 +69,20 @@ def test_text_is_refused_with_a_scale_too() -> None:
         stepid.Campaign.from_dataframe(
             example.campaign().to_dataframe().astype({"position": str}), name="x", position_scale=1e-3
         )
+
+
+@pytest.mark.parametrize("zone", [None, "Europe/Rome"])
+def test_clock_times_and_durations_are_seconds(zone: str | None) -> None:
+    run = example.campaign().experiments[0]
+    known = {"name": run.name, "added_mass": run.added_mass, "spring": run.spring, "damper": run.damper}
+    frame = run.to_dataframe()
+    lasted = pd.to_timedelta(frame["time"], unit="s")
+    began = pd.Timestamp("2026-03-04 10:11:12.5", tz=zone)
+    for time in (lasted, began + lasted):
+        again = stepid.Experiment.from_dataframe(frame.assign(time=time), **known)
+        np.testing.assert_allclose(again.time - again.time[0], run.time - run.time[0], atol=2e-9)
+    with pytest.raises(InputError, match=r"time_scale = 0.001, but the times have a unit of their own. Leave it out"):
+        stepid.Experiment.from_dataframe(frame.assign(time=lasted), **known, time_scale=1e-3)
+    gone = lasted.mask(frame.index == 3)
+    with pytest.raises(InputError, match=r"time: 1 value\(s\) are not finite, the first at index 3"):
+        stepid.Experiment.from_dataframe(frame.assign(time=gone), **known)

@@ -61,6 +61,15 @@ def test_an_eighth_of_the_samples_may_be_steps() -> None:
             assert [step.total for step in find_steps(run)] == [count] * count
 
 
+def test_a_level_is_read_off_all_its_samples_not_off_the_last() -> None:
+    """Of a flicker of 4 % of the step, too little to be a step of its own, the median stays."""
+    run = make_run(PLANT, 1.5, count=300)
+    volts = np.repeat([0.2, 1.2, 0.7], 100)
+    volts[[99, 199]] += 0.04
+    steps = find_steps(run.model_copy(update={"input": volts, "input_before": 0.2}))
+    assert [(step.start, round(step.size, 12)) for step in steps] == [(100, 1.0), (200, -0.5)]
+
+
 def test_what_slowly_wanders_counts_by_half_periods() -> None:
     """A sine of three times the frequency, over whole periods of it: rms a/√2, as many readings as half periods."""
     decay, frequency, a = 5.0, 20.0, 1e-4

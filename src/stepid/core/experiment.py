@@ -158,7 +158,7 @@ class Experiment(Model):
         name, added_mass, spring, damper, counts_per_meter, input_before, base, input_between, starts
             Fields of `Experiment`.
         time, position, input : str
-            Names of the columns.
+            Names of the columns; of clock times (the first is 0) and durations the seconds are taken.
         time_scale, position_scale, input_scale : float
             s, m and V per unit of those columns, as in `read_table`.
 

@@ -94,6 +94,8 @@ def numbers(frame: Any, column: str, *, field: str) -> Array:
     """Read a numeric column; InputError names it and the columns there are, or what it holds instead of numbers."""
     values = column_of(frame, column, field=field)
     dtype = getattr(values, "dtype", None)
+    if getattr(dtype, "kind", "O") in "mM":  # times, which have a unit of their own
+        return np.asarray(values.to_numpy("datetime64[ns]") if hasattr(dtype, "tz") else values)
     if isinstance(dtype, np.dtype) or getattr(dtype, "kind", "O") not in "fiu":
         return np.asarray(values)  # the model says what is wrong with what are no numbers
     missing = np.flatnonzero(np.asarray(values.isna()))  # pandas' nullable numbers

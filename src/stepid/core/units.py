@@ -9,6 +9,7 @@ from numbers import Real
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.core.frames import numbers
@@ -98,7 +99,18 @@ def record(frame: Any, columns: Mapping[str, str], scales: Mapping[str, float], 
     """Read time [s], position [m] and input [V] from the columns of these roles, with the scales of `read_table`."""
     check_scales(columns, scales, where)
     arrays = {role: numbers(frame, column, field=role) for role, column in columns.items()}
+    if arrays["time"].dtype.kind in "mM":
+        arrays["time"] = _seconds(arrays["time"], scales["time"], where)
     return {role: in_si(role, values, scales[role], where) for role, values in arrays.items()}
+
+
+def _seconds(stamps: npt.NDArray[Any], scale: float, where: str) -> Array:
+    """Seconds of durations, or since the first of clock times; their unit is known, so a scale is refused."""
+    if scale != 1.0:
+        raise InputError(f"{where}: time_scale = {scale:g}, but the times have a unit of their own", "Leave it out.")
+    since = stamps if stamps.dtype.kind == "m" else stamps - stamps[:1]
+    seconds: Array = np.where(np.isnat(since), np.nan, since / np.timedelta64(1, "s"))
+    return seconds
 
 
 def check_travel(meters: Array, who: str, remedy: str) -> None:

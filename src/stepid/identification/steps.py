@@ -84,8 +84,11 @@ def find_steps(experiment: Experiment) -> tuple[Step, ...]:
         Step(
             start=start,
             stop=stop - (ramps and i + 1 < len(starts)),
-            # the levels before and after, not the single change: the rest may carry noise
-            size=float(np.median(experiment.input[start : max(stop, start + 1)]) - level[start]),
+            # the levels before and after, not the single change: each may carry noise
+            size=float(
+                np.median(experiment.input[start : max(stop, start + 1)])
+                - np.median(level[bounds[i - 1] + 1 if i else 0 : start + 1])
+            ),
             number=i + 1,
             total=len(starts),
             rest=max(bounds[i - 1] if i else 0, start - _REST),
