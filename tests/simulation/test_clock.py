@@ -43,6 +43,18 @@ def test_samples_that_are_uneven_keep_their_stamps() -> None:
     assert "of a sample off an even clock; are taken as they are" in str(clock_note(run))
 
 
+@pytest.mark.parametrize("right", ["stamps", "even"])
+def test_a_cart_that_mostly_rests_tells_its_clock_where_it_moves(right: str) -> None:
+    """It is still for four fifths of the record, within noise that covers every difference there."""
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        stamps = EVEN + STEP * rng.uniform(-0.2, 0.2, EVEN.size)
+        taken = stamps if right == "stamps" else EVEN
+        swing = 0.02 * np.exp(-12.0 * taken) * np.cos(14.7 * taken) + 2e-5 * rng.standard_normal(taken.size)
+        run = released(taken, stamps).model_copy(update={"position": swing})
+        assert (clock(run) is run.time) == (right == "stamps")
+
+
 @pytest.mark.parametrize(("taken", "stamps"), [(EVEN, LATE), (LATE, LATE), (GAP, GAP)])
 def test_the_fit_takes_uneven_stamps_and_says_so(taken: np.ndarray, stamps: np.ndarray) -> None:
     found = stepid.fit(stepid.Campaign(name="c", experiments=(released(taken, stamps),)))

@@ -10,6 +10,9 @@ from stepid.core.once import once
 from stepid.core.samples import CLOSE, divided_differences, even_clock, is_even, off_even_clock
 
 _BETTER = 0.9  # times the spread on the even clock, above which the stamps' own times are no better
+_ORDER = 8  # of the differences that are compared
+_FAST = 0.5  # of the highest speed, above which differences are compared: where the cart rests, any clock will do
+_HIGHEST = 0.98  # quantile of the speed that is the highest but for outliers
 
 
 @once
@@ -17,7 +20,7 @@ def clock(experiment: Experiment) -> Array:
     """Return the time of each sample, s: the stamps, or an even clock where that makes the smoother motion.
 
     Stamps that are within half a sample of an even clock may be late or rounded, the samples even; or both may be
-    uneven. The motion tells: on a wrong clock a smooth one is rough.
+    uneven. The motion tells where the cart is fast: on a wrong clock a smooth one is rough.
 
     Parameters
     ----------
@@ -31,8 +34,15 @@ def clock(experiment: Experiment) -> Array:
     if is_even(own) or off_even_clock(own).max() > CLOSE:
         return own
     even = even_clock(own)
-    rough = [float(np.median(np.abs(divided_differences(t, experiment.position)))) for t in (own, even)]
-    return own if rough[0] < _BETTER * rough[1] else even
+    return own if _roughness(experiment, own) < _BETTER * _roughness(experiment, even) else even
+
+
+def _roughness(experiment: Experiment, time: Array) -> float:
+    """Spread of what is no smooth motion on a clock where the cart moves fastest, m."""
+    windows = np.lib.stride_tricks.sliding_window_view(experiment.position, _ORDER + 1)
+    moved = np.ptp(windows, axis=1)
+    fast = moved >= _FAST * np.quantile(moved, _HIGHEST)
+    return float(np.median(np.abs(divided_differences(time, experiment.position, order=_ORDER)[fast])))
 
 
 def clock_note(experiment: Experiment) -> str | None:
@@ -44,5 +54,8 @@ def clock_note(experiment: Experiment) -> str | None:
     if worst > CLOSE:
         longest, usual = float(np.diff(experiment.time).max()), experiment.sample_time
         return f"{who} are uneven ({usual:.4g} s apart, at most {longest:.4g} s) and are taken as they are."
-    how = "are taken as they are" if used is experiment.time else "an even clock is taken for them"
-    return f"{who} are up to {worst:.2g} of a sample off an even clock; {how}, with which the motion is smoother."
+    if used is experiment.time:
+        how = "are taken as they are, with which the motion is smoother"
+    else:
+        how = "an even clock is taken for them, with which the motion is as smooth or smoother"
+    return f"{who} are up to {worst:.2g} of a sample off an even clock; {how}."
