@@ -197,23 +197,24 @@ def test_each_kind_of_fault_has_its_words() -> None:
     assert among.startswith("Run 'a' disagrees with the others, and far more than these do among themselves. Its")
 
 
-def off_axis(sizes: tuple[float, ...], noise: float) -> Any:
+def off_axis(sizes: tuple[float, ...], noise: float, decay: float = 1.0) -> Any:
     """A fit that leaves an encoder's line of these amplitudes in each run, and noise."""
     t, rng = 0.01 * np.arange(400), np.random.default_rng(5)
-    path = 5e-3 * (1 - np.exp(-t) * np.cos(4.0 * t))
+    path = 5e-3 * (1 - np.exp(-decay * t) * np.cos(4.0 * t))
     told: dict[str, Any] = {"input": np.where(t < 0.05, 0.0, 1.0), "added_mass": 0.0, "spring": "s", "damper": "d"}
-    runs = [
-        stepid.Experiment(
-            name=f"{i}", time=t, position=path + size * np.sin(2 * np.pi * path / 1.5e-3 + 0.4), **told
-        )
-        for i, size in enumerate(sizes)
-    ]  # fmt: skip
-    records = lay_out(stepid.Campaign(name="c", experiments=tuple(runs)))
-    line = np.concatenate([run.position - path for run in runs]) + noise * rng.standard_normal(records.size)
+    off = [s * np.sin(2 * np.pi * path / 1.5e-3 + 0.4) + noise * rng.standard_normal(t.size) for s in sizes]
+    runs = [stepid.Experiment(name=f"{i}", time=t, position=path + line, **told) for i, line in enumerate(off)]
+    records, line = lay_out(stepid.Campaign(name="c", experiments=tuple(runs))), np.concatenate(off)
     problem = SimpleNamespace(
         records=records, residual=lambda _: records.weighted(line), jacobian=lambda _: np.ones((records.size, 1))
     )
-    return SimpleNamespace(problem=problem, solved=None)
+    return SimpleNamespace(problem=problem, solved=None, residual=line)
+
+
+def test_the_noise_of_the_readings_is_no_line_in_position() -> None:
+    """In the readings' own position it stands as it does in the residual: a sine of a few times its size takes it."""
+    for noise in (5e-6, 2e-5, 2e-4):
+        assert find_eccentricity(off_axis((0.0,) * 3, noise, decay=3.0), 0.97 * noise) is None
 
 
 def test_an_encoder_off_its_axis_takes_most_of_what_is_left() -> None:

@@ -22,7 +22,6 @@ _AGAIN = 2.0  # turns, below which runs have to move differently: in one motion 
 _FINE = 0.25  # turns, by which pitches are told apart
 _STEPS = 12  # Newton's, by which a reading is corrected
 _LEAST_SLOPE = 0.2  # of the reading over the position, in these: where it hardly grows a step would go too far
-_PASSES = 2  # from where the readings are to where the cart is
 _EVIDENCE = 50.0  # n ln(RSS / RSS) of the line
 _MOST = 0.7  # share of what is left above the noise that the line must take
 _TRACKS, _A_STEP = (2, 4), 0.05  # steps after which one track of a counter, or two, come again; how near to whole ones
@@ -57,14 +56,10 @@ def find_eccentricity(fit: Optimum, floor: float) -> Eccentricity | None:
     problem, records = fit.problem, fit.problem.records
     residual, size = problem.residual(fit.solved), records.weighed_size
     excess = float(residual @ residual) - floor**2 * size
-    line = _Line(problem.jacobian(fit.solved), residual, records)
+    line = _Line(problem.jacobian(fit.solved), residual, records, records.position - fit.residual)
     if excess <= 0 or line.travel <= 0 or not line.finite:
         return None
     turns = line.strongest()
-    for _ in range(_PASSES):  # the line is one of the true position
-        values, _ = _fitted(line.waves(turns), residual)
-        line.position = _true(records.position, *_wave(values), line.travel / turns)
-        turns = line.strongest(near=turns)
     waves = line.waves(turns)
     values, gained = _fitted(waves, residual)
     if turns < _TURNS[0] + _FINE / 2:  # the longest that is tried: no pitch is the best
@@ -135,15 +130,18 @@ def without_eccentricity(campaign: Campaign, found: Eccentricity) -> Campaign:
 
 
 class _Line:
-    """Waves in position, less what the fit's own parameters can take of them: these have taken it of the residual."""
+    """Waves in position, less what the fit's own parameters can take of them: these have taken it of the residual.
 
-    def __init__(self, jacobian: Array, residual: Array, records: Records) -> None:
+    The position is the model's: in the readings' own is the noise that is to be explained.
+    """
+
+    def __init__(self, jacobian: Array, residual: Array, records: Records, position: Array) -> None:
         size = np.linalg.norm(jacobian, axis=0)
         self.finite = bool(np.isfinite(size).all())
         self._own = np.linalg.qr(jacobian[:, size > 0] / size[size > 0])[0] if self.finite else jacobian
         self._residual, self._records = residual, records
-        self.travel = float(np.ptp(records.position))
-        self.position = records.position
+        self.travel = float(np.ptp(position))
+        self.position = position
 
     @cached_property
     def _rest(self) -> Array:
@@ -165,9 +163,9 @@ class _Line:
         """Weighted sine and cosine with all that the fit's own parameters can take of them, shape (2, S)."""
         return self._records.weighted(np.array([wave.imag, wave.real]))
 
-    def strongest(self, near: float | None = None) -> float:
-        """Turns of the line that takes most of the residual, of all or of those near some."""
-        first = near or self._strongest_of_all()
+    def strongest(self) -> float:
+        """Turns of the line that takes most of the residual."""
+        first = self._strongest_of_all()
         from scipy.optimize import minimize_scalar  # slow to import, seldom needed
 
         angle = self._angle
