@@ -121,6 +121,8 @@ def test_masses_are_undetermined_without_a_mass_difference() -> None:
     found = stepid.fit(one)
     assert found.parameters["base_mass"].uncertainty is None
     assert "undetermined" in str(found.parameters["base_mass"])
+    assert any("every parameter is per unit mass" in note for note in found.notes)
+    assert not any("per unit mass" in note for note in stepid.fit(linear_campaign()).notes)
     ratio = found.parameters["stiffness[medium]"].value / (found.parameters["base_mass"].value + 0.5)
     assert ratio == pytest.approx(216.0 / 1.45, rel=0.02)
 

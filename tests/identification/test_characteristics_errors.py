@@ -121,3 +121,16 @@ def test_numbers_that_cannot_be_computed_with_are_no_crash() -> None:
 def _scaled(run: stepid.Experiment, factor: float) -> stepid.Experiment:
     fields = {name: getattr(run, name) for name in type(run).model_fields}
     return stepid.Experiment(**fields | {"position": factor * run.position})
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_settled_response_without_an_overshoot_is_told_by_its_level(seed: int) -> None:
+    """Its highest reading is noise, anywhere on the plateau: the level had been averaged over the rise."""
+    time = SAMPLE_TIME * np.arange(1130)
+    since = np.clip(time - time[20], 0, None)
+    slow, fast = 1.85, 80.9  # 1/s
+    swing = 0.01806 * (1 - (fast * np.exp(-slow * since) - slow * np.exp(-fast * since)) / (fast - slow))
+    noise = 2e-5 * np.random.default_rng(seed).standard_normal(time.size)
+    run = make_run(Plant(0.95, 216.0, 14.0), 0.5, steps=((20, 0.5),), count=1130)
+    with pytest.raises(NoOvershootError, match=r"no overshoot to be seen \(0\.\d\d % of 18\.[01] mm"):
+        stepid.characterize(run.model_copy(update={"position": swing + noise}))

@@ -12,7 +12,7 @@ from closed_form import Plant, make_run
 from stepid.errors import NotSettledError
 from stepid.identification.errors_in_variables import _unbiased
 from stepid.identification.free_response import Extrema, _free_part, constant_loss, find_extrema
-from stepid.identification.peak import _CUT, InterpolatedPeak, SampledPeak, fit_peak
+from stepid.identification.peak import FINE, InterpolatedPeak, SampledPeak, fit_peak
 from stepid.identification.pooling import pool_steps
 from stepid.identification.steady_state import steady_state
 from stepid.identification.step_response import _read, _response, _rest, _spreads
@@ -99,7 +99,7 @@ def test_a_loss_is_clear_only_beyond_what_the_turning_points_leave_open() -> Non
 def test_uncertainty_of_an_exact_peak_is_what_the_polynomial_cuts_off() -> None:
     time = 0.002 * np.arange(-60, 61)
     found = fit_peak(time, 0.02 * np.cos(12.0 * time), 0.0, 0.06, noise=1e-12)
-    _, cut_time, cut_height = _CUT[0]
+    _, cut_time, cut_height = FINE
     assert found.time == pytest.approx(0.0, abs=1e-6)
     assert found.height_uncertainty == pytest.approx(cut_height * 0.02, rel=0.02)
     assert found.time_uncertainty == pytest.approx(cut_time * 0.06, rel=0.02)

@@ -14,7 +14,7 @@ from made_up_runs import offset, run
 from stepid.errors import IdentificationError
 from stepid.identification import tightness
 from stepid.identification.free_response import Extrema, constant_loss, logarithmic_decrement
-from stepid.identification.peak import _CUT, _fit, fit_peak
+from stepid.identification.peak import COARSE, FINE, _fit, fit_peak, polynomial
 from stepid.identification.pooling import pool_steps
 from stepid.identification.solvers import _constrained
 from stepid.identification.steady_state import last_swing, settling_time_measured, steady_state
@@ -82,8 +82,11 @@ def test_settling_is_told_up_to_the_noise_that_smoothing_over_the_window_leaves(
 def test_a_vague_peak_is_read_with_the_lower_degree() -> None:
     time = 0.002 * np.arange(-60, 61)
     swing = 0.02 * np.cos(12.0 * time) + 2e-3 * np.random.default_rng(3).standard_normal(time.size)
-    fine = _fit(time, swing, 0.0, 0.06, 2e-3, *_CUT[0])
-    found = fit_peak(time, swing, 0.0, 0.06, noise=2e-3)
+    fine = _fit(time, swing, 0.0, 0.06, 2e-3, FINE)
+    by = polynomial(0.002, 0.06, noise=2e-3, curvature=0.02 * 12.0**2)
+    assert by is COARSE
+    assert polynomial(0.002, 0.06, noise=2e-6, curvature=0.02 * 12.0**2) is FINE
+    found = fit_peak(time, swing, 0.0, 0.06, noise=2e-3, by=by)
     assert found.time_uncertainty < 0.8 * fine.time_uncertainty
     assert abs(found.time) < 3 * found.time_uncertainty
 

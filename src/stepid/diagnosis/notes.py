@@ -17,7 +17,7 @@ from stepid.fitting.fit import NOT_CONVERGED
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import repeat_notes
-from stepid.fitting.problem import fixes_mass
+from stepid.fitting.problem import fixes_mass, ratios_note
 
 _SLOW = 1.0  # s between readings, of which a cart on a spring makes no use
 _CLIPPED = 12  # samples at one extreme reading, in motion before and after
@@ -41,10 +41,8 @@ def notes_on(
             out.append(
                 f"Run {run.name!r} stays at its extreme reading for {_CLIPPED} samples or more: did it hit a stop?"
             )
-    if fixes_mass(records) is not None:
-        out.append(
-            "No two runs differ in added mass: the total mass is set to 1 kg and every parameter is per unit mass."
-        )
+    if ratios := ratios_note(records):
+        out.append(ratios)
     for effect, place in zip(effects, final.problem.layout.values, strict=True):
         if said := effect.remark(tuple(map(float, final.shared[place]))):
             out.append(said)

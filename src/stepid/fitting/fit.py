@@ -31,7 +31,7 @@ from stepid.fitting.multistart_cogging import well_starts
 from stepid.fitting.multistart_race import race_starts
 from stepid.fitting.noise_color import colored_floor
 from stepid.fitting.noise_floor import bounded_floor, enough, noise_floor, repeat_notes, weights
-from stepid.fitting.problem import fit_linear, within_weights
+from stepid.fitting.problem import fit_linear, ratios_note, within_weights
 from stepid.fitting.profile import profiled
 from stepid.fitting.reading_faults import trust
 from stepid.fitting.record_fault import ALL_RUNS
@@ -203,6 +203,8 @@ def _remarks(context: FitContext, optimum: Optimum, found: Optimum) -> tuple[str
     ]
     if context.colored is not None:
         out.append(context.colored.words)
+    if ratios := ratios_note(context.records):
+        out.append(ratios)
     fault = find_input_fault(context)
     if fault is not None:
         out.append(fault.words)

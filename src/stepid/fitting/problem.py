@@ -36,6 +36,16 @@ def fixes_mass(records: Records) -> float | None:
     return 1.0 - float(records.added_mass[0])
 
 
+def ratios_note(records: Records) -> str | None:
+    """Say that the parameters are ratios to an assumed mass; None where a difference in added mass tells the mass."""
+    if fixes_mass(records) is None:
+        return None
+    return (
+        "No two runs differ in added mass: the total mass is set to 1 kg and every parameter is per unit mass. "
+        "Its uncertainty is that of the ratio."
+    )
+
+
 def build(records: Records, effects: tuple[Effect, ...], *, tolerance: float = FINE, workers: int = 1) -> Problem:
     """Set up the fit of a linear plant with effects to all records."""
     sim = Simulator(records, effects, tolerance, workers=workers)

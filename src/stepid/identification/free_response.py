@@ -13,7 +13,7 @@ from stepid.core.noise import noise_level
 from stepid.core.words import length
 from stepid.errors import NoOvershootError, NoStepError, NotSettledError
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
-from stepid.identification.peak import Peak, SampledPeak, fit_peak, sampled_peak_spread
+from stepid.identification.peak import Peak, SampledPeak, fit_peak, polynomial, sampled_peak_spread
 
 _SMALL = 0.05  # extrema below this fraction of the largest are too uncertain to help
 
@@ -54,8 +54,11 @@ def find_extrema(time: Array, position: Array, *, rest: float, noise: float, pea
     tops = [int(lobe[np.argmax(np.abs(swing[lobe]))]) for lobe in lobes]
     half = float(np.median(np.diff(time[tops]))) if len(tops) > 1 else 0.0
     period = float(time[1] - time[0])
+    bends = [abs(float(swing[top])) * (math.pi / max(half, period)) ** 2 for top in tops]  # m/s²
+    # one for all, as the least clear asks: what it cuts off is then a like part of each, and none of what a swing loses
+    by = polynomial(period, 0.25 * half, noise=noise, curvature=min(bends, default=0.0))
     rows = []
-    for top, lobe in zip(tops, lobes, strict=True):
+    for top, lobe, curvature in zip(tops, lobes, bends, strict=True):
         reach = round(0.25 * half / period) + 1
         if lobe[0] == 0:
             continue  # the hand may hold the plant there
@@ -63,11 +66,10 @@ def find_extrema(time: Array, position: Array, *, rest: float, noise: float, pea
             continue
         sign = float(side[top])
         if isinstance(peak, SampledPeak):
-            curvature = abs(swing[top]) * (math.pi / max(half, period)) ** 2
             rows.append((time[top], position[top], *sampled_peak_spread(period, noise, curvature)))
         else:
             near = slice(max(top - 2 * reach - 5, 0), top + 2 * reach + 6)
-            found = fit_peak(time[near] - time[top], sign * swing[near], 0.0, 0.25 * half, noise=noise)
+            found = fit_peak(time[near] - time[top], sign * swing[near], 0.0, 0.25 * half, noise=noise, by=by)
             if found.time_uncertainty > 0.25 * half:
                 if rows:
                     break  # noise hides it, and the smaller ones after it

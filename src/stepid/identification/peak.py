@@ -12,10 +12,22 @@ from stepid.core.takes import able, optional
 from stepid.identification.second_order import damping_ratio, natural_frequency
 
 _WINDOW = 0.25  # half width of the fitted segment, as a fraction of the peak time
+_CLEAR = 2.0  # times what degree 3 cuts off, within which degree 5 tells the time
 _POINTS = 9  # at least so many samples in the segment
-# degree of the polynomial, and what cutting the series there leaves in closed forms of damping ratio 0.1 to 0.6:
-# of the time, as a fraction of the half width, and of the height, as a fraction of it
-_CUT = ((5, 1e-4, 1e-5), (3, 5e-3, 1e-3))
+
+
+class Polynomial(NamedTuple):
+    """Degree of a polynomial, and what cutting the series there leaves in closed forms of damping ratio 0.1 to 0.6.
+
+    Of the time as a fraction of the half width, and of the height as a fraction of it.
+    """
+
+    degree: int
+    cut_time: float
+    cut_height: float
+
+
+FINE, COARSE = Polynomial(5, 1e-4, 1e-5), Polynomial(3, 5e-3, 1e-3)
 
 
 class PeakReading(NamedTuple):
@@ -120,12 +132,14 @@ def sampled_height_bias(period: float, noise: float, curvature: float) -> float:
 
 
 class InterpolatedPeak(Model):
-    """The peak between samples: a polynomial of degree 5, by least squares over ±0.25 peak times around it."""
+    """The peak between samples: a polynomial of degree 5, or 3 in noise, over ±0.25 peak times around it."""
 
     def locate(self, time: Array, swing: Array, *, level: float, noise: float) -> PeakReading:
         """Read the peak of a swing; see `SampledPeak.locate`."""
         rough = SampledPeak().locate(time, swing, level=level, noise=noise)
-        return fit_peak(time, swing, rough.time, _WINDOW * rough.time, noise=noise)
+        half, curvature = _WINDOW * rough.time, max(rough.height - level, 0.0) * (math.pi / rough.time) ** 2
+        chosen = polynomial(float(time[1] - time[0]), half, noise=noise, curvature=curvature)
+        return fit_peak(time, swing, rough.time, half, noise=noise, by=chosen)
 
 
 class Peak(Protocol):
@@ -142,7 +156,36 @@ a_peak = optional(able("locate", "a way to read peaks with its brackets, as Inte
 """Check of an argument `peak`."""
 
 
-def fit_peak(time: Array, swing: Array, near: float, half_width: float, *, noise: float) -> PeakReading:
+def polynomial(period: float, half_width: float, *, noise: float, curvature: float) -> Polynomial:
+    """Choose how a maximum is read, before it is: by what tells its time the better, as far as is expected.
+
+    Degree 5 follows the shape of the peak closely; where noise makes its maximum vaguer than what degree 3 cuts off,
+    degree 3 is used. By its own reading the fifth is too sure of itself: what follows the noise looks sharp.
+
+    Parameters
+    ----------
+    period, half_width : float
+        s, of the samples; of the segment to fit.
+    noise : float
+        m, standard deviation of a reading.
+    curvature : float
+        m/s², expected at the maximum.
+    """
+    half = _half(half_width, period)
+    count = int(half / period)
+    basis_at = period * np.arange(-count, count + 1) / half
+
+    def spread(by: Polynomial) -> float:
+        inverse: Array = np.linalg.pinv(np.polynomial.chebyshev.chebvander(basis_at, by.degree))
+        tilt = float(np.linalg.norm(_tilt(inverse, 0.0, half)))
+        return math.hypot(noise * tilt / curvature if curvature > 0 else math.inf, by.cut_time * half)
+
+    return FINE if spread(FINE) <= max(_CLEAR * COARSE.cut_time * half, spread(COARSE)) else COARSE
+
+
+def fit_peak(
+    time: Array, swing: Array, near: float, half_width: float, *, noise: float, by: Polynomial = FINE
+) -> PeakReading:
     """Fit a polynomial around a maximum, iterating until the window is centered on it.
 
     Parameters
@@ -155,30 +198,32 @@ def fit_peak(time: Array, swing: Array, near: float, half_width: float, *, noise
         s, half the segment to fit; widened to hold enough samples.
     noise : float
         m, standard deviation of a reading.
+    by : Polynomial
+        See `polynomial`.
 
     Returns
     -------
     PeakReading
         Its uncertainties come from the least-squares covariance with the noise, or with the misfit where the
         polynomial leaves more than the noise; infinite where noise hides the maximum.
-
-    Notes
-    -----
-    Degree 5 follows the shape of the peak closely; where noise makes its maximum vaguer than what degree 3 cuts off,
-    degree 3 is used.
     """
-    period = float(time[1] - time[0])
-    half = max(half_width, 0.5 * (_POINTS - 0.5) * period)
-    fine = _fit(time, swing, near, half, noise, *_CUT[0])
-    if fine.time_uncertainty <= 2 * _CUT[1][1] * half:
-        return fine
-    coarse = _fit(time, swing, near, half, noise, *_CUT[1])
-    return min(fine, coarse, key=lambda reading: reading.time_uncertainty)
+    return _fit(time, swing, near, _half(half_width, float(time[1] - time[0])), noise, by)
 
 
-def _fit(
-    time: Array, swing: Array, near: float, half: float, noise: float, degree: int, cut_time: float, cut_height: float
-) -> PeakReading:
+def _half(half_width: float, period: float) -> float:
+    """Half the segment to fit, s, widened to hold enough samples."""
+    return max(half_width, 0.5 * (_POINTS - 0.5) * period)
+
+
+def _tilt(inverse: Array, place: float, half: float) -> Array:
+    """What each reading adds to the slope of the polynomial at a place within ±1, 1/s; `inverse` solves for it."""
+    slopes = [float(np.polynomial.Chebyshev(row).deriv()(place)) for row in np.eye(inverse.shape[0])]
+    out: Array = np.array(slopes) / half @ inverse
+    return out
+
+
+def _fit(time: Array, swing: Array, near: float, half: float, noise: float, by: Polynomial) -> PeakReading:
+    degree, cut_time, cut_height = by
     center, seen = near, set()
     reach = half + 1e-6 * float(time[1] - time[0])  # a sample at the very edge is inside, whatever its rounding
     while True:
@@ -197,10 +242,9 @@ def _fit(
     curvature = -float(curve.deriv(2)(place)) / half**2
     misfit = swing[inside] - basis @ coefficients
     spread = max(noise, float(np.sqrt(misfit @ misfit / (inside.size - degree - 1))))
-    inverse = np.linalg.pinv(basis)
-    unit = np.eye(degree + 1)
+    inverse: Array = np.asarray(np.linalg.pinv(basis), dtype=np.float64)
     height = np.polynomial.chebyshev.chebvander(np.array([place]), degree)[0] @ inverse
-    tilt = np.array([float(np.polynomial.Chebyshev(row).deriv()(place)) for row in unit]) / half @ inverse
+    tilt = _tilt(inverse, place, half)
     top = float(curve(place))
     if abs(place) >= 1 or curvature <= 0:
         return PeakReading(center + half * place, top, math.inf, math.inf, 0.0)

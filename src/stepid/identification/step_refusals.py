@@ -13,10 +13,18 @@ def no_overshoot(who: str, excess: float, level: float, noise: float, grid: floa
             f"{who}: the peak is {excess:.2f} times the steady displacement above it, no damped step response",
             "Check the rest position before the step and that the input was held.",
         )
+    resolution = f", resolution {length(grid)}" if grid > 0 else ""
     return NoOvershootError(
-        f"{who}: no overshoot to be seen ({100 * excess:.2f} % of {length(level)}, "
-        f"noise {length(noise)}, resolution {length(grid)})",
+        f"{who}: no overshoot to be seen ({100 * excess:.2f} % of {length(level)}, noise {length(noise)}{resolution})",
         "Eqs. 7 and 8 need an overshoot: less damping, more mass or a stiffer spring; stepid.fit needs none.",
+    )
+
+
+def hidden_peak(who: str, excess: float, noise: float) -> NoOvershootError:
+    """There is an overshoot, but noise [m] leaves open when."""
+    return NoOvershootError(
+        f"{who}: noise of {length(noise)} hides when the overshoot of {100 * excess:.2g} % is reached",
+        "A larger step, or a finer encoder; stepid.fit takes all samples and needs no peak.",
     )
 
 

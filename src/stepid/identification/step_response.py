@@ -23,7 +23,7 @@ from stepid.identification.steady_state import (
     settling_time_measured,
     steady_state,
 )
-from stepid.identification.step_refusals import no_overshoot, not_settled, swinging
+from stepid.identification.step_refusals import hidden_peak, no_overshoot, not_settled, swinging
 from stepid.identification.steps import Step
 
 _MOVING = 0.05  # swing left at the end, as a fraction of the steady displacement, that is too much
@@ -160,7 +160,7 @@ def _response(experiment: Experiment, step: Step) -> _Response:
         )
     sign = math.copysign(1.0, rough)
     out = _Response(who, time, sign * swing, sign, noise, grid, rest_spread, step.lead)
-    _require_peak(who, time, out.swing, out.tolerance)
+    _require_peak(out)
     first_peak = float(time[np.argmax(out.swing)])
     if time[-1] < 1.9 * first_peak and last_swing(time, out.swing, 0.5 * float(time[-1])) > _MOVING * abs(rough):
         raise not_settled(who, f"ends {time[-1] / first_peak:.2f} peak times after the step")
@@ -183,9 +183,10 @@ def _read(response: _Response, peak: Peak) -> _Reading:
             raise NoOvershootError(f"{who}: {error.cause}", error.remedy) from None
         frequency = damped_frequency(found.time)
         excess = response.excess(found.height, level, frequency)
-        vague = found.time_uncertainty > _VAGUE * found.time
-        if vague or not response.tolerance < excess * level < level:
+        if not response.tolerance < excess * level < level:
             raise no_overshoot(who, excess, level, noise, response.grid)
+        if found.time_uncertainty > _VAGUE * found.time:
+            raise hidden_peak(who, excess, noise)
         ratio = damping_ratio(excess)
         tail = _tail(response, found, frequency, ratio, excess)
         change, level = abs(tail.level - level), tail.level
@@ -198,6 +199,7 @@ def _read(response: _Response, peak: Peak) -> _Reading:
     colored = colored_noise(tail.residual, float(time[1] - time[0]), found.time, noise)
     if colored > noise:
         found = peak.locate(time, swing, level=level, noise=colored)
+        frequency = damped_frequency(found.time)
     excess = response.excess(found.height, level, frequency)
     return _Reading(found, tail, frequency, damping_ratio(excess), excess, left)
 
@@ -271,14 +273,17 @@ def _ringing(experiment: Experiment, step: Step, half_period: float, noise: floa
     return max(last_swing(time, experiment.position[step.before], half_period) - 4 * noise, 0.0)
 
 
-def _require_peak(who: str, time: Array, swing: Array, tolerance: float) -> None:
-    """Refuse a record that still moves outward at its end."""
-    if int(np.argmax(swing)) < swing.size - 2:
-        return
+def _require_peak(response: _Response) -> None:
+    """Refuse a record that still moves outward at its end, or whose highest reading does not stand out of the rest."""
+    who, time, swing, *_ = response
     quarter = swing[-max(swing.size // 4, 3) :]
-    if np.ptp(quarter) > max(0.02 * float(swing.max()), tolerance):
+    wide, still = float(np.ptp(quarter)), max(0.02 * float(swing.max()), response.tolerance)
+    if int(np.argmax(swing)) >= swing.size - 2 and wide > still:
         raise NotSettledError(
             f"{who}: the response still moves outward at the last sample, {time[-1]:.3f} s after the step; "
             "it is cut before its peak, or does not overshoot",
             "Record until the plant rests; less damping or more mass gives an overshoot.",
         )
+    level = float(np.mean(quarter))
+    if wide <= still and float(swing.max()) - level <= max(response.tolerance, wide):
+        raise no_overshoot(who, float(swing.max()) / level - 1, level, response.noise, response.grid)
