@@ -11,7 +11,8 @@ import numpy as np
 import score
 import stepid
 from stepid.effects import CATALOGUE, resolve
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 
 Case = tuple[str, stepid.Campaign, dict[str, Any]]
 SEVERAL = ("pairs-all", "triples")

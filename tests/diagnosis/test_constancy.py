@@ -15,7 +15,8 @@ from scattered_campaigns import scattered
 from stepid.diagnosis.constancy import CONDITIONS, conditions_of
 from stepid.diagnosis.free_law import FreeLaw, free_laws
 from stepid.effects import resolve
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.multistart import FitContext
 
 TABLE, BENCH, DASHPOT = 6.0, 6.0 * (2 * np.pi * 9.0) ** 2, 6.0  # of a rail on a table: kg, N/m, N·s/m

@@ -17,7 +17,8 @@ from stepid.diagnosis import diagnose, explore
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.effects import CATALOGUE, resolve
 from stepid.effects.drive import acts_on_input
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.record_fault import RecordFault
 

@@ -12,7 +12,8 @@ from stepid.diagnosis.free_forces import memories
 from stepid.diagnosis.free_law import FreeLaw, free_laws
 from stepid.diagnosis.states import states_of
 from stepid.effects import resolve
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 

@@ -14,7 +14,8 @@ from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.effects import resolve
 from stepid.fitting.deviations import starts_kept, with_deviations
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.levenberg_marquardt import minimize
 
 

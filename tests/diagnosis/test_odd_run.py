@@ -10,7 +10,8 @@ from stepid.diagnosis import odd_run
 from stepid.diagnosis.odd_run import fault_of, outlying_runs
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.effects import resolve
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.record_fault import RecordFault
 
 MASSES = (0.0, 0.0, 0.5, 0.5, 1.5, 1.5)

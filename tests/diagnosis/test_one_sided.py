@@ -14,7 +14,8 @@ from made_up_evidence import FRICTION, LINEAR, Kept, Told, candidate, context, e
 from stepid.diagnosis import verdict, vetoes
 from stepid.effects import resolve
 from stepid.fitting import profile
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 
 GAP = stepid.Estimate(value=8e-4, unit="m", limits=(4.3e-4, None))
 ABSENT_ABOVE = ("actuator_saturation.level", "actuator_rate_limit.rate")

@@ -14,7 +14,8 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.free_law import FreeLaw, beside, free_laws
 from stepid.diagnosis.left_out import LeftOut
 from stepid.effects import resolve
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 
 CRITERIA = Criteria()
 

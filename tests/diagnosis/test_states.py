@@ -12,7 +12,8 @@ import pytest
 from hidden.campaigns import Request, make_campaigns
 from stepid.diagnosis.states import cancelling, states_of, states_of_all
 from stepid.effects import resolve
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 

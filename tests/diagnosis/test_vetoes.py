@@ -20,7 +20,8 @@ from stepid.diagnosis.vetoes import barred, imitators, open_parameters, swing, u
 from stepid.effects import CATALOGUE, resolve
 from stepid.effects.base import Effect
 from stepid.effects.swing import Swing
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 
 SWING = Swing(
     rates=(10.0, 14.0),

@@ -18,7 +18,8 @@ from stepid.fitting.deviations import (
     with_fault,
     without_deviations,
 )
-from stepid.fitting.fit import fit_effects, prepare, unpack
+from stepid.fitting.fit import prepare, unpack
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import build, start_local
 from stepid.fitting.random_effects import deviation_std

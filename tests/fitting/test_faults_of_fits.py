@@ -11,7 +11,8 @@ import pytest
 import stepid
 from broken_campaigns import FRICTION, campaign, changed, scaled, shifted
 from stepid.effects import resolve
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.run_fault import find_fault
 
 

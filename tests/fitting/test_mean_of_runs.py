@@ -16,7 +16,8 @@ from stepid.core.experiment import Campaign
 from stepid.effects import resolve
 from stepid.fitting.covariance import estimates
 from stepid.fitting.deviations import with_deviations
-from stepid.fitting.fit import fit_effects, prepare, unpack
+from stepid.fitting.fit import prepare, unpack
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.mean_of_runs import centered, starts_late
 

@@ -16,7 +16,8 @@ from scattered_campaigns import scattered
 from stepid.effects import resolve
 from stepid.fitting import random_effects
 from stepid.fitting.deviations import with_deviations
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.random_effects import price_of_scatter, sizes_of_scatter
 

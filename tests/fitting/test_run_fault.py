@@ -12,7 +12,8 @@ import stepid
 from broken_campaigns import FRICTION, SAMPLE_TIME, campaign, changed, scaled, shifted
 from scattered_campaigns import scattered
 from stepid.effects import resolve
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.record_fault import RecordFault
 from stepid.fitting.run_fault import accuse, find_fault
 

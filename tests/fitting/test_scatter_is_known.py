@@ -9,7 +9,8 @@ from scattered_campaigns import scattered
 from stepid.effects import resolve
 from stepid.fitting.covariance import estimates
 from stepid.fitting.deviations import with_deviations
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.levenberg_marquardt import minimize
 
 LEVEL = 0.03  # V

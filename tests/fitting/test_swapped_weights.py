@@ -7,7 +7,8 @@ import pytest
 import stepid
 from broken_campaigns import FRICTION, campaign
 from stepid.effects import resolve
-from stepid.fitting.fit import fit_effects, prepare
+from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.swapped_weights import Swap, find_swap
 
 NOTED = (0.0, 0.5, 1.5, 0.0, 1.0)

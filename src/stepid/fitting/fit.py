@@ -16,9 +16,9 @@ from stepid.core.recorded import recorded
 from stepid.core.words import length
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
-from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.covariance import estimates, most_likely
 from stepid.fitting.eccentricity import find_eccentricity
+from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.fit_result import Fit as Fit
 from stepid.fitting.hum import find_hum, without_hum
 from stepid.fitting.input_fault import find_input_fault
@@ -26,9 +26,7 @@ from stepid.fitting.input_noise import at_levels
 from stepid.fitting.left_over import left_over
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import centered
-from stepid.fitting.multistart import FitContext, Start
-from stepid.fitting.multistart_cogging import well_starts
-from stepid.fitting.multistart_race import race_starts
+from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_color import colored_floor
 from stepid.fitting.noise_floor import bounded_floor, enough, noise_floor, repeat_notes, weights
 from stepid.fitting.problem import fit_linear, ratios_note, within_weights
@@ -36,16 +34,12 @@ from stepid.fitting.profile import profiled
 from stepid.fitting.reading_faults import trust
 from stepid.fitting.record_fault import ALL_RUNS
 from stepid.fitting.run_fault import find_fault
-from stepid.fitting.score_test import columns, score
 from stepid.fitting.screening import screen
 from stepid.simulation.layout import DEVIATIONS, own_state_names
 from stepid.simulation.model import EffectModel, PlantModel, RunState
 from stepid.simulation.records import Records, lay_out
 from stepid.simulation.threads import single_threaded
 
-_NOISY = 0.05  # of the cost of noise, within which a start need not be bettered
-_AGREE = 3  # starts that end at the same cost, for it to be taken as the least
-_SAME = 1e-3  # relative difference of costs that are the same
 _MISFIT = 1.1  # times the floor, beyond which a run may be to blame
 NOT_CONVERGED = "The fit did not converge; what is shown is the best so far."
 
@@ -153,45 +147,6 @@ def fit(
     found = most_likely(optimum, context.floor)
     out = report(found, wanted, context.floor, notes=_remarks(context, optimum, found))
     return out.model_copy(update={"parameters": profiled(out.parameters, found, wanted, context.floor)})
-
-
-def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | None:
-    """Fit effects one after another, each from its best starts on top of those before, then all together."""
-    if not effects:
-        return context.linear
-    starts = well_starts(context, effects[0])
-    starts += race_starts(context, effects[0], score(context.coarse_linear, columns(context, effects[:1])))
-    fitted = _raced(context, effects[:1], starts, context.coarse_linear)
-    for count in range(2, len(effects) + 1):
-        if fitted.best is None:
-            return None
-        n = fitted.best.problem.layout.linear.stop
-        scored = score(fitted.best, columns(context, (effects[count - 1],)))
-        guesses = [s.values for s in scored[:3]]
-        guesses += [tuple(v) for v in effects[count - 1].starts(context.scales)]
-        linear, values = fitted.best.shared[:n], fitted.best.shared[n:]
-        starts = [Start(linear, (tuple(values), v)) for v in guesses]
-        fitted = _raced(context, effects[:count], starts, fitted.best)
-    fitted.polish(iterations=40)
-    return fitted.polished
-
-
-def _raced(context: FitContext, effects: tuple[Effect, ...], starts: list[Start], like: Optimum) -> CandidateFit:
-    """Race the starts; where the winner leaves more than noise, run them to their ends until some agree on the best."""
-    best = CandidateFit(context, effects)
-    best.begin(starts, like=like, keep=1)
-    best.run(iterations=40)
-    agree = 0
-    for start in starts:
-        if best.excess < _NOISY * context.noise_cost or agree == _AGREE:
-            break
-        other = CandidateFit(context, effects)
-        other.begin([start], like=like)
-        other.run(iterations=40)
-        agree = agree + 1 if abs(other.cost - best.cost) < _SAME * best.cost else agree
-        if other.cost < (1 - _SAME) * best.cost:
-            best, agree = other, 0
-    return best
 
 
 def _remarks(context: FitContext, optimum: Optimum, found: Optimum) -> tuple[str, ...]:
