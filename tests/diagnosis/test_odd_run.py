@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import stepid
@@ -119,6 +120,18 @@ def touched(seed: int, volts: tuple[float, ...], effects: dict[str, dict[str, fl
         seed, effects, masses=MASSES, springs=["medium"] * 6, drives=[*drives[:2], pushed, *drives[3:]], volts=volts
     )
     return changed(hand, 2, input=drives[2])
+
+
+@pytest.mark.parametrize("share", [0.4, 0.6, 0.8])
+def test_a_run_with_clipped_readings_has_no_wrong_scale(share: float) -> None:
+    """Of a fraction of the model little is left that a flat record misses, but it does not agree with that either."""
+    whole = carts(4, {})
+    run = whole.experiments[2]
+    steady = 7.8 / 216.0 * 0.5
+    clipped = changed(whole, 2, position=np.minimum(run.position, run.position[0] + share * steady))
+    told = fault(clipped, 2)
+    assert told is not None
+    assert told.kind == "disagreement"
 
 
 def test_a_run_that_was_touched_disagrees() -> None:

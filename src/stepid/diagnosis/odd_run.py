@@ -65,7 +65,7 @@ def fault_of(context: FitContext, run: int, shown: Candidate, floor: float, *, s
     """What is wrong with a run, by the model of all others; None where that may be a law.
 
     The plant is that of the others. One label, scale or start of the run is changed, from wherever such mistakes lead:
-    what takes most of its misfit then is told. Else the run disagrees, if others like it do not, where these are left
+    what takes most of its misfit then is told, if the run is not odd any more. Else the run disagrees, if others like it do not, where these are left
     with noise only. Where they are left with more, it is odd if it is by far worse than the worst of them.
 
     Parameters
@@ -87,15 +87,21 @@ def fault_of(context: FitContext, run: int, shown: Candidate, floor: float, *, s
     alone, before = plain.problem, plain.cost
     quiet = shown.optimum.cost <= noise_cost(shown.optimum.problem.records, floor)
     unsure = _stands_alone(records, run) or len(records.runs) < _SOME
-    every = [one for one in _mistakes(alone, shared, context, run) if one[0] not in _LABELS or _is_label(one, shared)]
+    mended = _worst(shown.optimum) / _STANDS_OUT * alone.records.weighed_size
+    every = [
+        one
+        for one in _mistakes(alone, shared, context, run)
+        if one[3].cost <= mended and (one[0] not in _LABELS or _is_label(one, shared))
+    ]
     found = min(every, key=lambda one: one[2], default=None)
     name = records.runs[run].name
     if found is not None and found[2] <= (_NEARLY_ALL if unsure else _STANDS_OUT) * before:
         kind, size, _, optimum = found
-        if kind == "added_mass" and may_be_weights(records, size, sure):
+        change = told(optimum, 0, kind, size)
+        if kind == "added_mass" and may_be_weights(records, change, sure):
             return None
         words = fault_words(optimum, 0, kind, size, (), agree=quiet)
-        return RecordFault(run=name, kind=kind, size=told(optimum, 0, kind, size), unit=UNITS[kind], words=words)
+        return RecordFault(run=name, kind=kind, size=change, unit=UNITS[kind], words=words)
     if unsure or not quiet:
         return None
     words = (

@@ -11,7 +11,6 @@ from stepid.fitting.multistart_race import race_starts
 from stepid.fitting.score_test import columns, score
 
 _NOISY = 0.05  # of the cost of noise, within which a start need not be bettered
-_FAINT = 1e-3  # of its strength, at which an effect is as good as absent
 _AGREE = 3  # starts that end at the same cost, for it to be taken as the least
 _SAME = 1e-3  # relative difference of costs that are the same
 
@@ -50,7 +49,7 @@ def _one_after_another(context: FitContext, effects: tuple[Effect, ...]) -> Cand
         scored = score(fitted.best, columns(context, (effects[count - 1],)))
         guesses = [s.values for s in scored[:3]]
         guesses += [tuple(v) for v in effects[count - 1].starts(context.scales)]
-        guesses += [effects[count - 1].faint(v, _FAINT) for v in guesses]  # with it they leave no more than without
+        guesses += [effects[count - 1].faint(v, 0.0) for v in guesses]  # with it they leave no more than without
         linear, values = fitted.best.shared[:n], fitted.best.shared[n:]
         starts = [Start(linear, (tuple(values), v)) for v in guesses]
         fitted = _raced(context, effects[:count], starts, fitted.best)

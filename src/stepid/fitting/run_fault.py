@@ -230,7 +230,8 @@ def _has_size(found: _Found, sure: float) -> bool:
         return True
     records = found.optimum.problem.records
     if found.kind == "added_mass":
-        return not (may_be_weights(records, size, sure) or less_than_none(found.optimum, found.run, found.size))
+        change = told(found.optimum, found.run, found.kind, found.size)
+        return not (may_be_weights(records, change, sure) or less_than_none(found.optimum, found.run, found.size))
     unit = float(records.sample_time[found.run]) if found.kind == "start_time" else 1.0
     return size >= _WORTH[found.kind] * unit
 
@@ -275,10 +276,15 @@ def is_extreme(records: Records, run: int) -> bool:
 
 
 def told(optimum: Optimum, run: int, kind: str, size: float) -> float:
-    """Size of a deviation in the unit that users know: labels in N/m and N·s/m, scales as the factor."""
+    """Size of a deviation in the unit that users know: labels in N/m and N·s/m, scales as the factor.
+
+    No weight is less than none: a run without one has no wrong one, whatever would fit.
+    """
     of, records, shared = optimum.problem.layout, optimum.problem.records, optimum.shared
     if kind == "stiffness":
         return size * float(shared[of.stiffness][records.spring[run]])
     if kind == "damping":
         return size * float(shared[of.damping][records.damper[run]])
+    if kind == "added_mass":
+        return max(size, -float(records.added_mass[run]))
     return 1.0 + size if kind == "gain" else size
