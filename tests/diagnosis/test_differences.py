@@ -122,6 +122,16 @@ def test_runs_that_are_held_at_rest_differ_in_no_start() -> None:
     assert "start_offset" not in scatter_of(context, held, [freed(context, "gain")], context.linear)
 
 
+def test_what_all_runs_share_is_no_difference() -> None:
+    """Records that all begin as late take nothing by differing from one another."""
+    context = prepare(scattered(1, late=tuple(1.5 + 0.02 * x for x in LATE)))
+    one = freed(context, "start_time")
+    found = scatter_of(context, one, [linear_candidate(context)], one.optimum)
+    before, after = context.linear.cost, one.optimum.cost
+    assert after < 0.5 * before
+    assert "start_time" not in found or found["start_time"].explained < 0.1
+
+
 def test_words_have_units() -> None:
     told = scatter_words(
         {
@@ -135,6 +145,11 @@ def test_words_have_units() -> None:
         "The gain differs from run to run by 2 % (standard deviation): 50 % of the misfit's power.",
         "The rest position differs from run to run by 200 µm (standard deviation).",
     )
+
+
+def test_beside_effects_the_share_is_one_of_what_they_leave() -> None:
+    (told,) = scatter_words({"gain": Scatter(deviation=0.02, unit="", explained=0.5)}, "Coulomb friction")
+    assert told.endswith("50 % of what Coulomb friction would leave.")
 
 
 def test_beside_a_rest_what_differs_may_be_part_of_it() -> None:

@@ -7,7 +7,8 @@ import pytest
 
 import stepid
 from made_up_releases import released
-from stepid.diagnosis.notes import _is_clipped, notes_on
+from stepid.diagnosis.notes import _is_clipped, _open_parameters, notes_on
+from stepid.effects import resolve
 from stepid.fitting.fit import prepare
 
 TIME = 0.01 * np.arange(470)
@@ -51,3 +52,12 @@ def test_no_gain_is_asked_of_releases() -> None:
     said = notes_on(fit, fit.linear, (), parameters, 0.5)
     assert parameters["force_gain"].uncertainty is None
     assert not any("gain" in note for note in said)
+
+
+@pytest.mark.parametrize(("uncertainty", "said"), [(1e-4, False), (0.4, False), (0.6, True)])
+def test_an_angle_of_zero_is_determined_as_well_as_any(uncertainty: float, said: bool) -> None:
+    effects = resolve(["cogging"])
+    fit = prepare(stepid.Campaign(name="releases", experiments=(released(0.0), released(0.5))))
+    phase = stepid.Estimate(value=-4e-5, uncertainty=uncertainty, unit="rad")
+    found = list(_open_parameters(fit.linear, effects, {"cogging.phase": phase}, 0.5))
+    assert any("hardly determine the phase of cogging" in note for note in found) is said

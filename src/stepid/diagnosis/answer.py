@@ -42,7 +42,11 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
     final, effects = told.optimum, told.effects
     before, after = evidence.left_out.residuals(told)
     parameters = estimates(final, effects, floor)[0] | evidence.limited(told)
-    scatter = scatter_of(context, told if told.deviations else answer.shown, evidence.candidates, final)
+    differing = told if told.deviations else answer.shown
+    scatter = scatter_of(context, differing, evidence.candidates, final)
+    law = evidence.systematic(differing)
+    scatter = {kind: one for kind, one in scatter.items() if law is None or kind != law.kind}  # it is no scatter
+    beside_a_rest = not adequate and not evidence.at_floor(answer.shown)
     pooled = _pooled(before), _pooled(after)
     return Diagnosis(
         campaign=campaign.name,
@@ -59,7 +63,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         notes=each_once(
             *(fault.words for fault in evidence.faults),
             *((evidence.input_fault.words,) if evidence.input_fault else ()),
-            *scatter_words(scatter, rest=not adequate and not evidence.at_floor(answer.shown)),
+            *scatter_words(scatter, effect_names(told.names), rest=beside_a_rest),
             *notes_on(context, final, effects, parameters, evidence.criteria.open),
         ),
         ranking=_ranking(evidence),

@@ -11,7 +11,7 @@ from stepid.core.base import Finite, Model, NonNegative
 from stepid.core.words import length
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.wording import whole_percent
-from stepid.fitting.deviations import scatter_values
+from stepid.fitting.deviations import SCATTER, applies, scatter_values
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.random_effects import deviation_std
@@ -74,7 +74,7 @@ def scatter_of(
     for kind in sorted(found.deviations & spread.keys()):  # runs that are held at rest differ in no start
         if _at_most(optimum, kind):
             continue
-        without = _without(context, found, kind, candidates)
+        without = _without(context, found, kind, spread[kind], candidates)
         share = 1.0 - optimum.cost / without if without > 0 else 0.0
         if share >= _TOLD:
             out[kind] = Scatter(deviation=spread[kind], unit=_UNITS[kind], explained=share)
@@ -94,31 +94,41 @@ def _at_most(optimum: Optimum, kind: str) -> bool:
     return bool(np.isclose(np.abs(optimum.local[row]), problem.most[row])[free].all())
 
 
-def _without(context: FitContext, found: Candidate, kind: str, candidates: Sequence[Candidate]) -> float:
-    """Cost [m²] that is left where one condition is the same in all runs."""
-    fewer = found.deviations - {kind}
-    known = [c for c in candidates if c.key == (found.key[0], fewer)]
-    if known:
-        return known[0].optimum.cost
+def _without(context: FitContext, found: Candidate, kind: str, spread: float, candidates: Sequence[Candidate]) -> float:
+    """Cost [m²] that is left where one condition is the same in all runs: what they share is no difference."""
     problem = found.optimum.problem
-    active, row = problem.active.copy(), problem.layout.deviation(kind)
+    row = problem.layout.deviation(kind)
+    free = problem.active[row]
+    drawn = kind in SCATTER and free[applies(problem, kind)].all()  # else zero is what all share
+    shared = float(found.optimum.local[row, free].mean()) if drawn and free.any() else 0.0
+    if abs(shared) <= spread:
+        known = [c for c in candidates if c.key == (found.key[0], found.deviations - {kind})]
+        if known:
+            return known[0].optimum.cost
+        shared = 0.0
+    active = problem.active.copy()
     active[row] = False
     local = np.where(active, found.optimum.local, 0.0)
+    local[row] = np.where(free, shared, 0.0)
     fitted = minimize(
         replace(problem, active=active), found.optimum.shared, local, tolerance=context.tolerance, iterations=12
     )
     return found.optimum.cost if fitted is None else fitted.cost
 
 
-def scatter_words(scatter: dict[str, Scatter], *, rest: bool = False) -> tuple[str, ...]:
-    """The same in sentences; beside a `rest` that nothing explains, what differs may be part of that."""
+def scatter_words(scatter: dict[str, Scatter], effects: str = "", *, rest: bool = False) -> tuple[str, ...]:
+    """The same in sentences; beside a `rest` that nothing explains, what differs may be part of that.
+
+    Beside `effects` the share is one of what they leave.
+    """
+    whole = f"what {effects} would leave" if effects else "the misfit's power"
     out = []
     for kind, s in scatter.items():
         if kind == "rest":  # every model has one for each run: it is no misfit
             out.append(f"The rest position differs from run to run by {length(s.deviation)} (standard deviation).")
             continue
         said = _WORDS[kind].format(1e3 * s.deviation, 1e2 * s.deviation, length(s.deviation))
-        out.append(f"{said}: {whole_percent(s.explained)} of the misfit's power.")
+        out.append(f"{said}: {whole_percent(s.explained)} of {whole}.")
     if rest and scatter:
         out.append("What seems to differ between the runs may be part of what is missing.")
     return tuple(out)

@@ -11,7 +11,7 @@ from stepid.core.base import Array
 from stepid.core.estimate import Estimate
 from stepid.core.noise import reading_step
 from stepid.diagnosis.wording import parameter_words
-from stepid.effects.base import Effect
+from stepid.effects.base import Effect, Parameter
 from stepid.fitting.covariance import effect_parameters, parameter_names
 from stepid.fitting.fit import NOT_CONVERGED
 from stepid.fitting.levenberg_marquardt import Optimum
@@ -64,8 +64,13 @@ def _open_parameters(
         known = value.one_sided is not None or name in assumed
         if value.uncertainty is None and not known:
             yield f"The data do not determine {parameter_words(name)}."
-        elif name in own and value.uncertainty is not None and value.uncertainty > open_ * abs(value.value):
+        elif name in own and value.uncertainty is not None and value.uncertainty > open_ * _scale(own[name], value):
             yield f"The data hardly determine {parameter_words(name)}: {value}."
+
+
+def _scale(parameter: Parameter, value: Estimate) -> float:
+    """What a parameter's uncertainty is large beside: its value; of an angle, where zero is as good as any, 1 rad."""
+    return 1.0 if parameter.angle else abs(value.value)
 
 
 def _is_clipped(y: Array, resolution: float) -> bool:

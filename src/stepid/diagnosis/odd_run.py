@@ -65,8 +65,9 @@ def fault_of(context: FitContext, run: int, shown: Candidate, floor: float, *, s
     """What is wrong with a run, by the model of all others; None where that may be a law.
 
     The plant is that of the others. One label, scale or start of the run is changed, from wherever such mistakes lead:
-    what takes most of its misfit then is told, if the run is not odd any more. Else the run disagrees, if others like it do not, where these are left
-    with noise only. Where they are left with more, it is odd if it is by far worse than the worst of them.
+    what takes most of its misfit then is told, if the run is not odd any more. Else the run disagrees, if others like
+    it do not, where these are left with noise only. Where they are left with more, it is odd if it is by far worse than
+    the worst of them.
 
     Parameters
     ----------
