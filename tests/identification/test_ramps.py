@@ -8,6 +8,8 @@ import pytest
 
 import stepid
 from stepid.core.base import Array
+from stepid.errors import NoStepError
+from stepid.identification.steps import find_steps
 
 MASS, STIFFNESS, DAMPING, GAIN = 1.0, 400.0, 4.0, 2.0
 
@@ -84,3 +86,57 @@ def test_why_a_run_is_left_out_names_it_once() -> None:
     late = made[0].model_copy(update={"name": "uneven", "time": made[0].time ** 1.01})
     found = stepid.identify(stepid.Campaign(name="one uneven", experiments=(*made, late)))
     assert found.excluded["uneven"].startswith("its samples are uneven")
+
+
+def rising(count: int, sample_time: float = 0.01, *, between: str = "held") -> stepid.Campaign:
+    """Three runs with a step of 1 V that takes so many samples to rise, and one back at once."""
+    runs = []
+    for added in (0.0, 0.5, 1.0):
+        one = responding(added, sample_time, 0.0, between, duration=8.0)
+        volts = np.clip((np.arange(800) - 49) / count, 0.0, 1.0) * (np.arange(800) < 450)
+        plant = control.ss(control.tf([GAIN], [MASS + added, DAMPING, STIFFNESS]))
+        plant = control.sample_system(plant, sample_time, method="zoh") if between == "held" else plant
+        position = control.forced_response(plant, one.time, volts).outputs
+        noise = np.random.default_rng(round(10 * added)).normal(0, 2e-6, 800)
+        runs.append(one.model_copy(update={"input": volts, "position": position + noise}))
+    return stepid.Campaign(name="rising", experiments=tuple(runs), weight_uncertainty=0.0005)
+
+
+@pytest.mark.parametrize("between", ["held", "lines"])
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_a_step_that_takes_some_samples_is_one_step_about_its_middle(count: int, between: str) -> None:
+    """Each sample had been a step of its own: a static gain as many times too large, without a word."""
+    campaign = rising(count, between=between)
+    found = stepid.identify(campaign)
+    assert not found.excluded
+    assert all(gain == pytest.approx(GAIN / STIFFNESS, rel=2e-3) for gain in found.static_gain.values())
+    for value, spread, true in (
+        (found.stiffness["s"], found.uncertainty.stiffness["s"], STIFFNESS),
+        (found.base_mass["cart"], found.uncertainty.base_mass["cart"], MASS),
+        (found.pooled_damping["d"], found.uncertainty.pooled_damping["d"], DAMPING),
+    ):
+        assert abs(value - true) < 3 * spread < 0.03 * true
+    first, back = find_steps(campaign.experiments[0])
+    assert (first.began, first.start, first.size, first.total) == (50, 49 + count, 1.0, 2)
+    assert first.lead == pytest.approx(0.01 * (count - (between == "held")) / 2)
+    assert (back.began, back.start, back.size) == (450, 450, -1.0)
+    assert back.lead == pytest.approx(0.005 * (between == "lines"))
+    seen = stepid.verify(found, campaign)
+    assert min(run.fit_percent for run in seen.runs) > 99
+
+
+def test_a_rise_that_is_no_small_part_of_the_swing_is_no_step() -> None:
+    read = stepid.characterize_each(rising(12).experiments[0])
+    assert "the input takes some 0.12 s to change, of the 0.1" in str(read[0])
+    assert isinstance(read[1], stepid.Characteristics)
+    slow = rising(25).experiments[0].model_copy(update={"input": np.linspace(0.0, 1.0, 800)})
+    with pytest.raises(NoStepError, match="changes slowly, by at most 5 % of its range a sample"):
+        find_steps(slow)
+
+
+def test_a_step_needs_the_one_before_to_have_been_held() -> None:
+    volts = np.where(np.arange(600) < 50, 0.0, np.where(np.arange(600) < 55, 1.0, -1.0))
+    run = responding(0.0, 0.01, 2e-6, "held").model_copy(update={"input": volts})
+    read = stepid.characterize_each(run)
+    assert "held for only" in str(read[0])
+    assert "the step before it is held for only 6 samples" in str(read[1])

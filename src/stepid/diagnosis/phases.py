@@ -54,10 +54,10 @@ def phase_of_samples(records: Records, linear: Optimum, motion: Motion, floor: f
             if change.any():
                 _label_driven(label, change, x, floor)
             continue
-        label[: steps[0].start] = BEFORE
+        label[: steps[0].began] = BEFORE
         for step in steps:
             stop = step.stop if step.number < step.total else x.size
-            here = slice(step.start, stop)
+            here = slice(step.began, stop)
             steady = float(gain[r] * (run.input[step.start] - run.input_before))
             _label_step(label[here], x[here], v[here], steady, floor)
     return out

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 from stepid.core.words import length
-from stepid.errors import NoOvershootError, NotSettledError
+from stepid.errors import NoOvershootError, NoStepError, NotSettledError
 
 
 def no_overshoot(who: str, excess: float, level: float, noise: float, grid: float) -> NoOvershootError:
@@ -25,6 +27,14 @@ def hidden_peak(who: str, excess: float, noise: float) -> NoOvershootError:
     return NoOvershootError(
         f"{who}: noise of {length(noise)} hides when the overshoot of {100 * excess:.2g} % is reached",
         "A larger step, or a finer encoder; stepid.fit takes all samples and needs no peak.",
+    )
+
+
+def no_step(who: str, spread: float, peak_time: float) -> NoStepError:
+    """The input takes its time: its spread [s] is no small part of that to the peak."""
+    return NoStepError(
+        f"{who}: the input takes some {math.sqrt(12.0) * spread:.2g} s to change, of the {peak_time:.2g} s to the peak",
+        "The peak method needs a step; stepid.fit takes any input.",
     )
 
 

@@ -23,12 +23,13 @@ from stepid.identification.steady_state import (
     settling_time_measured,
     steady_state,
 )
-from stepid.identification.step_refusals import hidden_peak, no_overshoot, not_settled, swinging
-from stepid.identification.steps import Step
+from stepid.identification.step_refusals import hidden_peak, no_overshoot, no_step, not_settled, swinging
+from stepid.identification.steps import HELD, Step
 
 _MOVING = 0.05  # swing left at the end, as a fraction of the steady displacement, that is too much
 _RINGING = 0.02  # and that deserves a note
 _ROUNDS = 30  # of peak and level, at most
+_SLOW = 0.3  # rad of the swing, the spread of an input's rise beyond which it is no step
 _VAGUE = 0.25  # relative uncertainty of a peak time that is none
 
 
@@ -61,7 +62,7 @@ class _Response(NamedTuple):
     noise: float
     grid: float
     rest: float
-    lead: float
+    spread: float
 
     @property
     def tolerance(self) -> float:
@@ -69,8 +70,8 @@ class _Response(NamedTuple):
         return max(5 * self.noise, 2 * self.grid)
 
     def excess(self, peak: float, level: float, frequency: float) -> float:
-        """Overshoot of a step: a ramp of twice the lead's length leaves sin(ω_d·lead)/(ω_d·lead) of its swing."""
-        return overshoot(peak, level) / float(np.sinc(frequency * self.lead / math.pi))
+        """Overshoot of a step: a ramp of half length L = √3·spread leaves sin(ω_d·L)/(ω_d·L) of its swing."""
+        return overshoot(peak, level) / float(np.sinc(frequency * math.sqrt(3.0) * self.spread / math.pi))
 
 
 class _Reading(NamedTuple):
@@ -142,7 +143,7 @@ def _response(experiment: Experiment, step: Step) -> _Response:
     who = _who(experiment, step)
     time = experiment.time[step.start : step.stop + 1] - experiment.time[step.start] + step.lead
     position = experiment.position[step.start : step.stop + 1]
-    if time.size < 8:
+    if time.size < HELD:
         raise NotSettledError(
             f"{who} is held for only {time.size} samples, the response is cut before its peak",
             "Hold the step until the plant rests, and record until then.",
@@ -159,7 +160,7 @@ def _response(experiment: Experiment, step: Step) -> _Response:
             "Check that the amplifier was on, and that the right encoder column was read.",
         )
     sign = math.copysign(1.0, rough)
-    out = _Response(who, time, sign * swing, sign, noise, grid, rest_spread, step.lead)
+    out = _Response(who, time, sign * swing, sign, noise, grid, rest_spread, step.spread)
     _require_peak(out)
     first_peak = float(time[np.argmax(out.swing)])
     if time[-1] < 1.9 * first_peak and last_swing(time, out.swing, 0.5 * float(time[-1])) > _MOVING * abs(rough):
@@ -182,6 +183,8 @@ def _read(response: _Response, peak: Peak) -> _Reading:
         except NoOvershootError as error:
             raise NoOvershootError(f"{who}: {error.cause}", error.remedy) from None
         frequency = damped_frequency(found.time)
+        if frequency * response.spread > _SLOW:
+            raise no_step(who, response.spread, found.time)
         excess = response.excess(found.height, level, frequency)
         if not response.tolerance < excess * level < level:
             raise no_overshoot(who, excess, level, noise, response.grid)
@@ -252,6 +255,11 @@ def _who(experiment: Experiment, step: Step) -> str:
 def _rest(experiment: Experiment, step: Step, who: str, noise: float, grid: float) -> tuple[float, float]:
     """Rest position before a step and its standard uncertainty, m."""
     before = experiment.position[step.before]
+    if step.number > 1 and before.size < HELD:
+        raise NotSettledError(
+            f"{who}: the step before it is held for only {before.size} samples, the plant cannot rest by then",
+            "Hold each step until the plant rests.",
+        )
     if step.number > 1:
         before = before[-20:]  # the one before may ring further back
     after = experiment.position[step.start : step.stop + 1]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +12,8 @@ from stepid.core.experiment import Experiment
 from stepid.core.input_levels import STEP, level_bounds, most_steps
 from stepid.errors import NoStepError
 
+HELD = 8
+"""Samples that an input is held for, at least, between two steps: in fewer no response is read."""
 _REST = 200  # samples before a step that count for its rest position
 
 
@@ -26,11 +28,14 @@ class Step(NamedTuple):
         V, signed change of the input.
     number, total : int
         Which step of how many.
-    rest : int
-        First sample of the rest before it.
-    lead : float
-        s from the step to its first sample: half of one where the input is not held. The response to a ramp is the
-        mean of those to steps along it, to second order that to a step in its middle.
+    began : int
+        First sample that has some of it.
+    rest, still : int
+        First sample of the rest before it, and the first that is none any more.
+    lead, spread : float
+        s, from the step to its first sample, and how long it takes as a standard deviation: 0 where one sample has all
+        of it. The response to a rise is the mean of those to steps along it, to second order that to a step in its
+        middle.
     """
 
     start: int
@@ -38,13 +43,16 @@ class Step(NamedTuple):
     size: float
     number: int
     total: int
+    began: int
     rest: int
+    still: int
     lead: float = 0.0
+    spread: float = 0.0
 
     @property
     def before(self) -> slice:
         """Samples at rest before it, its first one as well where the input has not moved until then."""
-        return slice(self.rest, self.start + (self.lead == 0))
+        return slice(self.rest, self.still)
 
 
 def find_steps(experiment: Experiment) -> tuple[Step, ...]:
@@ -67,6 +75,12 @@ def find_steps(experiment: Experiment) -> tuple[Step, ...]:
     """
     level = np.concatenate([[experiment.input_before], experiment.input])
     starts = _starts(level)
+    if not starts.size and np.ptp(level) > 0:
+        raise NoStepError(
+            f"run {experiment.name!r}: the input changes slowly, by at most {100 * STEP:g} % of its range a sample, "
+            "there is no step in it",
+            "The peak method needs a step; stepid.fit takes any input.",
+        )
     if not starts.size:
         raise NoStepError(
             f"run {experiment.name!r}: the input stays at {experiment.input_before:g} V, there is no step in it",
@@ -78,24 +92,54 @@ def find_steps(experiment: Experiment) -> tuple[Step, ...]:
             "it is not a sequence of steps",
             "The peak method needs steps held until the plant rests; stepid.fit takes any input.",
         )
-    bounds = [int(start) for start in starts] + [experiment.input.size - 1]
+    groups = _groups(level, starts)
+    began = [int(group[0]) for group in groups]
+    new = [int(group[-1]) for group in groups]
     ramps = experiment.input_between != "held"  # to the next step's first sample it is under way already
+    stops = [*(first - ramps for first in began[1:]), experiment.input.size - 1]
+    held = [0, *(start + 1 for start in new[:-1])]  # of the level before, which has one entry more
     return tuple(
         Step(
-            start=start,
-            stop=stop - (ramps and i + 1 < len(starts)),
+            start=new[i],
+            stop=stops[i],
             # the levels before and after, not the single change: each may carry noise
             size=float(
-                np.median(experiment.input[start : max(stop, start + 1)])
-                - np.median(level[bounds[i - 1] + 1 if i else 0 : start + 1])
+                np.median(experiment.input[new[i] : max(stops[i] + ramps, new[i] + 1)])
+                - np.median(level[held[i] : began[i] + 1])
             ),
             number=i + 1,
-            total=len(starts),
-            rest=max(bounds[i - 1] if i else 0, start - _REST),
-            lead=0.5 * experiment.sample_time if ramps and start > 0 else 0.0,
+            total=len(groups),
+            began=began[i],
+            rest=max(new[i - 1] if i else 0, began[i] - _REST),
+            still=began[i] + (not ramps or began[i] == 0),
+            **_rise(experiment, level, began[i], new[i])._asdict(),
         )
-        for i, (start, stop) in enumerate(pairwise(bounds))
+        for i in range(len(groups))
     )
+
+
+class _Rise(NamedTuple):
+    """See `Step`."""
+
+    lead: float
+    spread: float
+
+
+def _groups(level: Array, starts: Index) -> list[Index]:
+    """Changes of the input, those together that follow one another the same way: one step that takes its time."""
+    way = np.sign(np.diff(level)[starts])
+    return np.split(starts, np.flatnonzero((np.diff(starts) >= HELD) | (way[1:] != way[:-1])) + 1)
+
+
+def _rise(experiment: Experiment, level: Array, began: int, start: int) -> _Rise:
+    """When the input changes from one level to the next, about its last sample."""
+    taken = np.abs(np.diff(level)[began : start + 1])
+    time = np.array(experiment.time[began : start + 1])
+    within = experiment.sample_time * (experiment.input_between != "held") * (np.arange(began, start + 1) > 0)
+    middle = time - within / 2
+    center = float(np.average(middle, weights=taken))
+    spread = math.sqrt(float(np.average((middle - center) ** 2 + within**2 / 12, weights=taken)))
+    return _Rise(float(time[-1]) - center, spread)
 
 
 def _starts(level: Array) -> Index:

@@ -93,7 +93,7 @@ def _verify_step(parameters: IdentifiedParameters, experiment: Experiment) -> Ve
     name = experiment.name
     first, read = _first_readable(experiment)
     # what came before a later step is no part of the comparison, the plant rests in the samples just before it
-    begin = 0 if first.number == 1 else max(first.rest, first.start - _REST)
+    begin = 0 if first.number == 1 else max(first.rest, first.began - _REST)
     since_begin = slice(begin, None)
     moved = held_response(
         parameters,
@@ -101,11 +101,10 @@ def _verify_step(parameters: IdentifiedParameters, experiment: Experiment) -> Ve
         input=experiment.input[since_begin],
         sample_time=experiment.sample_time,
         input_between=experiment.input_between,
-        input_before=experiment.input_before if first.number == 1 else float(experiment.input[first.start - 1]),
+        input_before=experiment.input_before if first.number == 1 else float(experiment.input[begin]),
     )
     resting = max(first.rest, begin)
-    moves = first.start + (experiment.input_between == "held")  # else it is under way when the new input is sampled
-    rest = float(experiment.position[resting : max(moves, resting + 1)].mean())
+    rest = float(experiment.position[resting : max(first.still, resting + 1)].mean())
     outward = math.copysign(1.0, parameters.static_gain[name] * first.size)
     swing = outward * experiment.position[first.start : first.stop + 1]
     top, ratio = int(np.argmax(swing)), _damping_ratio(parameters, name)
