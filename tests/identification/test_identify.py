@@ -190,6 +190,32 @@ def test_campaigns_that_cannot_be_identified() -> None:
         stepid.identify(stepid.Campaign(name="equal", experiments=(one, same)))
 
 
+def test_what_is_left_out_is_said_where_it_is_what_is_missing() -> None:
+    """Heavy runs ring for longer: without both of them none differs in mass, but the remedy is theirs."""
+    plant = Plant(0.95, 216.0, 4.0)
+    runs = [
+        make_run(plant, added, name=f"{i}", count=700 - 10 * i if added == 0 else 120)
+        for i, added in enumerate((0, 2.0, 0, 2.0))
+    ]
+    said = r"no known difference in mass is left; 1 is left out.*; 3 is left out: .* Mend or record again what is left"
+    with pytest.raises(UndeterminedError, match=said):
+        stepid.identify(stepid.Campaign(name="short", experiments=tuple(runs)))
+
+
+def test_the_scale_of_all_positions_is_part_of_the_static_gains() -> None:
+    plant = Plant(0.95, 216.0, 8.0)
+    runs = tuple(make_run(plant, added, name=f"run {added}", count=700) for added in (0.0, 1.0))
+    exact, vague = (
+        stepid.identify(stepid.Campaign(name="c", experiments=runs, scale_uncertainty=share)) for share in (0.0, 0.05)
+    )
+    for name, gain in vague.static_gain.items():
+        assert vague.uncertainty.static_gain[name] == pytest.approx(
+            np.hypot(exact.uncertainty.static_gain[name], 0.05 * abs(gain))
+        )
+    assert vague.uncertainty.stiffness == exact.uncertainty.stiffness
+    assert vague.uncertainty.masses == exact.uncertainty.masses
+
+
 def test_the_same_record_under_other_labels_is_said() -> None:
     plant = Plant(0.95, 216.0, 8.0)
     one, heavy = (make_run(plant, added, name=name, count=700) for name, added in (("a", 0.0), ("c", 1.0)))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+
 from stepid.core.arguments import as_campaign
 from stepid.core.copies import copies
 from stepid.core.experiment import Campaign, Experiment, MassOffset
@@ -14,7 +17,7 @@ from stepid.core.words import counted
 from stepid.errors import IdentificationError, UndeterminedError
 from stepid.identification.characteristics import characterize_each
 from stepid.identification.characteristics_model import Characteristics
-from stepid.identification.parameters import IdentifiedParameters, StackedSystem
+from stepid.identification.parameters import IdentifiedParameters, ParameterUncertainty, StackedSystem
 from stepid.identification.peak import InterpolatedPeak, Peak, a_peak
 from stepid.identification.pooling import pool_steps
 from stepid.identification.remainder import remainder, warning
@@ -75,7 +78,7 @@ def identify_with_system(
         if len(kept) < 2:
             raise UndeterminedError(
                 f"campaign {campaign.name!r} leaves {counted(len(kept), 'usable run')} of {len(campaign.experiments)}"
-                + "".join(f"; {name} is left out: {why}" for name, why in excluded.items()),
+                f"{_left_out(excluded)}",
                 "Two runs with the same spring and different known added masses are the least.",
             )
         system = assemble([used[run.name] for run in kept], _join(campaign, kept))
@@ -88,12 +91,18 @@ def identify_with_system(
                 f"no known mass difference fixes the stiffness of spring {run.spring!r}: "
                 "add a run with this spring on a base of the others with another known added mass"
             )
+    if loose and excluded:  # these may be all that is missing
+        raise UndeterminedError(
+            f"campaign {campaign.name!r}: no known difference in mass is left{_left_out(excluded)}",
+            "Mend or record again what is left out, or add a run with another known added mass.",
+        )
     found = solve(system, solver=solver)
     order = [run.name for run in campaign.experiments]
     left_out = dict(sorted(excluded.items(), key=lambda item: order.index(item[0])))
     said = _not_linear(campaign, used) or tighter_by_fit(kept, found, campaign.weight_uncertainty)
     notes = (*found.notes, *(note for note in (said, _turned(used)) if note is not None))
-    fields = found.model_dump() | {"uncertainty": found.uncertainty, "excluded": left_out, "notes": notes}
+    uncertainty = _scaled(found, campaign.scale_uncertainty)
+    fields = found.model_dump() | {"uncertainty": uncertainty, "excluded": left_out, "notes": notes}
     return system, IdentifiedParameters(**fields)
 
 
@@ -158,6 +167,18 @@ def _readable(experiment: Experiment, peak: Peak | None) -> Characteristics:
         return found
     notes = (*found.notes, *(f"a step is left out: {error.cause}" for error in errors))
     return Characteristics(**found.model_dump() | {"uncertainty": found.uncertainty, "notes": notes})
+
+
+def _left_out(excluded: Mapping[str, str]) -> str:
+    """Which runs are left out and why, as the end of a sentence."""
+    return "".join(f"; {name} is left out: {why}" for name, why in excluded.items())
+
+
+def _scaled(found: IdentifiedParameters, scale: float) -> ParameterUncertainty:
+    """Uncertainties with that of the scale of all positions, relative: only the static gains depend on it."""
+    known = found.uncertainty
+    gains = {n: math.hypot(u, scale * abs(found.static_gain[n])) for n, u in known.static_gain.items()}
+    return type(known)(**known.model_dump() | {"static_gain": gains})
 
 
 def _not_linear(campaign: Campaign, used: dict[str, Characteristics]) -> str | None:
