@@ -29,7 +29,7 @@ def fit_effects(context: FitContext, effects: tuple[Effect, ...]) -> Optimum | N
             found = _reordered(found, effects)
         if found is not None and (best is None or found.cost < best.cost):
             best = found
-        if best is not None and best.excess < _NOISY * context.noise_cost:
+        if best is not None and best.cost <= context.noise_limit:
             break
     if best is None:
         return None
@@ -49,7 +49,7 @@ def _one_after_another(context: FitContext, effects: tuple[Effect, ...]) -> Cand
         scored = score(fitted.best, columns(context, (effects[count - 1],)))
         guesses = [s.values for s in scored[:3]]
         guesses += [tuple(v) for v in effects[count - 1].starts(context.scales)]
-        guesses += [effects[count - 1].faint(v, 0.0) for v in guesses]  # with it they leave no more than without
+        guesses.append(effects[count - 1].faint(guesses[0], 0.0))  # with it they leave no more than without
         linear, values = fitted.best.shared[:n], fitted.best.shared[n:]
         starts = [Start(linear, (tuple(values), v)) for v in guesses]
         fitted = _raced(context, effects[:count], starts, fitted.best)
