@@ -97,6 +97,7 @@ def find_steps(experiment: Experiment) -> tuple[Step, ...]:
     new = [int(group[-1]) for group in groups]
     ramps = experiment.input_between != "held"  # to the next step's first sample it is under way already
     stops = [*(first - ramps for first in began[1:]), experiment.input.size - 1]
+    rises = [_rise(experiment, level, *ends) for ends in zip(began, new, strict=True)]
     held = [0, *(start + 1 for start in new[:-1])]  # of the level before, which has one entry more
     return tuple(
         Step(
@@ -112,17 +113,11 @@ def find_steps(experiment: Experiment) -> tuple[Step, ...]:
             began=began[i],
             rest=max(new[i - 1] if i else 0, began[i] - _REST),
             still=began[i] + (not ramps or began[i] == 0),
-            **_rise(experiment, level, began[i], new[i])._asdict(),
+            lead=lead,
+            spread=spread,
         )
-        for i in range(len(groups))
+        for i, (lead, spread) in enumerate(rises)
     )
-
-
-class _Rise(NamedTuple):
-    """See `Step`."""
-
-    lead: float
-    spread: float
 
 
 def _groups(level: Array, starts: Index) -> list[Index]:
@@ -131,15 +126,15 @@ def _groups(level: Array, starts: Index) -> list[Index]:
     return np.split(starts, np.flatnonzero((np.diff(starts) >= HELD) | (way[1:] != way[:-1])) + 1)
 
 
-def _rise(experiment: Experiment, level: Array, began: int, start: int) -> _Rise:
-    """When the input changes from one level to the next, about its last sample."""
+def _rise(experiment: Experiment, level: Array, began: int, start: int) -> tuple[float, float]:
+    """Lead and spread of a step, see `Step`, that is under way from one sample to another."""
     taken = np.abs(np.diff(level)[began : start + 1])
     time = np.array(experiment.time[began : start + 1])
     within = experiment.sample_time * (experiment.input_between != "held") * (np.arange(began, start + 1) > 0)
     middle = time - within / 2
     center = float(np.average(middle, weights=taken))
     spread = math.sqrt(float(np.average((middle - center) ** 2 + within**2 / 12, weights=taken)))
-    return _Rise(float(time[-1]) - center, spread)
+    return float(time[-1]) - center, spread
 
 
 def _starts(level: Array) -> Index:
