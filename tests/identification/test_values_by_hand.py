@@ -14,7 +14,7 @@ from made_up_runs import offset, run
 from stepid.errors import IdentificationError
 from stepid.identification import tightness
 from stepid.identification.free_response import Extrema, constant_loss, logarithmic_decrement
-from stepid.identification.peak import COARSE, FINE, _fit, fit_peak, polynomial
+from stepid.identification.peak import COARSE, FINE, fit_peak, polynomial
 from stepid.identification.pooling import pool_steps
 from stepid.identification.solvers import _constrained
 from stepid.identification.steady_state import last_swing, settling_time_measured, steady_state
@@ -82,7 +82,7 @@ def test_settling_is_told_up_to_the_noise_that_smoothing_over_the_window_leaves(
 def test_a_vague_peak_is_read_with_the_lower_degree() -> None:
     time = 0.002 * np.arange(-60, 61)
     swing = 0.02 * np.cos(12.0 * time) + 2e-3 * np.random.default_rng(3).standard_normal(time.size)
-    fine = _fit(time, swing, 0.0, 0.06, 2e-3, FINE)
+    fine = fit_peak(time, swing, 0.0, 0.06, noise=2e-3, by=FINE)
     by = polynomial(0.002, 0.06, noise=2e-3, curvature=0.02 * 12.0**2)
     assert by is COARSE
     assert polynomial(0.002, 0.06, noise=2e-6, curvature=0.02 * 12.0**2) is FINE

@@ -43,9 +43,8 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
     before, after = evidence.left_out.residuals(told)
     parameters = estimates(final, effects, floor)[0] | evidence.limited(told)
     differing = told if told.deviations else answer.shown
-    scatter = scatter_of(context, differing, evidence.candidates, final)
     law = evidence.systematic(differing)
-    scatter = {kind: one for kind, one in scatter.items() if law is None or kind != law.kind}  # it is no scatter
+    scatter = scatter_of(context, differing, evidence.candidates, final, "" if law is None else law.kind)
     beside_a_rest = not adequate and not evidence.at_floor(answer.shown)
     pooled = _pooled(before), _pooled(after)
     return Diagnosis(

@@ -49,7 +49,7 @@ class Scatter(Model):
 
 
 def scatter_of(
-    context: FitContext, found: Candidate, candidates: Sequence[Candidate], shown: Optimum
+    context: FitContext, found: Candidate, candidates: Sequence[Candidate], shown: Optimum, law: str = ""
 ) -> dict[str, Scatter]:
     """Say by what the runs differ under a candidate: for each condition its standard deviation, and what it explains.
 
@@ -64,6 +64,8 @@ def scatter_of(
     shown : Optimum
         The fit whose rest positions are told: where nothing is named the linear plant's, and not a candidate's that
         shifts them at will.
+    law : str
+        A condition that goes with another one, which is no scatter.
     """
     optimum = found.optimum
     values = scatter_values(optimum) | {"rest": scatter_values(shown)["rest"]}
@@ -72,7 +74,7 @@ def scatter_of(
     samples = np.add.reduceat(context.records.weight**2, context.records.first)
     out = {}
     for kind in sorted(found.deviations & spread.keys()):  # runs that are held at rest differ in no start
-        if _at_most(optimum, kind):
+        if kind == law or _at_most(optimum, kind):
             continue
         without = _without(context, found, kind, spread[kind], candidates)
         share = 1.0 - optimum.cost / without if without > 0 else 0.0

@@ -178,7 +178,7 @@ def _scaled(found: IdentifiedParameters, scale: float) -> ParameterUncertainty:
     """Uncertainties with that of the scale of all positions, relative: only the static gains depend on it."""
     known = found.uncertainty
     gains = {n: math.hypot(u, scale * abs(found.static_gain[n])) for n, u in known.static_gain.items()}
-    return type(known)(**known.model_dump() | {"static_gain": gains})
+    return ParameterUncertainty(**known.model_dump() | {"static_gain": gains})
 
 
 def _not_linear(campaign: Campaign, used: dict[str, Characteristics]) -> str | None:

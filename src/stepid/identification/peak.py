@@ -207,23 +207,8 @@ def fit_peak(
         Its uncertainties come from the least-squares covariance with the noise, or with the misfit where the
         polynomial leaves more than the noise; infinite where noise hides the maximum.
     """
-    return _fit(time, swing, near, _half(half_width, float(time[1] - time[0])), noise, by)
-
-
-def _half(half_width: float, period: float) -> float:
-    """Half the segment to fit, s, widened to hold enough samples."""
-    return max(half_width, 0.5 * (_POINTS - 0.5) * period)
-
-
-def _tilt(inverse: Array, place: float, half: float) -> Array:
-    """What each reading adds to the slope of the polynomial at a place within ±1, 1/s; `inverse` solves for it."""
-    slopes = [float(np.polynomial.Chebyshev(row).deriv()(place)) for row in np.eye(inverse.shape[0])]
-    out: Array = np.array(slopes) / half @ inverse
-    return out
-
-
-def _fit(time: Array, swing: Array, near: float, half: float, noise: float, by: Polynomial) -> PeakReading:
     degree, cut_time, cut_height = by
+    half = _half(half_width, float(time[1] - time[0]))
     center, seen = near, set()
     reach = half + 1e-6 * float(time[1] - time[0])  # a sample at the very edge is inside, whatever its rounding
     while True:
@@ -255,6 +240,18 @@ def _fit(time: Array, swing: Array, near: float, half: float, noise: float, by: 
         height_uncertainty=math.hypot(spread * float(np.linalg.norm(height)), cut_height * abs(top)),
         covariance=spread**2 * float(height @ tilt) / curvature,
     )
+
+
+def _half(half_width: float, period: float) -> float:
+    """Half the segment to fit, s, widened to hold enough samples."""
+    return max(half_width, 0.5 * (_POINTS - 0.5) * period)
+
+
+def _tilt(inverse: Array, place: float, half: float) -> Array:
+    """What each reading adds to the slope of the polynomial at a place within ±1, 1/s; `inverse` solves for it."""
+    slopes = [float(np.polynomial.Chebyshev(row).deriv()(place)) for row in np.eye(inverse.shape[0])]
+    out: Array = np.array(slopes) / half @ inverse
+    return out
 
 
 def _maximum(coefficients: Array) -> float:

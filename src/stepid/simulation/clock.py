@@ -34,15 +34,11 @@ def clock(experiment: Experiment) -> Array:
     if is_even(own) or off_even_clock(own).max() > CLOSE:
         return own
     even = even_clock(own)
-    return own if _roughness(experiment, own) < _BETTER * _roughness(experiment, even) else even
-
-
-def _roughness(experiment: Experiment, time: Array) -> float:
-    """Spread of what is no smooth motion on a clock where the cart moves fastest, m."""
-    windows = np.lib.stride_tricks.sliding_window_view(experiment.position, _ORDER + 1)
-    moved = np.ptp(windows, axis=1)
+    moved = np.ptp(np.lib.stride_tricks.sliding_window_view(experiment.position, _ORDER + 1), axis=1)
     fast = moved >= _FAST * np.quantile(moved, _HIGHEST)
-    return float(np.median(np.abs(divided_differences(time, experiment.position, order=_ORDER)[fast])))
+    spread = [np.abs(divided_differences(t, experiment.position, order=_ORDER)[fast]) for t in (own, even)]
+    rough = [float(np.median(one)) for one in spread]
+    return own if rough[0] < _BETTER * rough[1] else even
 
 
 def clock_note(experiment: Experiment) -> str | None:
