@@ -19,6 +19,7 @@ from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.verdict import Answer
 from stepid.effects import resolve
+from stepid.effects.base import Effect
 from stepid.fitting.input_fault import InputFault
 
 FLOOR = 1e-5  # m
@@ -92,10 +93,15 @@ def candidate(
     active = np.zeros((6, RUNS), dtype=bool)
     active[: len(deviations), 1:] = True
     # each condition costs as a parameter does; no run starts late
-    layout = SimpleNamespace(deviations=slice(0, 0), deviation=lambda _: 0, effects=(), values=())
-    problem = SimpleNamespace(free=free, active=active, layout=layout, residual=lambda _: residual)
+    layout = SimpleNamespace(
+        deviations=slice(0, 0), deviation=lambda _: 0, effects=effects,
+        values=places(effects), effect_states=(slice(0, 0),) * len(effects),
+    )  # fmt: skip
+    lower = np.zeros(free.size)
+    problem = SimpleNamespace(free=free, active=active, lower=lower, layout=layout, residual=lambda _: residual)
     optimum: Any = Kept(
         problem=problem,
+        shared=np.ones(free.size),
         local=np.zeros_like(active, dtype=float),
         solved=None,
         residual=residual,
@@ -103,6 +109,12 @@ def candidate(
         rms=times * FLOOR,
     )
     return Candidate(effects, frozenset(deviations), optimum, structure)
+
+
+def places(effects: Sequence[Effect]) -> tuple[slice, ...]:
+    """Where the values of effects are among the shared parameters, after four of the plant."""
+    ends = 4 + np.cumsum([len(e.parameters) for e in effects])
+    return tuple(slice(int(end) - len(e.parameters), int(end)) for e, end in zip(effects, ends, strict=True))
 
 
 def evidence(*candidates: Candidate, criteria: Criteria | None = None) -> EvidenceRecord:

@@ -176,7 +176,7 @@ def slow(times: float) -> Candidate:
 
 @pytest.fixture(autouse=True)
 def _known_to_a_third(monkeypatch: pytest.MonkeyPatch) -> None:
-    known = {"coulomb_friction.level": Estimate(value=0.3, uncertainty=0.1, unit="N")}
+    known = {"coulomb_friction.level": Estimate(value=1.0, uncertainty=0.3, unit="N")}
     monkeypatch.setattr(vetoes, "estimates", lambda *_: (known, None))
     monkeypatch.setattr(gather, "imitators", lambda *_: {})
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -9,7 +12,10 @@ import stepid
 from made_up_releases import released
 from stepid.diagnosis.notes import _is_clipped, _open_parameters, notes_on
 from stepid.effects import resolve
+from stepid.effects.base import Effect
 from stepid.fitting.fit import prepare
+from stepid.fitting.fit_effects import fit_effects
+from stepid.fitting.levenberg_marquardt import Optimum
 
 TIME = 0.01 * np.arange(470)
 SWING = np.exp(-0.3 * TIME) * np.cos(4.0 * TIME + 0.7)
@@ -56,8 +62,27 @@ def test_no_gain_is_asked_of_releases() -> None:
 
 @pytest.mark.parametrize(("uncertainty", "said"), [(1e-4, False), (0.4, False), (0.6, True)])
 def test_an_angle_of_zero_is_determined_as_well_as_any(uncertainty: float, said: bool) -> None:
+    phase = stepid.Estimate(value=-4e-5, uncertainty=uncertainty, unit="rad")
+    found = list(_open_parameters(*with_cogging(), {"cogging.phase": phase}, 0.5))
+    assert any("hardly determine the phase of cogging" in note for note in found) is said
+
+
+@pytest.mark.parametrize(("pitch", "said"), [(1.15e-5, True), (1.25e-5, False)])
+def test_what_ends_where_its_range_begins_is_hardly_determined(pitch: float, said: bool) -> None:
+    """A tenth of itself, and more or less than half of what it is above its least."""
+    optimum, effects = with_cogging()
+    shared = optimum.shared.copy()
+    shared[-2] = pitch
+    value = stepid.Estimate(value=pitch, uncertainty=1e-6, unit="m")
+    found = list(_open_parameters(replace(optimum, shared=shared), effects, {"cogging.pitch": value}, 0.5))
+    assert any("hardly determine the pitch of cogging" in note for note in found) is said
+
+
+@cache
+def with_cogging() -> tuple[Optimum, tuple[Effect, ...]]:
+    """A fit of cogging to releases of a linear plant."""
     effects = resolve(["cogging"])
     fit = prepare(stepid.Campaign(name="releases", experiments=(released(0.0), released(0.5))))
-    phase = stepid.Estimate(value=-4e-5, uncertainty=uncertainty, unit="rad")
-    found = list(_open_parameters(fit.linear, effects, {"cogging.phase": phase}, 0.5))
-    assert any("hardly determine the phase of cogging" in note for note in found) is said
+    optimum = fit_effects(fit, effects)
+    assert optimum is not None
+    return optimum, effects

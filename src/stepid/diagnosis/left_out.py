@@ -10,7 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.diagnosis.evidence import part_left
-from stepid.diagnosis.selection.candidate import Candidate, Deviations, is_free
+from stepid.diagnosis.selection.candidate import Candidate, Deviations, free_effects, is_free
 from stepid.effects.base import Effect
 from stepid.fitting.cross_validation import held_out_residuals, judging
 from stepid.fitting.deviations import starts_kept, with_deviations
@@ -118,7 +118,8 @@ class LeftOut:
 
     def share_of_free(self, found: Candidate) -> float:
         """Share of what a candidate's other effects leave that those with a freedom in every run take."""
-        others = tuple(e for e in found.effects if not e.run_parameters)
+        free = free_effects(found)
+        others = tuple(e for e in found.effects if e not in free)
         if not others:
             return self.share(found)[0]
         beside = self._with(others, found)

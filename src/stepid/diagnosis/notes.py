@@ -10,9 +10,10 @@ import numpy.typing as npt
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
 from stepid.core.noise import reading_step
+from stepid.diagnosis.vetoes import sizes_of
 from stepid.diagnosis.wording import parameter_words
-from stepid.effects.base import Effect, Parameter
-from stepid.fitting.covariance import effect_parameters, parameter_names
+from stepid.effects.base import Effect
+from stepid.fitting.covariance import parameter_names
 from stepid.fitting.fit import NOT_CONVERGED
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
@@ -56,7 +57,7 @@ def _open_parameters(
     final: Optimum, effects: tuple[Effect, ...], parameters: Mapping[str, Estimate], open_: float
 ) -> Iterator[str]:
     """Say which parameters the data leave open, of those that they are asked for."""
-    records, linear, own = final.problem.records, parameter_names(final, ()), effect_parameters(effects)
+    records, linear, sizes = final.problem.records, parameter_names(final, ()), sizes_of(final, effects)
     assumed = {linear[records.base[0]][0]} if fixes_mass(records) is not None else set()
     if not records.driven.any():
         assumed.add(linear[-1][0])  # no input asks for it
@@ -64,13 +65,8 @@ def _open_parameters(
         known = value.one_sided is not None or name in assumed
         if value.uncertainty is None and not known:
             yield f"The data do not determine {parameter_words(name)}."
-        elif name in own and value.uncertainty is not None and value.uncertainty > open_ * _scale(own[name], value):
+        elif name in sizes and value.uncertainty is not None and value.uncertainty > open_ * sizes[name]:
             yield f"The data hardly determine {parameter_words(name)}: {value}."
-
-
-def _scale(parameter: Parameter, value: Estimate) -> float:
-    """What a parameter's uncertainty is large beside: its value; of an angle, where zero is as good as any, 1 rad."""
-    return 1.0 if parameter.angle else abs(value.value)
 
 
 def _is_clipped(y: Array, resolution: float) -> bool:

@@ -16,6 +16,7 @@ from stepid.diagnosis.selection.candidate import Candidate
 from stepid.effects.base import Effect
 from stepid.effects.swing import Swing
 from stepid.fitting.covariance import effect_parameters, estimates
+from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.profile import limited, present
 
@@ -90,14 +91,28 @@ def undetermined(context: FitContext, criteria: Criteria, found: Candidate) -> t
     if not found.effects:
         return ()
     values, _ = estimates(found.optimum, found.effects, context.floor)
-    own = effect_parameters(found.effects)
+    own, sizes = effect_parameters(found.effects), sizes_of(found.optimum, found.effects)
     out = []
     for name, value in values.items():
         if name not in own or own[name].angle:
             continue
-        if value.uncertainty is None or value.uncertainty > criteria.open * abs(value.value):
+        if value.uncertainty is None or value.uncertainty > criteria.open * sizes[name]:
             out.append(name)
     return tuple(out)
+
+
+def sizes_of(optimum: Optimum, effects: tuple[Effect, ...]) -> dict[str, float]:
+    """What uncertainties of effects' parameters are large beside, by name: how far each is from where its range begins.
+
+    What ends there would go on, were it allowed to: the data ask for no such effect. Of an angle, where zero is as
+    good as any, 1 rad.
+    """
+    problem, out = optimum.problem, dict[str, float]()
+    for effect, place in zip(effects, problem.layout.values, strict=True):
+        begins = np.where(np.isfinite(problem.lower[place]), problem.lower[place], 0.0)
+        for parameter, size in zip(effect.parameters, np.abs(optimum.shared[place] - begins), strict=True):
+            out[f"{effect.name}.{parameter.name}"] = 1.0 if parameter.angle else float(size)
+    return out
 
 
 def open_parameters(context: FitContext, criteria: Criteria, found: Candidate) -> tuple[str, ...]:

@@ -27,6 +27,19 @@ def _direction(scales: Scales, m: Motion) -> Array:
     return np.clip(m.v / (0.02 * scales.velocity), -1.0, 1.0)
 
 
+def _directions(scales: Scales, m: Motion) -> tuple[Array, Array]:
+    """Direction of the friction by the two ends of what it may do to a cart at rest: nothing, and all that it can.
+
+    That keeps the direction of the last motion: a cart that creeps to its rest is held so.
+    """
+    soft = _direction(scales, m)
+    begins = np.diff(m.time, prepend=np.inf) <= 0
+    known = (np.abs(soft) == 1.0) | begins
+    last = np.maximum.accumulate(np.where(known, np.arange(soft.size), 0))
+    held = np.where(begins[last], 0.0, soft[last])
+    return soft, held
+
+
 class CoulombFriction(_DryFriction):
     """−F_c sign(v), and sticking within ±F_c at rest."""
 
@@ -44,7 +57,7 @@ class CoulombFriction(_DryFriction):
         return [(share * scales.force,) for share in _SHARES]
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
-        return [Regressor((-_direction(scales, m),), lambda a: (a[0],) if a[0] > 0 else None)]
+        return [Regressor((-d,), lambda a: (a[0],) if a[0] > 0 else None) for d in _directions(scales, m)]
 
     @staticmethod
     def friction(p: Values, m: Moment) -> float:
@@ -68,7 +81,8 @@ class LoadProportionalFriction(_DryFriction):
         return [(share * scales.force / (scales.mass * GRAVITY),) for share in _SHARES]
 
     def regressors(self, scales: Scales, m: Motion) -> Sequence[Regressor]:
-        return [Regressor((-_direction(scales, m) * m.mass * GRAVITY,), lambda a: (a[0],) if a[0] > 0 else None)]
+        weight = m.mass * GRAVITY
+        return [Regressor((-d * weight,), lambda a: (a[0],) if a[0] > 0 else None) for d in _directions(scales, m)]
 
     @staticmethod
     def friction(p: Values, m: Moment) -> float:

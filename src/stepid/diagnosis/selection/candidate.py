@@ -44,9 +44,16 @@ class Candidate:
         return without_deviations(self.optimum, context.slight(self.optimum)) if self.deviations else self.optimum
 
 
+def free_effects(found: Candidate) -> tuple[Effect, ...]:
+    """Effects of a candidate with a freedom of their own in every run: a phase, or states in which the run begins."""
+    problem = found.optimum.problem
+    states = zip(found.effects, problem.layout.effect_states, strict=True)
+    return tuple(e for e, own in states if e.run_parameters or problem.active[own].any(axis=0).all())
+
+
 def is_free(found: Candidate) -> bool:
     """Tell whether a candidate has an effect with a freedom of its own in every run."""
-    return any(e.run_parameters for e in found.effects)
+    return bool(free_effects(found))
 
 
 def includes(bigger: tuple[Effect, ...], smaller: tuple[Effect, ...]) -> bool:
