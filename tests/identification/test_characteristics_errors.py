@@ -134,3 +134,12 @@ def test_a_settled_response_without_an_overshoot_is_told_by_its_level(seed: int)
     run = make_run(Plant(0.95, 216.0, 14.0), 0.5, steps=((20, 0.5),), count=1130)
     with pytest.raises(NoOvershootError, match=r"no overshoot to be seen \(0\.\d\d % of 18\.[01] mm"):
         stepid.characterize(run.model_copy(update={"position": swing + noise}))
+
+
+def test_a_response_that_its_sensor_clips_below_its_level_has_no_overshoot() -> None:
+    """Its highest reading is its level, to the last digit: two in three readings are the same, and tell no noise."""
+    run = make_run(Plant(1.0, 300.0, 4.0), 0.5, steps=((20, 0.5),), count=800)
+    noise = 2e-5 * np.random.default_rng(0).standard_normal(run.time.size)
+    clipped = np.minimum(run.position + noise, 0.9 * run.position[-1])
+    with pytest.raises(NoOvershootError, match=r"no overshoot to be seen \(0.00 %"):
+        stepid.characterize(run.model_copy(update={"position": clipped}))

@@ -25,7 +25,7 @@ _RESIDUAL = 8.0  # standard deviations of a good fit's residual
 
 
 class Mended(NamedTuple):
-    """A record whose wrong samples are interpolated, which these are, and what is said of them."""
+    """A record whose isolated wrong samples are interpolated, which samples are wrong, and what is said of them."""
 
     run: Experiment
     wrong: Mask
@@ -103,7 +103,7 @@ def _fault(run: str, kind: str, mask: Mask, off: Array) -> RecordFault:
 
 
 def trust(records: Records, wrong: Mapping[str, Mask]) -> Array:
-    """Factors of the square-root weights, shape (S,): next to nothing where a reading is interpolated.
+    """Factors of the square-root weights, shape (S,): next to nothing where a reading is wrong.
 
     Parameters
     ----------

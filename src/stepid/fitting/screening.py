@@ -22,6 +22,7 @@ from stepid.core.units import UNIT, check_speed, check_travel
 from stepid.core.words import counted
 from stepid.errors import InputError
 from stepid.fitting.first_step import from_rest
+from stepid.fitting.flat_readings import flat_readings
 from stepid.fitting.reading_faults import mend
 from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.clock import clock_note
@@ -38,7 +39,7 @@ class Screened(NamedTuple):
     campaign: Campaign
     notes: tuple[str, ...]
     faults: tuple[RecordFault, ...] = ()
-    wrong: Mapping[str, Mask] = MappingProxyType({})  # run name to samples that are interpolated, where there are any
+    wrong: Mapping[str, Mask] = MappingProxyType({})  # run name to samples that do not count, where there are any
 
 
 def screen(campaign: Campaign) -> Screened:
@@ -58,7 +59,8 @@ def screen(campaign: Campaign) -> Screened:
         If no run is left, or the positions cannot be meters.
     """
     campaign, splits = split_campaign(campaign)
-    mended = {run.name: mend(run) for run in campaign.experiments}
+    flat = flat_readings(campaign.experiments)
+    mended = {run.name: flat.get(run.name) or mend(run) for run in campaign.experiments}
     faults = tuple(fault for found in mended.values() for fault in found.faults)
     if faults:
         campaign = campaign.model_copy(update={"experiments": tuple(found.run for found in mended.values())})

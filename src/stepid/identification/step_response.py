@@ -30,6 +30,7 @@ _MOVING = 0.05  # swing left at the end, as a fraction of the steady displacemen
 _RINGING = 0.02  # and that deserves a note
 _ROUNDS = 30  # of peak and level, at most
 _SLOW = 0.3  # rad of the swing, the spread of an input's rise beyond which it is no step
+_EXACT = 1e-9  # of the level: no reading is finer
 _VAGUE = 0.25  # relative uncertainty of a peak time that is none
 
 
@@ -293,5 +294,5 @@ def _require_peak(response: _Response) -> None:
             "Record until the plant rests; less damping or more mass gives an overshoot.",
         )
     level = float(np.mean(quarter))
-    if wide <= still and float(swing.max()) - level <= max(response.tolerance, wide):
+    if wide <= still and float(swing.max()) - level <= max(response.tolerance, wide, _EXACT * level):
         raise no_overshoot(who, float(swing.max()) / level - 1, level, response.noise, response.grid)
