@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 import matplotlib as mpl
@@ -10,11 +11,12 @@ from matplotlib import pyplot as plt
 
 import diagnosis_example as example
 import stepid
+from stepid.core.estimate import format_value
 from stepid.core.quantities import quantities_of
 from stepid.report import provenance
 from stepid.report.chapter import Table
 from stepid.report.hand import HandMethod, by_hand
-from stepid.report.pull import _by_hand
+from stepid.report.pull import _by_hand, hand_method_rows
 from stepid.report.story import tell
 from stepid.report.tables import characteristics_table
 
@@ -106,3 +108,20 @@ def test_the_force_gain_by_peaks_is_as_uncertain_as_the_stiffness() -> None:
     assert gain.uncertainty is not None
     assert stiffness.uncertainty is not None
     assert gain.uncertainty / gain.value >= stiffness.uncertainty / stiffness.value
+
+
+def test_the_scale_of_the_positions_makes_the_force_gain_by_peaks_as_uncertain() -> None:
+    hand = by_hand(example.campaign())
+    assert isinstance(hand, HandMethod)
+    plain = _by_hand(hand.found, several=False)
+    scaled = _by_hand(hand.found, several=False, scale=0.02)
+    gain, other = plain["force_gain"], scaled["force_gain"]
+    assert gain.uncertainty is not None
+    assert other.uncertainty == pytest.approx(math.hypot(gain.uncertainty, 0.02 * gain.value))
+    assert {name: value for name, value in scaled.items() if name != "force_gain"} == {
+        name: value for name, value in plain.items() if name != "force_gain"
+    }
+    d = example.named()
+    wide = d.model_copy(update={"data": d.data.model_copy(update={"scale_uncertainty": 0.02})})
+    (told,) = (row for row in hand_method_rows(wide, hand.found)[1] if row[0] == "force_gain")
+    assert told[1] == format_value(other.value, other.uncertainty)

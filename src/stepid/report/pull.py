@@ -50,7 +50,8 @@ def hand_method_rows(
     diagnosis: Diagnosis, identified: IdentifiedParameters
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Header and rows of that table."""
-    by_hand = _by_hand(identified, several=len(diagnosis.model.base_mass) > 1)
+    several = len(diagnosis.model.base_mass) > 1
+    by_hand = _by_hand(identified, several=several, scale=diagnosis.data.scale_uncertainty)
     rows = []
     for name, final in diagnosis.parameters.items():
         hand, linear = by_hand.get(name), diagnosis.linear_parameters.get(name)
@@ -66,8 +67,8 @@ def hand_method_rows(
     return ("parameter", "by peaks (Eq. 10)", "joint fit, linear", *added), rows
 
 
-def _by_hand(found: IdentifiedParameters, *, several: bool) -> dict[str, Estimate]:
-    """The peak method's numbers under the joint fit's names."""
+def _by_hand(found: IdentifiedParameters, *, several: bool, scale: float = 0.0) -> dict[str, Estimate]:
+    """The peak method's numbers under the joint fit's names; `scale` is the positions' relative uncertainty."""
     u = found.uncertainty
     out: dict[str, Estimate] = {}
 
@@ -81,16 +82,17 @@ def _by_hand(found: IdentifiedParameters, *, several: bool) -> dict[str, Estimat
     take("damping", found.pooled_damping, u.pooled_damping, "N·s/m")
     known = {name: gain for name, gain in found.static_gain.items() if name in found.masses}
     if known:
-        out["force_gain"] = _gain(found, known)
+        out["force_gain"] = _gain(found, known, scale)
     return out
 
 
-def _gain(found: IdentifiedParameters, static: Mapping[str, float]) -> Estimate:
-    """Force gain of static gains [m/V] by run: uncertain by their scatter and, as all of them are, by the stiffness."""
+def _gain(found: IdentifiedParameters, static: Mapping[str, float], scale: float) -> Estimate:
+    """Force gain of static gains [m/V] by run: uncertain by their scatter and, as all are, by stiffness and scale."""
     gains = [gain * found.run_stiffness(name) for name, gain in static.items()]
     spread = found.uncertainty.stiffness
     common = fmean(abs(gain) * spread.get(found.springs[name], 0.0) for name, gain in static.items())
-    scatter = hypot(stdev(gains), common) if len(gains) > 1 else None
+    shared = scale * fmean(map(abs, gains))
+    scatter = hypot(stdev(gains), common, shared) if len(gains) > 1 else None
     return Estimate(value=fmean(gains), uncertainty=scatter, unit="N/V")
 
 
