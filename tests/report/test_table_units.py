@@ -122,6 +122,7 @@ def test_the_scale_of_the_positions_makes_the_force_gain_by_peaks_as_uncertain()
         name: value for name, value in plain.items() if name != "force_gain"
     }
     d = example.named()
+    assert d.data is not None
     wide = d.model_copy(update={"data": d.data.model_copy(update={"scale_uncertainty": 0.02})})
     (told,) = (row for row in hand_method_rows(wide, hand.found)[1] if row[0] == "force_gain")
     assert told[1] == format_value(other.value, other.uncertainty)

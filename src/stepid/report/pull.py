@@ -51,7 +51,8 @@ def hand_method_rows(
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Header and rows of that table."""
     several = len(diagnosis.model.base_mass) > 1
-    by_hand = _by_hand(identified, several=several, scale=diagnosis.data.scale_uncertainty)
+    scale = diagnosis.data.scale_uncertainty if diagnosis.data is not None else 0.0
+    by_hand = _by_hand(identified, several=several, scale=scale)
     rows = []
     for name, final in diagnosis.parameters.items():
         hand, linear = by_hand.get(name), diagnosis.linear_parameters.get(name)
