@@ -69,7 +69,9 @@ def test_a_single_column_with_decimal_commas(tmp_path):
     ("old", "new", "message"),
     [
         ("0,005;", "0.005;", r"line 3, column 't': '0.005' has a decimal point. Leave out decimal"),
-        ("0,005;", "1.000,5;", r"line 3, column 't': '1.000,5' is not a number. Restore the line"),
+        ("0,005;", "1.000,5;", r"line 3, column 't': '1.000,5' has marks between its thousands. Export"),
+        ("0,005;", "1 000,5;", r"line 3, column 't': '1 000,5' has marks between its thousands. Export"),
+        ("0,005;", "1.00,5;", r"line 3, column 't': '1.00,5' is not a number. Restore the line"),
         ("0,005;", "-1,#IND;", r"line 3, column 't': -1,#IND is not a measurement"),
         ("0,005;", "1e999;", r"line 3, column 't': '1e999' is too large"),
     ],

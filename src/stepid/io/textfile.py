@@ -20,6 +20,8 @@ from stepid.io.safe_read import LARGEST, read_regular
 _FOREIGN = re.compile(r"[^0-9eE+\-.]")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+", re.ASCII)
+_THOUSANDS = re.compile(r"[+-]?\d{1,3}([, \u00a0\u202f'’]\d{3})+(\.\d*)?", re.ASCII)
+_NO_MARKS = "Export the numbers without marks between thousands, in all lines and columns."
 _SWAPPED = str.maketrans(".,", ",.")
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)|-?1\.#\w+", re.IGNORECASE)
 
@@ -223,6 +225,9 @@ def _locate(
             elif _DECIMAL_COMMA.fullmatch(plain):
                 trouble = f"{_short(token)} has a decimal {'comma' if decimal == '.' else 'point'}"
                 return InputError(f"{where}, line {line}, column {column!r}: {trouble}", other_mark)
+            elif _THOUSANDS.fullmatch(plain):
+                trouble = f"{_short(token)} has marks between its thousands"
+                return InputError(f"{where}, line {line}, column {column!r}: {trouble}", _NO_MARKS)
             elif token:
                 trouble = f"{_short(token)} is not a number"
             else:
