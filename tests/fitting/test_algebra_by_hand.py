@@ -14,6 +14,7 @@ import stepid
 from made_up_evidence import Kept
 from stepid.core.base import Array
 from stepid.core.estimate import Estimate
+from stepid.effects import resolve
 from stepid.fitting import profile
 from stepid.fitting.absent import Absent, linearized
 from stepid.fitting.added_masses import weight_errors, with_added_masses
@@ -21,7 +22,7 @@ from stepid.fitting.correlation import Block
 from stepid.fitting.covariance import _precision, _triangle
 from stepid.fitting.levenberg_marquardt import Problem, _blocked, _held
 from stepid.fitting.random_effects import _information
-from stepid.fitting.run_fault import _has_size, is_extreme, told
+from stepid.fitting.run_fault import _has_size, is_witness, told
 from stepid.simulation.records import Records, lay_out
 
 
@@ -226,7 +227,8 @@ def test_no_weight_is_less_than_none() -> None:
     assert not _has_size(fault("added_mass", -1.11, weights=0.1), 5.0)
 
 
-def test_the_run_with_the_largest_or_smallest_input_is_extreme() -> None:
+def test_a_run_whose_input_no_other_has_is_the_only_witness_of_a_law_there() -> None:
+    """Beside a linear plant in the middle, too, nothing is seen that those on both sides do not show."""
     t = 0.01 * np.arange(60)
     runs = tuple(
         stepid.Experiment(
@@ -236,7 +238,11 @@ def test_the_run_with_the_largest_or_smallest_input_is_extreme() -> None:
         for i, size in enumerate((0.5, -1.0, 2.0, 0.0))
     )  # fmt: skip
     records = lay_out(stepid.Campaign(name="c", experiments=runs))
-    assert [is_extreme(records, run) for run in range(4)] == [True, False, True, False]
+    assert [is_witness(records, run, beside=()) for run in range(4)] == [True, False, True, False]
+    effects = resolve(["actuator_saturation"])
+    assert [is_witness(records, run, beside=effects) for run in range(4)] == [True, True, True, False]
+    more = stepid.Campaign(name="c", experiments=(*runs, runs[1].model_copy(update={"name": "4", "spring": "t"})))
+    assert not any(is_witness(lay_out(more), run, beside=effects) for run in (1, 4))
 
 
 def test_errors_of_weights_that_were_found_come_back() -> None:

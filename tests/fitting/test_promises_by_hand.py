@@ -217,10 +217,10 @@ def test_a_fault_explains_what_is_missing(
     explained: bool,
 ) -> None:
     """With one sample and a floor of one: the cost is in squares of the floor."""
-    monkeypatch.setattr(run_fault, "is_extreme", lambda *_: extreme)
+    monkeypatch.setattr(run_fault, "is_witness", lambda *_, beside: extreme)
     monkeypatch.setattr(run_fault, "noise_cost", lambda *_: 1.1)
     found: Any = Made(kind=kind, size=size, cost=left, run=0)
-    optimum: Any = Made(cost=cost, problem=Made(records=Made(weighed_size=1.0)))
+    optimum: Any = Made(cost=cost, problem=Made(records=Made(weighed_size=1.0), simulator=Made(effects=())))
     rival: Any = Made(cost=others)
     assert run_fault._explains(found, optimum, [rival], 1.0) is explained
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stepid
-from broken_campaigns import FRICTION, SAMPLE_TIME, campaign, changed, scaled, shifted
+from broken_campaigns import FRICTION, SAMPLE_TIME, campaign, changed, inputs, scaled, shifted
 from scattered_campaigns import scattered
 from stepid.effects import resolve
 from stepid.fitting.fit import prepare
@@ -128,3 +128,27 @@ def test_a_run_is_not_accused_of_a_weight_less_than_none() -> None:
     found = found_in(campaign(1, true_masses=(-0.3, 0.5, 1.5, 2.0)))
     assert found is None or (found.run, found.kind) == ("case 1", "stiffness")
     assert found_in(campaign(1, true_masses=(0.3, 0.5, 1.5, 2.0))).kind == "added_mass"  # type: ignore[union-attr]
+
+
+def curved(volts: tuple[float, ...]) -> stepid.Campaign:
+    """A drive that grows weaker by 10 % a volt, steadily."""
+    weak = [inputs(v * (1.0 - 0.1 * abs(v))) for v in volts]
+    made = campaign(5, masses=MASSES, drives=weak)
+    for i, v in enumerate(volts):
+        made = changed(made, i, input=inputs(v))
+    return made
+
+
+@pytest.mark.parametrize("last", [1.5, 2.0])
+def test_the_only_run_of_its_input_is_not_accused_of_what_a_law_leaves_there(last: float) -> None:
+    """A saturation takes what two sizes of input tell; a third size is what refutes it."""
+    assert found_in(curved((1, -1, 2, -2, 1, last)), "actuator_saturation") is None
+
+
+def test_of_two_runs_of_one_input_one_is_accused() -> None:
+    """Its readings are off by a share which that of the same input does not know."""
+    whole = curved((1, -1, 2, -2, 1, 2))
+    found = found_in(scaled(whole, 5, 0.945), "actuator_saturation")
+    assert found is not None
+    assert (found.run, found.kind) == ("case 6", "gain")
+    assert found.size == pytest.approx(0.945, abs=0.005)

@@ -17,7 +17,7 @@ from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.problem import build, start_local
 from stepid.fitting.record_fault import RecordFault
-from stepid.fitting.run_fault import is_extreme, less_than_none, may_be_weights, told
+from stepid.fitting.run_fault import is_witness, less_than_none, may_be_weights, told
 from stepid.fitting.run_fault_size import noise_cost
 from stepid.fitting.run_fault_words import ROUND, UNITS, fault_words
 from stepid.simulation.records import Records
@@ -87,7 +87,7 @@ def fault_of(context: FitContext, run: int, shown: Candidate, floor: float, *, s
         return None
     alone, before = plain.problem, plain.cost
     quiet = shown.optimum.cost <= noise_cost(shown.optimum.problem.records, floor)
-    unsure = _stands_alone(records, run) or len(records.runs) < _SOME
+    unsure = _stands_alone(records, run, shown) or len(records.runs) < _SOME
     mended = _worst(shown.optimum) / _STANDS_OUT * alone.records.weighed_size
     every = [
         one
@@ -185,13 +185,13 @@ def _fitted(problem: Problem, shared: Array, row: int | None = None, size: float
     return minimize(problem, shared, local, iterations=_LAPS)
 
 
-def _stands_alone(records: Records, run: int) -> bool:
+def _stands_alone(records: Records, run: int, shown: Candidate) -> bool:
     """Tell whether a law may do what it likes in a run: its mass, input or travel is beyond the others', or its way."""
     way, others = np.sign([_push(records, i) for i in range(len(records.runs))]), np.delete(records.added_mass, run)
     travel = np.array([np.ptp(records.position[piece]) for piece in records.pieces()])
     beyond = not others.min() <= records.added_mass[run] <= others.max()
     beyond |= bool(travel[run] > _FARTHER * np.delete(travel, run).max())
-    return beyond or not np.any(np.delete(way, run) == way[run]) or is_extreme(records, run)
+    return beyond or not np.any(np.delete(way, run) == way[run]) or is_witness(records, run, beside=shown.effects)
 
 
 def _push(records: Records, run: int) -> float:

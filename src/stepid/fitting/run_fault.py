@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.effects.base import Effect
 from stepid.fitting.deviations import FAULTS, promised, promised_by, with_fault
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import fixes_mass
@@ -241,11 +243,11 @@ def _explains(found: _Found, optimum: Optimum, others: list[_Found], floor: floa
 
     A law that bends with the amplitude gives the run with the largest or smallest input a plant of its own.
     """
-    records = optimum.problem.records
+    records, effects = optimum.problem.records, optimum.problem.simulator.effects
     samples = records.weighed_size
     at_floor = found.cost <= noise_cost(records, floor)
     round_ = found.kind == "gain" and any(abs((1 + found.size) / r - 1) < _NEAR for r in ROUND)
-    if found.kind != DRIFT and not round_ and is_extreme(records, found.run):
+    if found.kind != DRIFT and not round_ and is_witness(records, found.run, beside=effects):
         hard = found.kind not in ("gain", "damping") and optimum.cost > (_GROSS * floor) ** 2 * samples
         return at_floor and hard
     second = min((f.cost for f in others), default=np.inf)
@@ -264,15 +266,19 @@ def less_than_none(optimum: Optimum, run: int, size: float) -> bool:
     return bool(records.added_mass[run] + size < -max(worth, records.weight_uncertainty))
 
 
-def is_extreme(records: Records, run: int) -> bool:
-    """Tell whether a driven run's input is the largest or smallest of all, no other near it."""
+def is_witness(records: Records, run: int, *, beside: Sequence[Effect]) -> bool:
+    """Tell whether a driven run alone shows what a law does at its input: no other input is near it.
+
+    Beside effects any such run: without it another law is as good. Beside a linear plant that of the largest or
+    smallest input: what is linear below and above is so in between.
+    """
     if not records.driven[run]:
         return False
     sizes = np.maximum.reduceat(np.abs(records.volts - records.before[records.run]), records.first)
     own, others = sizes[run], np.delete(sizes, run)[np.delete(records.driven, run)]
     if np.any(np.abs(others - own) < _ALIKE * own):
         return False
-    return bool(np.all(others > own) or np.all(others < own))
+    return bool(beside or np.all(others > own) or np.all(others < own))
 
 
 def told(optimum: Optimum, run: int, kind: str, size: float) -> float:
