@@ -95,10 +95,13 @@ def qbic_by(context: FitContext, best: Optimum) -> Callable[..., float]:
     counts = effective_samples(records, best.problem.residual(best.solved))
     samples, lowest = float(counts.sum()), max(best.cost, least)
     variance = lowest / records.weighed_size
+    known: dict[Optimum, float] = {}  # a search asks of the same fits again and again
 
     def qbic(fit: Optimum, cost: float | None = None, more: int = 0) -> float:
         left = max(fit.cost if cost is None else cost, least)
-        return samples * math.log(left / lowest) + price(fit, counts, variance) + more * math.log(samples)
+        if fit not in known:
+            known[fit] = price(fit, counts, variance)
+        return samples * math.log(left / lowest) + known[fit] + more * math.log(samples)
 
     return qbic
 

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from stepid.core.once import once
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor
 from stepid.diagnosis.selection.candidate import Candidate
@@ -23,23 +24,30 @@ from stepid.fitting.profile import limited, present
 
 def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
     """How the campaign's runs swing under a fit."""
-    of, shared = found.optimum.problem.layout, found.optimum.shared
-    rates, decays = of.rates(shared), shared[of.damping][context.records.damper] / (2 * of.mass(shared))
-    durations = np.array([np.ptp(context.records.time[piece]) for piece in context.records.pieces()])
-    able = durations * rates > 2 * math.tau  # a record of less than two periods tells no rate
-    able = able if able.any() else np.ones_like(able)
-    shortest, slowest = durations[able].min(), rates[able].min(initial=np.inf)
+    rates, decays, longest = _paces(found.optimum, context)
     return Swing(
-        rates=tuple(map(float, rates)),
-        decays=tuple(map(float, decays)),
+        rates=rates,
+        decays=decays,
         displacement=context.scales.displacement,
         duration=context.scales.duration,
-        resolution=max(criteria.resolution, float(2 * math.tau / (shortest * slowest))),
+        resolution=max(criteria.resolution, longest),
         pitch=criteria.pitch,
         fast=criteria.fast,
         slow=criteria.slow,
         swings=criteria.swings,
     )
+
+
+@once
+def _paces(optimum: Optimum, context: FitContext) -> tuple[tuple[float, ...], tuple[float, ...], float]:
+    """Rates and decays of the runs, 1/s, and two periods of the slowest over the shortest record."""
+    of, shared = optimum.problem.layout, optimum.shared
+    rates, decays = of.rates(shared), shared[of.damping][context.records.damper] / (2 * of.mass(shared))
+    durations = np.array([np.ptp(context.records.time[piece]) for piece in context.records.pieces()])
+    able = durations * rates > 2 * math.tau  # a record of less than two periods tells no rate
+    able = able if able.any() else np.ones_like(able)
+    shortest, slowest = durations[able].min(), rates[able].min(initial=np.inf)
+    return tuple(map(float, rates)), tuple(map(float, decays)), float(2 * math.tau / (shortest * slowest))
 
 
 def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict[str, str]:
