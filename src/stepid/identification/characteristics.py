@@ -9,6 +9,7 @@ import numpy as np
 
 from stepid.core.arguments import as_experiment
 from stepid.core.experiment import Experiment
+from stepid.core.held_before import held_before
 from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.takes import takes
@@ -88,7 +89,7 @@ def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Charact
     stepid.errors.NotSettledError
         If the record is cut before its peak or before the plant rests, or the plant moved before the step.
     """
-    experiment = as_experiment(experiment)
+    experiment = held_before(as_experiment(experiment))
     how = InterpolatedPeak() if peak is None else peak
     with _computable(experiment):
         if experiment.is_release:
@@ -119,7 +120,7 @@ def characterize_each(
     stepid.errors.NoStepError
         If there is no step at all.
     """
-    experiment = as_experiment(experiment)
+    experiment = held_before(as_experiment(experiment))
     how = InterpolatedPeak() if peak is None else peak
     if experiment.is_release:
         return (characterize(experiment, peak=how),)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from stepid.core.arguments import as_campaign
 from stepid.core.copies import copies
 from stepid.core.experiment import Campaign, Experiment, MassOffset
+from stepid.core.held_before import held_before, held_notes
 from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.samples import CLOSE, off_even_clock
@@ -72,6 +73,10 @@ def identify_with_system(
     campaign: Campaign, *, peak: Peak | None = None, solver: Solver | None = None
 ) -> tuple[StackedSystem, IdentifiedParameters]:
     """Identify as `identify` does, and return the stacked system that was solved, too."""
+    campaign = as_campaign(campaign)
+    held = held_notes(campaign.experiments)
+    if held:
+        campaign = campaign.model_copy(update={"experiments": tuple(map(held_before, campaign.experiments))})
     used, excluded = characterize_campaign(campaign, peak=peak)
     while True:
         kept = [run for run in campaign.experiments if run.name in used]
@@ -100,7 +105,7 @@ def identify_with_system(
     order = [run.name for run in campaign.experiments]
     left_out = dict(sorted(excluded.items(), key=lambda item: order.index(item[0])))
     said = _not_linear(campaign, used) or tighter_by_fit(kept, found, campaign.weight_uncertainty)
-    notes = (*found.notes, *(note for note in (said, _turned(used)) if note is not None))
+    notes = (*held, *found.notes, *(note for note in (said, _turned(used)) if note is not None))
     uncertainty = _scaled(found, campaign.scale_uncertainty)
     fields = found.model_dump() | {"uncertainty": uncertainty, "excluded": left_out, "notes": notes}
     return system, IdentifiedParameters(**fields)

@@ -1,0 +1,97 @@
+"""Records that begin at rest under a level of the input that was held before them: steps back, in closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stepid
+from stepid.core.held_before import held_before, held_notes
+
+TIME = 0.005 * np.arange(900)
+STIFFNESS, DAMPING, GAIN, VOLTS = 250.0, 4.0, 5.0, 0.6
+
+
+def swing(added: float, since: np.ndarray) -> np.ndarray:
+    """Step response of a damped plant, of its own size at the end."""
+    mass = 1.0 + added
+    decay = DAMPING / (2 * mass)
+    rate = np.sqrt(STIFFNESS / mass - decay**2)
+    since = np.maximum(since, 0.0)
+    out: np.ndarray = 1.0 - np.exp(-decay * since) * (np.cos(rate * since) + decay / rate * np.sin(rate * since))
+    return out
+
+
+def back(added: float, lead: int, *, off: bool = False, seed: int = 0) -> stepid.Experiment:
+    """A step back to nothing after so many samples; where the amplifier is `off`, nothing moves before a step up."""
+    size = GAIN * VOLTS / STIFFNESS
+    u = np.where(np.arange(TIME.size) < lead, VOLTS, 0.0)
+    y = size * (1.0 - swing(added, TIME - TIME[lead]))
+    if off:
+        u[lead + 100 : lead + 300] = VOLTS
+        y = size * (swing(added, TIME - TIME[lead + 100]) - swing(added, TIME - TIME[lead + 300]))
+    noise = 2e-6 * np.random.default_rng(seed).standard_normal(TIME.size)
+    return stepid.Experiment(
+        name=f"{added:g} kg", time=TIME, position=y + noise, input=u, added_mass=added, spring="s", damper="d"
+    )
+
+
+def campaign(lead: int) -> stepid.Campaign:
+    runs = [back(added, lead, seed=i) for i, added in enumerate((0.0, 0.5, 1.0))]
+    return stepid.Campaign(name="back", experiments=runs)
+
+
+@pytest.mark.parametrize("lead", [1, 4, 10, 20, 80])
+def test_a_step_back_is_one_from_rest_under_the_level_before(lead: int) -> None:
+    """However short that level is in the record: it had been a step of its own, 2 mm beside the readings."""
+    whole = campaign(lead)
+    found = stepid.fit(whole)
+    assert found.rms == pytest.approx(2e-6, rel=0.1)
+    for name, true in (("base_mass", 1.0), ("stiffness[s]", STIFFNESS), ("force_gain", GAIN)):
+        assert abs(found.parameters[name].value - true) < 3 * found.parameters[name].uncertainty
+    assert sum("begins at rest under 0.6 V" in note for note in found.notes) == 3
+    assert not any("amplifier" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("lead", [10, 20, 80])
+def test_the_peak_method_reads_it(lead: int) -> None:
+    found = stepid.identify(campaign(lead))
+    assert found.excluded == {}
+    assert found.base_mass["cart"] == pytest.approx(1.0, rel=5e-3)
+    assert found.stiffness["s"] == pytest.approx(STIFFNESS, rel=5e-3)
+    assert all(gain == pytest.approx(GAIN / STIFFNESS, rel=1e-3) for gain in found.static_gain.values())
+    assert sum("begins at rest under 0.6 V" in note for note in found.notes) == 3
+
+
+def test_an_amplifier_that_was_off_is_no_rest_under_its_level() -> None:
+    """The cart is where it rests without an input."""
+    run = back(0.0, 100, off=True)
+    assert held_before(run) is run
+
+
+def test_what_a_record_says_stays() -> None:
+    run = back(0.0, 40)
+    told = run.model_copy(update={"input_before": VOLTS})
+    moving = run.model_copy(update={"starts": "motion"})
+    assert held_before(told) is told
+    assert held_before(moving) is moving
+    assert held_before(run).input_before == VOLTS
+    assert held_notes([run, told]) == [
+        "Run '0 kg' begins at rest under 0.6 V: its input had that level before the record."
+    ]
+
+
+@pytest.mark.parametrize("hold", [3, 40, 200])
+def test_a_pulse_from_rest_returns(hold: int) -> None:
+    """It ends where it began, under the input that it began under."""
+    u = np.where(np.arange(TIME.size) < hold, VOLTS, 0.0)
+    y = GAIN * VOLTS / STIFFNESS * (swing(0.5, TIME) - swing(0.5, TIME - TIME[hold]))
+    run = stepid.Experiment(name="p", time=TIME, position=y, input=u, added_mass=0.5, spring="s", damper="d")
+    assert held_before(run) is run
+
+
+def test_a_record_that_ends_before_it_can_tell_stays() -> None:
+    run = back(0.0, 40)
+    cut = {name: getattr(run, name)[:60] for name in ("time", "position", "input")}
+    short = run.model_copy(update=cut)
+    assert held_before(short) is short
