@@ -245,6 +245,26 @@ def test_a_run_whose_input_no_other_has_is_the_only_witness_of_a_law_there() -> 
     assert not any(is_witness(lay_out(more), run, beside=effects) for run in (1, 4))
 
 
+def test_a_release_that_travels_as_no_other_run_is_such_a_witness() -> None:
+    """Of 1, 2, 2.2 and 4 mm: beside effects, and the farthest and the shortest beside a linear plant."""
+    t = 0.01 * np.arange(400)
+    runs = tuple(
+        stepid.Experiment(
+            name=f"{i}", time=t, position=1e-3 * size * np.cos(5.0 * t), input=np.zeros(t.size), added_mass=0.0,
+            spring="s", damper="d",
+        )
+        for i, size in enumerate((1.0, 2.0, 2.2, 4.0, 3.0))
+    )  # fmt: skip
+    records = lay_out(stepid.Campaign(name="c", experiments=runs[:4]))
+    assert [is_witness(records, run, beside=()) for run in range(4)] == [True, False, False, True]
+    assert [is_witness(records, run, beside=resolve(["sine_stiffness"])) for run in range(4)] == [
+        True, False, False, True,
+    ]  # fmt: skip
+    records = lay_out(stepid.Campaign(name="c", experiments=(runs[0], runs[1], runs[3])))
+    assert [is_witness(records, run, beside=()) for run in range(3)] == [True, False, True]
+    assert all(is_witness(records, run, beside=resolve(["sine_stiffness"])) for run in range(3))
+
+
 def test_errors_of_weights_that_were_found_come_back() -> None:
     runs = tuple(
         records_of(np.zeros(60), np.ones(60), added_mass=mass).runs[0].model_copy(update={"name": f"{mass}"})

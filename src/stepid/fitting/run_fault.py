@@ -267,15 +267,16 @@ def less_than_none(optimum: Optimum, run: int, size: float) -> bool:
 
 
 def is_witness(records: Records, run: int, *, beside: Sequence[Effect]) -> bool:
-    """Tell whether a driven run alone shows what a law does at its input: no other input is near it.
+    """Tell whether a run alone shows what a law does at its input, or a release at its travel: no other is near it.
 
     Beside effects any such run: without it another law is as good. Beside a linear plant that of the largest or
-    smallest input: what is linear below and above is so in between.
+    smallest: what is linear below and above is so in between.
     """
-    if not records.driven[run]:
-        return False
-    sizes = np.maximum.reduceat(np.abs(records.volts - records.before[records.run]), records.first)
-    own, others = sizes[run], np.delete(sizes, run)[np.delete(records.driven, run)]
+    pushed = np.maximum.reduceat(np.abs(records.volts - records.before[records.run]), records.first)
+    traveled = np.array([np.ptp(records.position[piece]) for piece in records.pieces()])
+    driven = bool(records.driven[run])
+    sizes, among = (pushed, records.driven) if driven else (traveled, np.ones_like(records.driven))
+    own, others = sizes[run], sizes[among & (np.arange(sizes.size) != run)]
     if np.any(np.abs(others - own) < _ALIKE * own):
         return False
     return bool(beside or np.all(others > own) or np.all(others < own))
