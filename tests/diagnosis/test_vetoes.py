@@ -26,6 +26,7 @@ from stepid.fitting.fit_effects import fit_effects
 SWING = Swing(
     rates=(10.0, 14.0),
     decays=(2.0, 3.0),
+    masses=(2.0, 1.0),
     displacement=0.02,
     duration=4.0,
     resolution=0.1,
@@ -47,7 +48,11 @@ CASES: dict[str, list[tuple[tuple[float, ...], str]]] = {
         ((100.0, 10.0), ""),
     ],
     "power_damping": [((4.0, 1.1), "the damper"), ((4.0, 0.5), ""), ((4.0, 1.5), "")],
-    "flexible_coupling": [((0.5, 0.5 * 14.5**2, 0.1), OWN), ((0.5, 0.5 * 30.0**2, 0.1), "")],
+    "flexible_coupling": [
+        ((0.005, 0.005 * 14.5**2, 0.1), OWN),  # of 0.005 of the mass the rates are 7 % apart
+        ((0.02, 0.02 * 14.0**2, 0.1), ""),  # and 14 %
+        ((0.005, 0.005 * 30.0**2, 0.1), ""),
+    ],
 }
 
 
@@ -131,6 +136,17 @@ def test_less_than_a_period_is_no_disturbance_however_well_it_fits(monkeypatch: 
         monkeypatch.setattr(vetoes, "_leaves_noise", lambda *_, noise=noise: noise)
         said = [set(imitators(None, Criteria(), at(effects, values)).values()) for values in (slow, own)]  # type: ignore[arg-type]
         assert said == [{"a slow shift of the rest position"}, set() if noise else {OWN}]
+
+
+def test_two_masses_on_springs_have_the_rates_of_their_matrices() -> None:
+    """However near their rates alone are; told apart where they differ by a tenth of the plant's own."""
+    for mass, of, rate, alone in ((1.0, 1.0, 10.0, 10.0), (0.01, 1.0, 10.0, 10.05), (0.3, 2.0, 14.0, 5.0)):
+        springs = np.array([[of * rate**2 + mass * alone**2, -mass * alone**2], [-mass * alone**2, mass * alone**2]])
+        low, high = np.sqrt(np.linalg.eigvals(np.diag([1 / of, 1 / mass]) @ springs).real[[0, 1]])
+        apart = float(abs(high - low) / rate)
+        swing = SWING._replace(rates=(rate,), masses=(of,))
+        for share, told in ((0.999, True), (1.001, False)):
+            assert swing._replace(resolution=share * apart).splits(mass, mass * alone**2) is told
 
 
 def test_a_mode_that_does_not_swing_once_within_the_records_is_none() -> None:

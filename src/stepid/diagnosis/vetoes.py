@@ -21,13 +21,16 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.profile import limited, present
 
+_PerRun = tuple[float, ...]
+
 
 def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
     """How the campaign's runs swing under a fit."""
-    rates, decays, longest = _paces(found.optimum, context)
+    rates, decays, masses, longest = _paces(found.optimum, context)
     return Swing(
         rates=rates,
         decays=decays,
+        masses=masses,
         displacement=context.scales.displacement,
         duration=context.scales.duration,
         resolution=max(criteria.resolution, longest),
@@ -39,15 +42,17 @@ def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
 
 
 @once
-def _paces(optimum: Optimum, context: FitContext) -> tuple[tuple[float, ...], tuple[float, ...], float]:
-    """Rates and decays of the runs, 1/s, and two periods of the slowest over the shortest record."""
+def _paces(optimum: Optimum, context: FitContext) -> tuple[_PerRun, _PerRun, _PerRun, float]:
+    """Rates and decays of the runs, 1/s, their masses, kg, and two periods of the slowest over the shortest record."""
     of, shared = optimum.problem.layout, optimum.shared
-    rates, decays = of.rates(shared), shared[of.damping][context.records.damper] / (2 * of.mass(shared))
+    rates, masses = of.rates(shared), of.mass(shared)
+    decays = shared[of.damping][context.records.damper] / (2 * masses)
     durations = np.array([np.ptp(context.records.time[piece]) for piece in context.records.pieces()])
     able = durations * rates > 2 * math.tau  # a record of less than two periods tells no rate
     able = able if able.any() else np.ones_like(able)
     shortest, slowest = durations[able].min(), rates[able].min(initial=np.inf)
-    return tuple(map(float, rates)), tuple(map(float, decays)), float(2 * math.tau / (shortest * slowest))
+    longest = float(2 * math.tau / (shortest * slowest))
+    return tuple(map(float, rates)), tuple(map(float, decays)), tuple(map(float, masses)), longest
 
 
 def imitators(context: FitContext, criteria: Criteria, found: Candidate) -> dict[str, str]:

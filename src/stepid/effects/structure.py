@@ -84,7 +84,7 @@ class FlexibleCoupling(Effect):
         return tuple(share * v for v in values)
 
     def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
-        return OWN if swing.near(_rate(values)) else ""
+        return "" if swing.splits(values[0], values[1]) else OWN
 
     def unseen(self, values: tuple[float, ...], swing: Swing) -> str:
         return swing.unseen(_rate(values) / math.tau)

@@ -15,6 +15,8 @@ class Swing(NamedTuple):
     ----------
     rates, decays : tuple of float
         rad/s and 1/s, natural frequency of each run, and how fast what swings with it decays.
+    masses : tuple of float
+        kg, of each run.
     displacement : float
         m, largest excursion from rest.
     duration : float
@@ -31,6 +33,7 @@ class Swing(NamedTuple):
 
     rates: tuple[float, ...]
     decays: tuple[float, ...]
+    masses: tuple[float, ...]
     displacement: float
     duration: float
     resolution: float
@@ -42,6 +45,18 @@ class Swing(NamedTuple):
     def near(self, rate: float) -> bool:
         """Tell whether a rate [rad/s] cannot be told from that of a run."""
         return any(abs(rate - own) < self.resolution * own for own in self.rates)
+
+    def splits(self, mass: float, stiffness: float) -> bool:
+        """Tell whether a second mass [kg] on a spring [N/m] gives every run two rates that the records tell apart.
+
+        Alone it may swing at the rate of a run: two equal masses on equal springs have rates of 0.62 and 1.62 of that.
+        """
+        alone, out = stiffness / mass, True
+        for rate, of in zip(self.rates, self.masses, strict=True):
+            both = rate**2 + alone * (1.0 + mass / of)
+            apart = math.sqrt(max(both - 2.0 * rate * math.sqrt(alone), 0.0))  # of the roots of the two squares
+            out = out and apart >= self.resolution * rate
+        return out
 
     def unseen(self, frequency: float) -> str:
         """Say what a frequency [Hz] of too few periods in the longest record cannot be told from, or nothing."""
