@@ -108,3 +108,18 @@ def test_runs_in_which_the_answer_runs_away_are_not_proposed() -> None:
         replace(friction, shared=far), [linear], floor=1e-6, tell=lambda one: "none" if one is linear else "wild"
     )
     assert re.match(r"None of the usual extra runs would tell wild from none", told)
+
+
+def test_a_run_in_which_a_rival_runs_away_does_not_hide_the_others() -> None:
+    """A spring that softens with the cube of the travel has nothing beyond its hilltop, which a release is."""
+    records = lay_out(stepid.Campaign(name="releases", experiments=(released(0.0), released(0.5))))
+    linear, _ = fits(records)
+    problem = build(records, resolve(["cubic_stiffness"]))
+    hilltop = 0.025  # m, beyond the 20 mm of the runs and before the farthest release
+    softer = minimize(problem, np.append(linear.shared, 0.0), start_local(problem, linear))
+    assert softer is not None
+    stiffness = float(softer.shared[softer.problem.layout.stiffness][0])
+    rival = replace(softer, shared=np.append(softer.shared[:-1], -stiffness / hilltop**2))
+    told = next_experiment(linear, [rival], floor=1e-6, tell=lambda one: "none" if one is linear else "cubic")
+    assert re.match(r"To tell none from cubic, record a release ", told)
+    assert "farther" not in told

@@ -94,23 +94,20 @@ def _answered(fitted: Records, chosen: Optimum, proposals: Sequence[Proposal]) -
     return [one for one in read if np.isfinite(one.run.position).all()]
 
 
-def _gaps(fitted: Records, rival: Optimum, answered: Sequence[Proposal]) -> list[float]:
-    """RMS [m] by which each answered run differs from what a rival reads; 0, which tells nothing, where that fails.
+def _gap(fitted: Records, rival: Optimum, answered: Proposal) -> float:
+    """RMS [m] by which an answered run differs from what a rival reads; 0, which tells nothing, where that runs away.
 
-    Where runs begin, their rest positions and phases are free in every run, as they are in fits: what they can do tells
-    no models apart.
+    Where the run begins, its rest position and its phase are free, as they are in fits: what they can do tells no
+    models apart.
     """
-    records = fitted.like([one.run for one in answered])
+    records = fitted.like([answered.run])
     records = replace(records, moving=~records.driven)
     problem = build(records, rival.problem.simulator.effects)
-    local = np.zeros((problem.layout.n_run, len(answered)))
-    local[0] = [one.displacement for one in answered]
+    local = np.zeros((problem.layout.n_run, 1))
+    local[0] = answered.displacement
     alone = replace(problem, free=np.zeros_like(problem.free))
     found = minimize(alone, rival.shared, local, iterations=_STEPS)
-    if found is None:
-        return [0.0] * len(answered)
-    left = records.centered(records.position - found.solved.reading)
-    return [rms(left[piece]) for piece in records.pieces()]
+    return 0.0 if found is None else rms(records.centered(records.position - found.solved.reading))
 
 
 def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tell: Callable[[Optimum], str]) -> str:
@@ -128,7 +125,7 @@ def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tel
     fitted, start = chosen.problem.records, chosen.local[0]
     mass = float(chosen.problem.layout.mass(chosen.shared)[0])
     able = _answered(fitted, chosen, _proposals(fitted, float(start[np.argmax(np.abs(start))]), mass))
-    gaps = np.array([_gaps(fitted, rival, able) for rival in rivals if able])
+    gaps = np.array([[_gap(fitted, rival, one) for one in able] for rival in rivals if able])
     told = [i for i, own in enumerate(gaps) if own.max() >= _SEEN * floor]
     if not told:
         return (
