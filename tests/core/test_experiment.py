@@ -73,6 +73,7 @@ def test_release_means_no_input_at_all():
         ({"time": T[::-1]}, "time does not increase"),
         ({"time": np.zeros(N)}, "time does not increase"),
         ({"time": np.where(T > 0.02, T - 0.02, T)}, "time does not increase: sample 5 is at 0.005 s after 0.02 s"),
+        ({"time": np.round(T, 2)}, r"sample 1 is at 0 s after 0 s; are the times rounded\? Give more digits, or count"),
         ({"time": (np.arange(N) - 4.5) * 3e307}, "time"),
         ({"time": np.where(T > 0.02, 1.5e308, -1.5e308) * (1 + T)}, "time does not increase|not finite"),
         ({"added_mass": -0.5}, "added_mass: .*greater than or equal to 0"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stepid
-from stepid.simulation.clock import clock, clock_note
+from stepid.simulation.clock import clock, clock_notes
 
 STEP = 0.01
 
@@ -28,19 +28,21 @@ GAP = np.delete(EVEN, slice(100, 120))
 def test_even_stamps_are_taken_without_a_word() -> None:
     run = released(EVEN, EVEN)
     assert clock(run) is run.time
-    assert clock_note(run) is None
+    assert clock_notes([run]) == []
 
 
 def test_stamps_that_are_late_give_way_to_an_even_clock() -> None:
     run = released(EVEN, LATE)
     np.testing.assert_allclose(np.diff(clock(run)), STEP, rtol=1e-2)
-    assert "an even clock is taken for them" in str(clock_note(run))
+    (told,) = clock_notes([run])
+    assert "an even clock is taken for them" in told
 
 
 def test_samples_that_are_uneven_keep_their_stamps() -> None:
     run = released(LATE, LATE)
     assert clock(run) is run.time
-    assert "of a sample off an even clock; are taken as they are" in str(clock_note(run))
+    (told,) = clock_notes([run])
+    assert "of a sample off an even clock; they are taken as they are" in told
 
 
 @pytest.mark.parametrize("right", ["stamps", "even"])
@@ -60,3 +62,11 @@ def test_the_fit_takes_uneven_stamps_and_says_so(taken: np.ndarray, stamps: np.n
     found = stepid.fit(stepid.Campaign(name="c", experiments=(released(taken, stamps),)))
     assert found.parameters["stiffness[s]"].value == pytest.approx(14.7**2 + 0.8**2, rel=2e-3)
     assert any("time stamps" in note for note in found.notes)
+
+
+def test_runs_whose_stamps_are_taken_alike_are_told_together() -> None:
+    late, again = released(EVEN, LATE), released(EVEN, LATE).model_copy(update={"name": "again"})
+    uneven, whole = released(GAP, GAP).model_copy(update={"name": "gap"}), released(EVEN, EVEN)
+    first, second = clock_notes([late, uneven, again, whole])
+    assert first.startswith(f"Runs {late.name!r} and 'again': their time stamps are up to ")
+    assert second == "Run 'gap': its time stamps are uneven, at most 0.21 s apart, and are taken as they are."

@@ -35,7 +35,11 @@ def check_samples(time: Array, position: Array, volts: Array, counts_per_meter: 
         raise ValueError("time does not increase")
     if back.size:
         row = int(back[0]) + 1
-        raise ValueError(f"time does not increase: sample {row} is at {time[row]:.10g} s after {time[row - 1]:.10g} s")
+        rounded = "; are the times rounded? Give more digits, or count them from the sampling rate"
+        raise ValueError(
+            f"time does not increase: sample {row} is at {time[row]:.10g} s after {time[row - 1]:.10g} s"
+            f"{rounded if time[row] == time[row - 1] else ''}"
+        )
     if not np.isfinite(float(time[-1]) - float(time[0])):
         raise ValueError(f"time runs from {time[0]:.3g} s to {time[-1]:.3g} s, farther than numbers reach")
 

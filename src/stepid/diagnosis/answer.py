@@ -12,10 +12,10 @@ from stepid.diagnosis.experiment_design import next_experiment
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.locate import locate, phases_of
 from stepid.diagnosis.notes import notes_on
-from stepid.diagnosis.remainder import remainder
+from stepid.diagnosis.remainder import NEITHER, remainder
 from stepid.diagnosis.result import Diagnosis, Gap, Ranked, RunGap
 from stepid.diagnosis.selection.candidate import Candidate
-from stepid.diagnosis.verdict import Answer
+from stepid.diagnosis.verdict import Answer, leads
 from stepid.diagnosis.wording import effect_names
 from stepid.fitting.covariance import effect_parameters, estimates
 from stepid.fitting.fit import unpack
@@ -23,7 +23,7 @@ from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.noise_floor import repeats
 
-_REPEAT = "Repeat one run without changing anything: what differs between the repeats is no property of the plant. "
+_REPEAT = "Repeat {} without changing anything: what differs between the repeats is no property of the plant. "
 _BESIDE_STEPS = "Record a free release and a step the other way."
 _BESIDE_RELEASES = "Record a release from the other side, and one from half as far."
 _WEIGH = "Weigh the added masses, and state their uncertainty (weight_uncertainty): their errors would explain it, too."
@@ -83,7 +83,11 @@ def _rest(evidence: EvidenceRecord, answer: Answer) -> tuple[str, ...]:
     """Say what shape the rest has, where one remains that no wrong input makes."""
     if evidence.input_fault is not None or evidence.at_floor(answer.shown):
         return ()
-    return remainder(evidence.context, answer.shown) if answer.verdict in ("named", "unexplained") else ()
+    if answer.verdict not in ("named", "unexplained"):
+        return ()
+    shapes = remainder(evidence.context, answer.shown)
+    refuted = answer.verdict == "unexplained" and answer.rule == leads.__name__
+    return () if refuted and shapes == NEITHER else shapes  # a law that does better was told already
 
 
 def each_once(*notes: str) -> tuple[str, ...]:
@@ -125,7 +129,8 @@ def _next(evidence: EvidenceRecord, answer: Answer) -> str | None:
     if answer.verdict == "unexplained":
         records = evidence.context.records
         beside = _BESIDE_STEPS if records.driven.any() else _BESIDE_RELEASES
-        return beside if repeats(records) else _REPEAT + beside
+        again = _REPEAT.format("the recording" if records.one_recording else "one run")
+        return beside if repeats(records) else again + beside
     return _WEIGH if answer.verdict == "ambiguous" else None
 
 

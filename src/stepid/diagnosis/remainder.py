@@ -26,6 +26,13 @@ _SINGLED = 2.0  # times its even share of what a shape takes, that makes a run o
 _RUNS = 3  # named at most
 
 
+NEITHER = (
+    "The rest follows neither velocity, position nor time alone. "
+    "Laws of the drive, laws with a memory and shocks leave such a rest.",
+)
+"""What is said of a rest that has none of the shapes."""
+
+
 class Share(NamedTuple):
     """A shape of the rest: the share of its power that the shape takes, less what chance takes, and a word on it."""
 
@@ -53,10 +60,7 @@ def remainder(context: FitContext, candidate: Candidate) -> tuple[str, ...]:
         return ()
     least = max(_TOLD, _BESIDE * shares[0].share)
     told = tuple(_sentence(one) for one in shares if one.share >= least)
-    return told or (
-        "The rest follows neither velocity, position nor time alone. "
-        "Laws of the drive, laws with a memory and shocks leave such a rest.",
-    )
+    return told or NEITHER
 
 
 def rest_shares(context: FitContext, optimum: Optimum) -> tuple[Share, ...]:

@@ -180,7 +180,7 @@ class PreslidingHysteresis(Effect):
     formula = r"-F z/d, \quad \dot z = v\,(1 - \max(0,\, \mathrm{sign}(v)\, z/d))"
     symbols = ("F", "d")
     seen = "stiff at small moves, loops"
-    advice = "let the cart make one full swing before the record; keep it in the model"
+    advice = "keep it in the model; before a record that begins at rest, let the cart make one full swing"
     own_units: ClassVar[tuple[str, ...] | None] = ("m",)
     reverses: ClassVar[bool] = True
     n_memory: ClassVar[int] = 1

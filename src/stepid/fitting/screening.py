@@ -26,7 +26,7 @@ from stepid.fitting.first_step import from_rest
 from stepid.fitting.flat_readings import flat_readings
 from stepid.fitting.reading_faults import mend
 from stepid.fitting.record_fault import RecordFault
-from stepid.simulation.clock import clock_note
+from stepid.simulation.clock import clock_notes
 from stepid.simulation.starts import starts_in_motion
 
 _PARTS = 32  # of a record, whose means show whether it moves behind its noise
@@ -77,8 +77,7 @@ def screen(campaign: Campaign) -> Screened:
         )
     in_motion = _on_starts(kept)
     kept, let_go = _let_go(kept)
-    clocks = [note for run in kept if (note := clock_note(run)) is not None]
-    notes += [*in_motion, *let_go, *_on_light_weights(campaign), *clocks]
+    notes += [*in_motion, *let_go, *_on_light_weights(campaign), *clock_notes(kept)]
     if not notes:
         return Screened(campaign, ())
     wrong = {run.name: mended[run.name].wrong[-run.position.size :] for run in kept if mended[run.name].faults}

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.once import once
 from stepid.core.samples import CLOSE, divided_differences, even_clock, is_even, off_even_clock
+from stepid.core.words import listed
 
 _BETTER = 0.9  # times the spread on the even clock, above which the stamps' own times are no better
 _ORDER = 8  # of the differences that are compared
 _FAST = 0.5  # of the highest speed, above which differences are compared: where the cart rests, any clock will do
+_UNEVEN = "are taken as they are"
+_SMOOTHER = "they are taken as they are, with which the motion is smoother"
+_EVEN = "an even clock is taken for them, with which the motion is as smooth or smoother"
 _HIGHEST = 0.98  # quantile of the speed that is the highest but for outliers
 
 
@@ -41,17 +47,26 @@ def clock(experiment: Experiment) -> Array:
     return own if rough[0] < _BETTER * rough[1] else even
 
 
-def clock_note(experiment: Experiment) -> str | None:
-    """Say how the time stamps of a record are taken, None where they are even."""
-    if is_even(experiment.time):
-        return None
-    used, worst = clock(experiment), float(off_even_clock(experiment.time).max())
-    who = f"Run {experiment.name!r}: its time stamps"
-    if worst > CLOSE:
-        longest, usual = float(np.diff(experiment.time).max()), experiment.sample_time
-        return f"{who} are uneven ({usual:.4g} s apart, at most {longest:.4g} s) and are taken as they are."
-    if used is experiment.time:
-        how = "are taken as they are, with which the motion is smoother"
-    else:
-        how = "an even clock is taken for them, with which the motion is as smooth or smoother"
-    return f"{who} are up to {worst:.2g} of a sample off an even clock; {how}."
+def clock_notes(runs: Iterable[Experiment]) -> list[str]:
+    """Say how the time stamps of records are taken where they are not even; runs of which that is the same together."""
+    taken: dict[str, list[Experiment]] = {}
+    for run in runs:
+        if not is_even(run.time):
+            taken.setdefault(_way(run), []).append(run)
+    return [_note(some, way) for way, some in taken.items()]
+
+
+def _way(run: Experiment) -> str:
+    if off_even_clock(run.time).max() > CLOSE:
+        return _UNEVEN
+    return _SMOOTHER if clock(run) is run.time else _EVEN
+
+
+def _note(runs: list[Experiment], way: str) -> str:
+    names = listed([repr(run.name) for run in runs], "and")
+    who = f"Run{'s' * (len(runs) > 1)} {names}: {'their' if len(runs) > 1 else 'its'} time stamps are"
+    if way == _UNEVEN:
+        longest = max(float(np.diff(run.time).max()) for run in runs)
+        return f"{who} uneven, at most {longest:.4g} s apart, and {way}."
+    worst = max(float(off_even_clock(run.time).max()) for run in runs)
+    return f"{who} up to {worst:.2g} of a sample off an even clock; {way}."
