@@ -40,8 +40,9 @@ class Criteria(Model):
         deviations, squared, and one for the choice. A difference below `tie` is enough where the linear plant leaves
         less than twice the floor.
     open : float
-        Standard uncertainty over value above which a parameter is not determined: at ½, zero is within two of them. A
-        strength is determined, too, where its 95 % limit toward none is within two such shares of it.
+        Standard uncertainty over value, from where its range begins, above which a parameter is not determined: at ½,
+        zero is within two of them. A strength is determined, too, where its 95 % limit toward none is within two such
+        shares of it.
     lead : float
         Share of the misfit's repeatable power that an effect must take on runs left out to be named where a rest
         remains: the rest is then two fifths of the misfit, or less, in amplitude. A second effect must halve what may
