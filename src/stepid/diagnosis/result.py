@@ -14,6 +14,7 @@ from stepid.core.frames import make_frame, parameter_frame, rows_of
 from stepid.core.latex import parameter_table
 from stepid.core.quantities import InputUnit, Motion
 from stepid.core.words import length
+from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.differences import Scatter
 from stepid.diagnosis.text import as_html, as_text, one_line
 from stepid.diagnosis.written import Written
@@ -145,7 +146,8 @@ class Ranked(Model):
     explained : float
         Share of the linear model's misfit that it takes, in power.
     probability : float
-        Its weight among the candidates.
+        Its weight among the candidates: a probability where one of them is all that is missing, see
+        `Diagnosis.reaches_noise`.
     """
 
     effects: tuple[str, ...]
@@ -237,6 +239,12 @@ class Diagnosis(Written):
     data: Campaign | None = None
     motion: Motion = "translation"
     input_unit: InputUnit = "V"
+
+    @property
+    def reaches_noise(self) -> bool:
+        """Whether a candidate leaves little more than noise: else the weights of `ranking` are no probabilities."""
+        least = min((one.rms for one in self.ranking), default=0.0)
+        return least <= Criteria().near * self.gap.noise or self.gap.noise == 0
 
     def to_dataframe(self) -> DataFrame:
         """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""

@@ -126,8 +126,11 @@ def shown_candidates(d: Diagnosis) -> list[Ranked]:
 
 
 def ranking_rows(d: Diagnosis) -> list[tuple[str, ...]]:
-    """Of each candidate shown: what it explains of the linear model's misfit, what it leaves, its probability."""
-    return [
+    """Of each candidate shown: what it explains of the linear model's misfit, what it leaves, and its probability.
+
+    That only where one leaves little more than noise: a weight among candidates that all miss something is none.
+    """
+    rows = [
         (
             candidate_name(one.effects, one.deviations),
             per_cent(one.explained),
@@ -136,9 +139,15 @@ def ranking_rows(d: Diagnosis) -> list[tuple[str, ...]]:
         )
         for one in shown_candidates(d)
     ]
+    return [row[: len(ranking_header(d))] for row in rows]
 
 
-RANKING_HEADER = ("candidate", "explained", "RMS [µm]", "probability")
+def ranking_header(d: Diagnosis) -> tuple[str, ...]:
+    """Header of that table."""
+    header = ("candidate", "explained", "RMS [µm]", "probability")
+    return header if d.reaches_noise else header[:-1]
+
+
 PHASE_HEADER = ("phase", "RMS [µm]")
 
 
@@ -168,7 +177,7 @@ def _answers(d: Diagnosis, table: _Table) -> tuple[tuple[Sequence[str], Sequence
     return (
         ((floor,), ()),
         (d.where.sentences, (table(PHASE_HEADER, phase_rows(d)),)),
-        ((), (table(RANKING_HEADER, ranking_rows(d)),) if d.ranking else ()),
+        ((), (table(ranking_header(d), ranking_rows(d)),) if d.ranking else ()),
         ((*d.reasons, *standing(d)), (table(GAP_HEADER, gap_rows(d)), table(parameter_header(d), parameter_rows(d)))),
         ((*next_steps(d), *(f"Note: {note}" for note in d.notes)), ()),
     )

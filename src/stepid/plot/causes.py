@@ -147,7 +147,7 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
         for place, (one, left, named) in zip(places.tolist(), shown, strict=True):
             color, marker = (AFTER, "o") if named else (BEFORE, "D")
             axes.plot([left], [place], marker, color=color, markersize=5, zorder=3)
-            said = f"{digits(left)}{_explains(one)}"
+            said = f"{digits(left)}{_explains(one, d.reaches_noise)}"
             axes.annotate(said, (left, place), xytext=(5, 0), textcoords="offset points", va="center", fontsize=7)
             # above its dot: beside it, long names would leave no room in a column
             axes.text(
@@ -171,16 +171,16 @@ def candidates(d: Diagnosis, *, axes: Axes) -> Axes:
         axes.set_yticks(places.tolist(), [""] * len(shown))
         axes.tick_params(axis="y", length=0)
         axes.set_ylim(max(float(heights.sum()), 1.0) - 0.7, -0.85)
-        axes.set_xlabel("RMS left [µm] (dashed: noise; %: explained, probable)")
+        axes.set_xlabel(f"RMS left [µm] (dashed: noise; %: explained{', probable' if d.reaches_noise else ''})")
         axes.set_title("candidates")
     return axes
 
 
-def _explains(one: Ranked) -> str:
-    """What a candidate explains of the misfit, and how probable it is, in brackets; nothing for the linear model."""
+def _explains(one: Ranked, probable: bool) -> str:
+    """What a candidate explains of the misfit, and how `probable` it is, in brackets; nothing for the linear model."""
     if not (one.effects or one.deviations):
         return ""
-    return f"  ({per_cent(one.explained)}, {chance(one.probability)})"
+    return f"  ({per_cent(one.explained)}{', ' + chance(one.probability) if probable else ''})"
 
 
 def _height(one: Ranked) -> float:

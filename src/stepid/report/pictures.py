@@ -247,7 +247,7 @@ def _candidates(d: Diagnosis) -> go.Figure:
         figure.add_scatter(
             y=[name for name, _ in part],
             x=[each.left for _, each in part],
-            customdata=[_worth(each.one) for _, each in part],
+            customdata=[_worth(each.one, d.reaches_noise) for _, each in part],
             **style,
         )
     noise_upright(figure, noise)
@@ -258,9 +258,10 @@ def _candidates(d: Diagnosis) -> go.Figure:
     return figure
 
 
-def _worth(one: Ranked) -> str:
+def _worth(one: Ranked, probable: bool) -> str:
     """What is said of a candidate that is pointed at."""
-    return f"explains {escape(per_cent(one.explained))} of the misfit<br>probability {escape(chance(one.probability))}"
+    said = f"explains {escape(per_cent(one.explained))} of the misfit"
+    return f"{said}<br>probability {escape(chance(one.probability))}" if probable else said
 
 
 def _broken(name: str) -> str:

@@ -11,11 +11,11 @@ from stepid.diagnosis.headline import answer, found_sizes
 from stepid.diagnosis.result import Diagnosis
 from stepid.diagnosis.text import (
     GAP_HEADER,
-    RANKING_HEADER,
     gap_rows,
     next_steps,
     parameter_header,
     parameter_rows,
+    ranking_header,
     ranking_rows,
     standing,
 )
@@ -148,7 +148,7 @@ def _sentence(words: str) -> str:
 
 
 def _missing(d: Diagnosis) -> Chapter:
-    ranking = Table(caption="Candidates, best first", header=RANKING_HEADER, rows=tuple(ranking_rows(d)))
+    ranking = Table(caption="Candidates, best first", header=ranking_header(d), rows=tuple(ranking_rows(d)))
     said = answer(d)
     sizes = (f"{effect}: {name} {size}." for effect, name, size in found_sizes(d) if size not in said)
     return Chapter(
