@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from broken_campaigns import campaign
-from made_up_evidence import FLOOR, RUNS, SAMPLES, Told, candidate, context, evidence, losing, white
+from made_up_evidence import FLOOR, RUNS, SAMPLES, Kept, Told, candidate, context, evidence, losing, white
 from stepid.core.estimate import Estimate
 from stepid.diagnosis import gather, refutation, vetoes
 from stepid.diagnosis.criteria import Criteria
@@ -116,7 +116,7 @@ def imitates(name: str, *values: float) -> Callable[[Criteria], bool]:
     def decide(criteria: Criteria) -> bool:
         linear, effects = small().linear, resolve([name])
         layout = replace(linear.problem.layout, effects=effects)
-        optimum: Any = SimpleNamespace(
+        optimum: Any = Kept(
             problem=SimpleNamespace(layout=layout, records=None),
             shared=np.concatenate([linear.shared, values]),
             cost=2.0 * small().noise_limit,

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 import re
 
-import matplotlib as mpl
 import pytest
-from matplotlib import pyplot as plt
 
 import diagnosis_example as example
 import stepid
@@ -15,10 +13,9 @@ from diagnosis_example import changed
 from stepid.core.estimate import Estimate
 from stepid.core.words import digits, length
 from stepid.diagnosis.result import Diagnosis, Gap, Where
-from stepid.diagnosis.text import QUESTIONS, next_steps, ranking_header, ranking_rows, standing
+from stepid.diagnosis.text import QUESTIONS, next_steps, standing
 from stepid.diagnosis.wording import candidate_name, chance, effect_names, parameter_words, per_cent, promised
 from stepid.identification.parameters import IdentifiedParameters, ParameterUncertainty
-from stepid.plot import candidates
 from stepid.report import diagnosis_report, hand_method_table
 
 
@@ -287,21 +284,3 @@ def test_it_says_when_the_weights_rule_the_uncertainties() -> None:
     assert "taken as known" not in sure.summary()
     parts = {name: e.model_copy(update={"parts": {"noise": e.uncertainty or 0.0}}) for name, e in d.parameters.items()}
     assert "taken as known" not in d.model_copy(update={"parameters": parts}).summary()
-
-
-@pytest.mark.parametrize(("times", "told"), [(1.14, True), (1.16, False)])
-def test_a_weight_is_a_probability_where_a_candidate_leaves_little_more_than_noise(times: float, told: bool) -> None:
-    """One of several that all miss something is not the missing law, whatever it weighs."""
-    d = example.named()
-    far = tuple(one.model_copy(update={"rms": times * d.gap.noise}) for one in d.ranking)
-    made = changed(d, ranking=far)
-    assert made.reaches_noise is told
-    assert ("probability" in ranking_header(made)) is told
-    assert {len(row) for row in ranking_rows(made)} == {len(ranking_header(made))}
-    table = made.summary().split("3. Which")[1].split("4. Is one")[0]
-    assert ("probability" in table) is told
-    mpl.use("Agg")
-    axes = plt.figure().subplots()
-    candidates(made, axes=axes)
-    assert ("probable" in axes.get_xlabel()) is told
-    plt.close("all")
