@@ -72,21 +72,27 @@ def outweighs(cost: float, plain: Optimum, found: Found, criteria: Criteria) -> 
 
 
 def fault_beside(found: Found, criteria: Criteria) -> RecordFault | None:
-    """One fault of one run, beside fewer of the likeliest answer's effects or conditions: those can take its part."""
+    """One fault of one run, beside fewer of the likeliest answer's effects or conditions: those can take its part.
+
+    Of several sets the one of most evidence with its fault: beside more effects another fault may do, too.
+    """
+    best, told = found.likeliest.optimum, dict[float, RecordFault]()
     for names in _fewer(found.likeliest):
         plain = _alike(found, names)
         one = None if plain is None else accuse(plain, found.context.floor, sure=criteria.size)
         if plain and one and outweighs(one.cost, plain, found, criteria):
-            return one.fault
-    return None
+            told[less_likely_by(found.context, plain, best, cost=one.cost, more=1)] = one.fault
+    return told[min(told)] if told else None
 
 
 def _fewer(best: Candidate) -> list[tuple[str, ...]]:
-    """Sets of effects to hold a fault against: those of an answer, where its conditions differ, and fewer of them."""
+    """Sets of effects to hold a fault against: those of an answer, where its conditions differ, and fewer of them.
+
+    Or simpler laws inside one of them: a general law can take a fault's part.
+    """
     names, whole = best.names, [best.names] if best.deviations and best.effects else []
-    if len(names) == 1:  # a general law can take a fault's part
-        return whole + [(name,) for name in best.effects[0].contains if whole]
-    return whole + [some for n in range(len(names) - 1, 0, -1) for some in combinations(names, n)]
+    inside = [(name,) for effect in best.effects for name in effect.contains if whole or len(names) > 1]
+    return whole + [some for n in range(len(names) - 1, 0, -1) for some in combinations(names, n)] + inside
 
 
 def _alike(found: Found, names: tuple[str, ...]) -> Optimum | None:
