@@ -19,8 +19,9 @@ from stepid.effects import CATALOGUE, resolve
 from stepid.effects.drive import acts_on_input
 from stepid.fitting.fit import prepare
 from stepid.fitting.fit_effects import fit_effects
-from stepid.fitting.levenberg_marquardt import minimize
+from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.record_fault import RecordFault
+from stepid.fitting.run_fault import Accusation
 
 OF_THE_DRIVE = {"actuator_lag", "input_delay", "actuator_dead_zone", "actuator_saturation", "actuator_rate_limit"}
 
@@ -86,6 +87,32 @@ def test_a_fault_is_held_against_fewer_effects_and_conditions() -> None:
     assert fewer(both) == [("cogging",), ("end_stop",)]
     assert fewer(both, "gain")[0] == ("cogging", "end_stop")
     assert len(fewer([*both, "free_play"])) == 6
+    assert fewer(["cogging", "stribeck_friction"])[-1] == ("coulomb_friction",)  # the simpler law inside one of them
+
+
+@pytest.mark.parametrize(
+    ("costs", "told"), [((3.0, 1.0), "end_stop"), ((1.0, 3.0), "cogging"), ((3.0, None), "cogging")]
+)
+def test_of_a_fault_beside_several_sets_that_of_most_evidence_is_told(
+    monkeypatch: pytest.MonkeyPatch, costs: tuple[float | None, ...], told: str
+) -> None:
+    """Not that of the first set beside which there is one."""
+    both, *single = (candidate(names, times=9.0) for names in (["cogging", "end_stop"], ["cogging"], ["end_stop"]))
+    left = dict(zip((id(one.optimum) for one in single), costs, strict=True))
+    names = {id(one.optimum): one.names[0] for one in single}
+
+    def accuse(plain: Optimum, *_: object, **__: object) -> Accusation | None:
+        cost = left[id(plain)]
+        fault = RecordFault(run=names[id(plain)], kind="gain", size=0.5, unit="", words="half")
+        return None if cost is None else Accusation(fault, cost * both.optimum.cost / 100)
+
+    monkeypatch.setattr(explore, "accuse", accuse)
+    monkeypatch.setattr(explore, "_alike", lambda found, some: next(c.optimum for c in single if c.names == some))
+    monkeypatch.setattr(explore, "outweighs", lambda *_: True)
+    monkeypatch.setattr(explore.Found, "likeliest", both)
+    found = explore.fault_beside(explore.Found(context(), (both, *single)), Criteria())
+    assert found is not None
+    assert found.run == told
 
 
 def test_another_look_at_the_readings_that_leaves_the_effects_is_the_last() -> None:
