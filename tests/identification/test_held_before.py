@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stepid
-from stepid.core.held_before import held_before, held_notes
+from stepid.core.held_before import all_held_before, held_before
 
 TIME = 0.005 * np.arange(900)
 STIFFNESS, DAMPING, GAIN, VOLTS = 250.0, 4.0, 5.0, 0.6
@@ -76,7 +76,7 @@ def test_what_a_record_says_stays() -> None:
     assert held_before(told) is told
     assert held_before(moving) is moving
     assert held_before(run).input_before == VOLTS
-    assert held_notes([run, told]) == [
+    assert all_held_before([run, told])[1] == [
         "Run '0 kg' begins at rest under 0.6 V: its input had that level before the record."
     ]
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 
 from stepid.core.experiment import Experiment
 from stepid.core.hand import period_of
-from stepid.core.noise import record_noise
+from stepid.core.noise import span_at_rest
 
-_NOISES = 8.0  # standard deviations of the noise, and
-_COUNTS = 3.0  # counts, that a cart at rest may span
 _AWAY, _RESTS = 0.4, 0.1  # of the travel, from which on the cart is elsewhere; that it spans where it comes to rest
 _FEWEST = 4  # samples at the end
 
@@ -36,12 +34,13 @@ def held_before(run: Experiment) -> Experiment:
     return run if before == run.input_before else run.model_copy(update={"input_before": before})
 
 
-def held_notes(runs: Iterable[Experiment]) -> list[str]:
-    """Say of which runs that is another than they say."""
-    changed = [held for run in runs if (held := held_before(run)) is not run]
-    return [
+def all_held_before(runs: Sequence[Experiment]) -> tuple[list[Experiment], list[str]]:
+    """Return runs as `held_before` does, and say of which that is another input than they say."""
+    held = [held_before(run) for run in runs]
+    return held, [
         f"Run {run.name!r} begins at rest under {run.input_before:g} V: its input had that level before the record."
-        for run in changed
+        for run, told in zip(held, runs, strict=True)
+        if run is not told
     ]
 
 
@@ -51,7 +50,7 @@ def _input_before(run: Experiment) -> float:
     if first == run.input_before or run.starts == "motion" or not changes.size or run.input[-1] != run.input_before:
         return run.input_before
     lead, last, travel = y[: changes[0]], y[changes[-1] :], float(np.ptp(y))
-    quiet = max(_COUNTS * (run.resolution or 0.0), _NOISES * record_noise(run))
+    quiet = span_at_rest(run)
     if travel <= 2 * quiet or float(np.ptp(lead)) > quiet:
         return run.input_before
     period = round(period_of(y))

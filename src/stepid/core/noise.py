@@ -21,6 +21,7 @@ _LEAST = 4  # patterns of a window, the quietest, that no swing fills
 _LAPS = 3  # of the swing without noise and of what its squares and cubes explain
 _BLOCK = 4 * _WINDOW  # samples in a row that are kept for the test
 _ENOUGH = 6  # windows for each number that is fitted to them
+_COUNTS, _DEVIATIONS = 3.0, 8.0  # counts, and standard deviations of the noise, that a cart at rest may span
 _SAME = 1e-9  # of the farthest reading, below which two differ by the arithmetic only
 _ORDER = 6  # a settled ring-down of 11 samples a half period leaves 5e-4 of its swing in sixth differences
 
@@ -63,6 +64,11 @@ def noise_level(position: Array, *, resolution: float | None = None) -> float:
 def record_noise(experiment: Experiment) -> float:
     """`noise_level` of all readings of a record, m."""
     return noise_level(experiment.position, resolution=experiment.resolution)
+
+
+def span_at_rest(experiment: Experiment) -> float:
+    """Largest travel that noise and rounding make of a cart at rest, m."""
+    return max(_COUNTS * (experiment.resolution or 0.0), _DEVIATIONS * record_noise(experiment))
 
 
 def clipped_spread(values: Array) -> float:

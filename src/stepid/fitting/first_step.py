@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.experiment import Experiment
-from stepid.core.noise import record_noise
+from stepid.core.noise import span_at_rest
 from stepid.core.words import length
 from stepid.simulation.starts import starts_in_motion
 
@@ -61,7 +61,7 @@ def from_rest(runs: list[Experiment]) -> tuple[list[Experiment], list[str]]:
     notes : list of str
         What is left out.
     """
-    seen = [_Seen(run, quiet := _quiet(run), _answers(run, quiet)) for run in runs]
+    seen = [_Seen(run, quiet := span_at_rest(run), _answers(run, quiet)) for run in runs]
     # a cart that moves already answers at once, whatever its drive does
     lags = sorted(a.lag for one in seen for a in one.answers if a.lag is not None and a.rests)
     if not lags:
@@ -112,11 +112,6 @@ def _begun_after(one: _Seen, stretch: _Stretch) -> tuple[Experiment | None, str]
     if good is None or run.position.size - begin < _LEAST:
         return None, f"Run {run.name!r} is left out: no step from rest follows the stretch {what}."
     return _cut(run, begin, good.before), f"Run {run.name!r}: the first {begin} samples, {what}, are left out."
-
-
-def _quiet(run: Experiment) -> float:
-    """Largest travel that noise and rounding make of a cart at rest, m."""
-    return max(3.0 * (run.resolution or 0.0), 8.0 * record_noise(run))
 
 
 def _answers(run: Experiment, quiet: float) -> list[_Answer]:

@@ -13,7 +13,7 @@ from stepid.core.base import Array
 from stepid.core.copies import copies
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.hand import hand
-from stepid.core.held_before import held_before, held_notes
+from stepid.core.held_before import all_held_before
 from stepid.core.mass_offset import WEIGHT, known_in_words, weight_spread
 from stepid.core.noise import record_noise
 from stepid.core.outliers import Mask
@@ -67,7 +67,7 @@ def screen(campaign: Campaign) -> Screened:
         campaign = campaign.model_copy(update={"experiments": tuple(found.run for found in mended.values())})
     _check_meters(campaign.experiments)
     kept, notes = list(campaign.experiments), [*splits, *(fault.words for fault in faults)]
-    for stage in (_moving, _without_copies, _held_before, from_rest):
+    for stage in (_moving, _without_copies, all_held_before, from_rest):
         kept, said = stage(kept)
         notes += said
     if not kept:
@@ -103,11 +103,6 @@ def _without_copies(runs: list[Experiment]) -> tuple[list[Experiment], list[str]
     """Leave out runs that hold the record of another, and say which."""
     same = copies(runs)
     return [run for run in runs if run.name not in same], list(dict.fromkeys(same.values()))
-
-
-def _held_before(runs: list[Experiment]) -> tuple[list[Experiment], list[str]]:
-    """Let runs that rest under their first input have rested under it before, and say which."""
-    return [held_before(run) for run in runs], held_notes(runs)
 
 
 def _on_starts(runs: Iterable[Experiment]) -> list[str]:

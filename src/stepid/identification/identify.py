@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from stepid.core.arguments import as_campaign
 from stepid.core.copies import copies
 from stepid.core.experiment import Campaign, Experiment, MassOffset
-from stepid.core.held_before import held_before, held_notes
+from stepid.core.held_before import all_held_before
 from stepid.core.quantities import in_own_quantities
 from stepid.core.recorded import recorded
 from stepid.core.samples import CLOSE, off_even_clock
@@ -74,9 +74,9 @@ def identify_with_system(
 ) -> tuple[StackedSystem, IdentifiedParameters]:
     """Identify as `identify` does, and return the stacked system that was solved, too."""
     campaign = as_campaign(campaign)
-    held = held_notes(campaign.experiments)
+    runs, held = all_held_before(campaign.experiments)
     if held:
-        campaign = campaign.model_copy(update={"experiments": tuple(map(held_before, campaign.experiments))})
+        campaign = campaign.model_copy(update={"experiments": tuple(runs)})
     used, excluded = characterize_campaign(campaign, peak=peak)
     while True:
         kept = [run for run in campaign.experiments if run.name in used]

@@ -6,14 +6,12 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
-from stepid.core.noise import record_noise, rms
+from stepid.core.noise import rms, span_at_rest
 from stepid.core.once import once
 from stepid.core.samples import course
 
 _LEAD = 5  # samples before the first change of the input that tell rest from motion
 _EARLY = 3  # samples, by which the plant may move before the recorded input does: a trigger comes so early
-_SEEN = 3.0  # counts, and
-_NOISES = 8.0  # standard deviations of the noise, that a cart at rest may span
 _SHARE = 0.1  # of the travel, less before the first change is drift, or a plant that something shakes
 _FREE = 0.06  # of half the travel: a swing of its own so large at the first sample is motion
 _STEPPED = 0.7  # the same where the input is a step at the first samples, as records from rest have it
@@ -49,7 +47,7 @@ def starts_in_motion(experiment: Experiment) -> bool:
     travel = float(np.ptp(experiment.position))
     if experiment.is_release or travel <= 0:
         return travel > 0
-    quiet = max(_SEEN * (experiment.resolution or 0.0), _NOISES * record_noise(experiment))
+    quiet = span_at_rest(experiment)
     changes = np.flatnonzero(np.diff(experiment.input, prepend=experiment.input_before))
     lead = int(changes[0]) if changes.size else experiment.input.size
     seen = max(lead + 1 - _EARLY, _LEAD)
