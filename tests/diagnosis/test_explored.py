@@ -108,7 +108,6 @@ def test_of_a_fault_beside_several_sets_that_of_most_evidence_is_told(
 
     monkeypatch.setattr(explore, "accuse", accuse)
     monkeypatch.setattr(explore, "_alike", lambda found, some: next(c.optimum for c in single if c.names == some))
-    monkeypatch.setattr(explore, "outweighs", lambda *_: True)
     monkeypatch.setattr(explore.Found, "likeliest", both)
     found = explore.fault_beside(explore.Found(context(), (both, *single)), Criteria())
     assert found is not None

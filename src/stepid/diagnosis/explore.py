@@ -66,9 +66,14 @@ def outweighs(cost: float, plain: Optimum, found: Found, criteria: Criteria) -> 
     One effect in the whole plant is the likelier of two as good answers; several that are needed for one fault are not,
     nor are conditions that differ in all runs.
     """
+    return _ahead(cost, plain, found, criteria) > 0
+
+
+def _ahead(cost: float, plain: Optimum, found: Found, criteria: Criteria) -> float:
+    """QBIC by which it is, beyond what it must be."""
     best = found.likeliest
     one = len(best.effects) == 1 and not best.deviations
-    return less_likely_by(found.context, plain, best.optimum, cost=cost, more=1) < -(criteria.tie if one else 0.0)
+    return -less_likely_by(found.context, plain, best.optimum, cost=cost, more=1) - (criteria.tie if one else 0.0)
 
 
 def fault_beside(found: Found, criteria: Criteria) -> RecordFault | None:
@@ -76,13 +81,13 @@ def fault_beside(found: Found, criteria: Criteria) -> RecordFault | None:
 
     Of several sets the one of most evidence with its fault: beside more effects another fault may do, too.
     """
-    best, told = found.likeliest.optimum, dict[float, RecordFault]()
+    told: list[tuple[float, RecordFault]] = []
     for names in _fewer(found.likeliest):
         plain = _alike(found, names)
         one = None if plain is None else accuse(plain, found.context.floor, sure=criteria.size)
-        if plain and one and outweighs(one.cost, plain, found, criteria):
-            told[less_likely_by(found.context, plain, best, cost=one.cost, more=1)] = one.fault
-    return told[min(told)] if told else None
+        if plain and one and (ahead := _ahead(one.cost, plain, found, criteria)) > 0:
+            told.append((ahead, one.fault))
+    return max(told, key=lambda one: one[0])[1] if told else None
 
 
 def _fewer(best: Candidate) -> list[tuple[str, ...]]:

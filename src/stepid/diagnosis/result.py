@@ -14,8 +14,8 @@ from stepid.core.frames import make_frame, parameter_frame, rows_of
 from stepid.core.latex import parameter_table
 from stepid.core.quantities import InputUnit, Motion
 from stepid.core.words import length
-from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.differences import Scatter
+from stepid.diagnosis.headline import leaves_noise
 from stepid.diagnosis.text import as_html, as_text, one_line
 from stepid.diagnosis.written import Written
 from stepid.fitting.record_fault import RecordFault
@@ -243,8 +243,7 @@ class Diagnosis(Written):
     @property
     def reaches_noise(self) -> bool:
         """Whether a candidate leaves little more than noise: else the weights of `ranking` are no probabilities."""
-        least = min((one.rms for one in self.ranking), default=0.0)
-        return least <= Criteria().near * self.gap.noise or self.gap.noise == 0
+        return not (self.ranking and self.gap.noise) or any(leaves_noise(self, one) for one in self.ranking)
 
     def to_dataframe(self) -> DataFrame:
         """Return the parameters as a pandas DataFrame: index `parameter`, columns `value`, `uncertainty`, `unit`."""
