@@ -51,12 +51,12 @@ class Swing(NamedTuple):
 
         Alone it may swing at the rate of a run: two equal masses on equal springs have rates of 0.62 and 1.62 of that.
         """
-        alone, out = stiffness / mass, True
-        for rate, of in zip(self.rates, self.masses, strict=True):
-            both = rate**2 + alone * (1.0 + mass / of)
-            apart = math.sqrt(max(both - 2.0 * rate * math.sqrt(alone), 0.0))  # of the roots of the two squares
-            out = out and apart >= self.resolution * rate
-        return out
+        alone = math.sqrt(stiffness / mass)
+
+        def apart(rate: float, of: float) -> float:  # by the trace and the determinant of both masses' matrix
+            return math.sqrt(max(rate**2 + alone**2 * (1.0 + mass / of) - 2.0 * rate * alone, 0.0))
+
+        return all(apart(*own) >= self.resolution * own[0] for own in zip(self.rates, self.masses, strict=True))
 
     def unseen(self, frequency: float) -> str:
         """Say what a frequency [Hz] of too few periods in the longest record cannot be told from, or nothing."""

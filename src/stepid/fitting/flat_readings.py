@@ -40,9 +40,9 @@ def flat_readings(runs: Sequence[Experiment]) -> dict[str, Mended]:
     """
     noise = min((float(np.std(y)) for y in _rests(runs)), default=0.0)
     found: dict[str, Mended] = {}
-    for run in runs:
+    for run in runs if noise > 0 else ():
         step = reading_step(run)
-        if step > noise or noise == 0:
+        if step > noise:
             continue
         repeats = math.erf(step / (2 * math.sqrt(2) * noise))
         most = math.log(_NEVER / run.position.size) / math.log(repeats) if repeats > 0 else 0.0

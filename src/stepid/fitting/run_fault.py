@@ -272,11 +272,13 @@ def is_witness(records: Records, run: int, *, beside: Sequence[Effect]) -> bool:
     Beside effects any such run: without it another law is as good. Beside a linear plant that of the largest or
     smallest: what is linear below and above is so in between.
     """
-    pushed = np.maximum.reduceat(np.abs(records.volts - records.before[records.run]), records.first)
-    traveled = np.array([np.ptp(records.position[piece]) for piece in records.pieces()])
-    driven = bool(records.driven[run])
-    sizes, among = (pushed, records.driven) if driven else (traveled, np.ones_like(records.driven))
-    own, others = sizes[run], sizes[among & (np.arange(sizes.size) != run)]
+    others = np.arange(len(records.runs)) != run
+    if records.driven[run]:
+        sizes = np.maximum.reduceat(np.abs(records.volts - records.before[records.run]), records.first)
+        others &= records.driven
+    else:
+        sizes = np.array([np.ptp(records.position[piece]) for piece in records.pieces()])
+    own, others = sizes[run], sizes[others]
     if np.any(np.abs(others - own) < _ALIKE * own):
         return False
     return bool(beside or np.all(others > own) or np.all(others < own))

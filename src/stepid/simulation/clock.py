@@ -15,10 +15,10 @@ from stepid.core.words import listed
 _BETTER = 0.9  # times the spread on the even clock, above which the stamps' own times are no better
 _ORDER = 8  # of the differences that are compared
 _FAST = 0.5  # of the highest speed, above which differences are compared: where the cart rests, any clock will do
+_HIGHEST = 0.98  # quantile of the speed that is the highest but for outliers
 _UNEVEN = "are taken as they are"
 _SMOOTHER = "they are taken as they are, with which the motion is smoother"
 _EVEN = "an even clock is taken for them, with which the motion is as smooth or smoother"
-_HIGHEST = 0.98  # quantile of the speed that is the highest but for outliers
 
 
 @once
