@@ -190,6 +190,7 @@ class Told:
     open_beside: tuple[str, ...] = ()
     beside_lead: tuple[Candidate, ...] = ()
     outdone_by: bool = False
+    elsewhere: Candidate | None = None
     sure_part: Candidate | None = None
     share_taken: tuple[float, float] = (0.95, 0.9)
     held: float = 1.0
@@ -231,6 +232,9 @@ class Told:
 
     def outdone(self, lead: Candidate) -> bool:
         return self.outdone_by
+
+    def rival_elsewhere(self, lead: Candidate) -> Candidate | None:
+        return self.elsewhere
 
     def beside(self, lead: Candidate) -> tuple[Candidate, ...]:
         return self.beside_lead

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, evidence
-from stepid.diagnosis import free_law, gather, lead, left_out, vetoes
+from stepid.diagnosis import free_law, gather, lead, left_out, states, vetoes
 from stepid.diagnosis.free_law import FreeLaw
 from stepid.diagnosis.selection.candidate import Candidate, includes
 from stepid.effects import resolve
@@ -179,7 +179,7 @@ def test_three_laws_of_one_state_are_a_patchwork(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(
         gather, "states_of_all", lambda _, o: tuple(frozenset({velocity.get(n, "position")}) for n in o.names)
     )
-    monkeypatch.setattr(gather, "cancelling", lambda *_: "")
+    monkeypatch.setattr(states, "cancelling", lambda *_: "")
     for found in (three, mixed, PLAY):
         found.optimum.names = found.names  # type: ignore[attr-defined]
     e = evidence(three)

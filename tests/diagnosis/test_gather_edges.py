@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from made_up_evidence import FLOOR, FRICTION, all_is_determined, candidate, context, evidence, law_of, losing, with_rest
-from stepid.diagnosis import free_law, gather, verdict, vetoes
+from stepid.diagnosis import free_law, gather, states, verdict, vetoes
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.evidence import at_floor, bought_by_freedom, is_white
 from stepid.diagnosis.exchangeable import Condition
@@ -75,20 +75,21 @@ def test_chance_is_known_as_well_as_the_noise_also_of_what_a_lead_leaves(
 
 
 def test_two_effects_or_two_states_are_no_patchwork(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(gather, "cancelling", lambda *_: "")
+    monkeypatch.setattr(states, "cancelling", lambda *_: "")
     three = candidate(["cogging", "end_stop", "cubic_stiffness"])
     e = evidence(three)
-    for states, found in (
+    for of, found in (
         ([{"position"}] * 3, "position"),
         ([{"position", "velocity"}] * 3, ""),
         ([{"position"}, {"position"}, set()], ""),
     ):
-        monkeypatch.setattr(gather, "states_of_all", lambda *_, given=states: tuple(map(frozenset, given)))
+        monkeypatch.setattr(gather, "states_of_all", lambda *_, given=of: tuple(map(frozenset, given)))
         assert e.patchwork(three) == found
     monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),) * 2)
     assert e.patchwork(candidate(["cogging", "end_stop"])) == ""
-    monkeypatch.setattr(gather, "cancelling", lambda *_: "position")
+    monkeypatch.setattr(states, "cancelling", lambda *_: "position")
     assert e.patchwork(candidate(["cogging", "end_stop"])) == "position"
+    monkeypatch.setattr(gather, "states_of_all", lambda *_: (frozenset({"position"}),))
     assert e.patchwork(candidate(["cogging"])) == ""
 
 

@@ -20,7 +20,7 @@ def _all_is_determined(monkeypatch: pytest.MonkeyPatch) -> None:
     ("names", "free", "lead", "times", "words", "outdone"),
     [
         (["flexible_coupling"], (), 5.0, 2.0, OWN, True),
-        (["flexible_coupling"], (), 1.3, 1.1, OWN, False),  # less than real laws are rough
+        (["flexible_coupling"], (), 1.2, 1.08, OWN, False),  # less than real laws are rough
         (["flexible_coupling"], (), 5.0, 3.9, OWN, False),  # it takes less than half of the power above the floor
         (["flexible_coupling"], (), 1.02, 1.001, OWN, False),  # what is left is noise
         (["flexible_coupling"], ("gain",), 5.0, 2.0, OWN, False),  # as all runs may differ
@@ -59,6 +59,48 @@ def test_a_law_beside_a_lead_stands_up_to_another_oscillation(
     monkeypatch.setattr(gather, "imitators", lambda *asked: {"flexible_coupling": OWN} if asked[-1] is other else {})
     lead = candidate(["coulomb_friction"], times=5.0)
     assert evidence(LINEAR, lead, other, candidate(beside, times=times)).outdone(lead) is outdone
+
+
+STATES = {"sine_stiffness": "position", "cubic_stiffness": "position", "quadratic_damping": "velocity"}
+
+
+@pytest.mark.parametrize(
+    ("names", "free", "times", "found"),
+    [
+        (["quadratic_damping"], (), 4.0, True),  # power above the floor: 15 floors², the lead's 8
+        (["quadratic_damping"], (), 4.2, False),  # more than twice as much
+        (["quadratic_damping"], (), 2.9, True),  # another price let the lead win
+        (["cubic_stiffness"], (), 3.1, False),  # a law of the lead's state: see `beside`
+        (["quadratic_damping"], ("gain",), 3.1, False),  # as runs may differ
+        (["quadratic_damping", "coulomb_friction"], (), 3.1, False),  # more effects
+    ],
+)
+def test_what_is_missing_may_have_put_a_law_of_another_state_behind(
+    names: list[str], free: tuple[str, ...], times: float, found: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own, other = candidate(["sine_stiffness"], times=3.0), candidate(names, times=times, deviations=free)
+    for some in (own, other):
+        some.optimum.names = some.names  # type: ignore[attr-defined]
+    of = {name: frozenset({state}) for name, state in STATES.items()}
+    monkeypatch.setattr(gather, "states_of_all", lambda _, o: tuple(of.get(n, frozenset()) for n in o.names))
+    assert (evidence(LINEAR, own, other).rival_elsewhere(own) is other) is found
+
+
+def test_a_law_inside_a_lead_what_may_not_be_named_and_noise_put_no_lead_in_doubt(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    own, simple = candidate(["presliding_hysteresis"], times=3.0), candidate(["coulomb_friction"], times=3.5)
+    of = {own.optimum: (frozenset(),), simple.optimum: (frozenset({"velocity"}),)}
+    monkeypatch.setattr(gather, "states_of_all", lambda _, o: of.get(o, (frozenset({"position"}),)))
+    assert evidence(LINEAR, own, simple).rival_elsewhere(own) is None
+    play = candidate(["free_play"], times=3.5)
+    e = evidence(LINEAR, own, play)
+    assert e.rival_elsewhere(own) is play
+    monkeypatch.setattr(gather, "open_parameters", lambda *asked: ("free_play.gap",) if asked[-1] is play else ())
+    assert e.rival_elsewhere(own) is None
+    lead = candidate(["presliding_hysteresis"], times=1.02)
+    of[lead.optimum] = (frozenset(),)
+    assert evidence(LINEAR, lead, candidate(["free_play"], times=1.025)).rival_elsewhere(lead) is None
 
 
 @pytest.mark.parametrize(

@@ -26,13 +26,13 @@ def test_where_a_rest_remains_a_law_of_the_same_state_as_rough_as_real_ones_stan
         found.optimum.name = name
         return found
 
-    lead, alike, rougher = law("cubic_stiffness", 9.0), law("sine_stiffness", 9.45), law("quadratic_stiffness", 9.6)
+    lead, alike, rougher = law("cubic_stiffness", 9.0), law("sine_stiffness", 9.25), law("quadratic_stiffness", 9.6)
     damping = law("quadratic_damping", 9.45)
     e = evidence(lead, alike, rougher, damping)
     assert e.lead is lead
     assert min(w.loss for w in e.weighed if w.candidate is alike) > e.criteria.tie
     assert e.beside(e.lead) == (alike,)
-    strict = evidence(lead, alike, criteria=Criteria(rough=0.004))
+    strict = evidence(lead, alike, criteria=Criteria(rough=0.002))
     assert strict.beside(strict.lead) == ()
     found = [Candidate(c.effects, frozenset({"gain"}), c.optimum, 0.0) for c in (lead, alike)]
     for part, beside in ((1.0, (found[1],)), (0.5, ())):  # of what the gains leave it to explain

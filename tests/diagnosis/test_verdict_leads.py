@@ -51,6 +51,15 @@ def test_a_lead_that_another_oscillation_outdoes_is_not_named() -> None:
     assert found.reasons[-1].startswith("A second oscillation beside the plant's own halves what is left")
 
 
+def test_a_lead_is_not_named_where_a_law_of_another_state_does_nearly_as_well() -> None:
+    lead, rival = candidate(["presliding_hysteresis"], times=3.0), candidate(["sine_stiffness"], times=3.5)
+    found = ask("leads", lead=lead, elsewhere=rival)
+    assert found is not None
+    assert (found.verdict, found.alternatives) == ("unexplained", ())
+    assert found.reasons[-1].startswith("Sine stiffness leaves ")
+    assert found.reasons[-1].endswith("what is missing in both is more than what sets them apart. No effect is named.")
+
+
 def test_what_the_data_do_not_tell_from_a_lead_is_told() -> None:
     found = ask("leads", beside_lead=(PLAY,))
     assert found is not None

@@ -88,7 +88,7 @@ class Criteria(Model):
     rival: Positive = 5.0
     open: Share = 0.5
     lead: Share = 0.85
-    rough: Share = 0.005
+    rough: Share = 0.003
     sure: Share = 0.95
     steady: Share = 0.4
     first: Share = 0.4

@@ -21,7 +21,7 @@ from stepid.diagnosis.loud_noise import is_noise
 from stepid.diagnosis.refutation import refuted
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
 from stepid.diagnosis.shared_weight import weight_of
-from stepid.diagnosis.states import cancelling, states_of_all
+from stepid.diagnosis.states import patchwork, states_of_all
 from stepid.diagnosis.vetoes import imitators, open_parameters, undetermined, unseen
 from stepid.fitting.input_fault import InputFault
 from stepid.fitting.multistart import FitContext
@@ -245,6 +245,10 @@ class EvidenceRecord:
         """Tell whether another oscillation beside the plant's own outdoes a lead."""
         return self.leads.outdone(lead)
 
+    def rival_elsewhere(self, lead: Candidate) -> Candidate | None:
+        """A law of another state that what is missing beside a lead may have put behind it, None where none is."""
+        return self.leads.rival_elsewhere(lead)
+
     def refuted(self, lead: Candidate) -> str:
         """The state of which a law of another shape refutes a lead, '' where none does."""
         return refuted(self, lead)
@@ -272,15 +276,8 @@ class EvidenceRecord:
         return one if one is not None and one.beyond > self.criteria.shape else None
 
     def patchwork(self, found: Candidate) -> str:
-        """The state of which effects of a candidate together follow a law of any shape, '' where there is none.
-
-        All of more than two are laws of it, or two cancel more than half of each other.
-        """
-        if len(found.effects) < 2:
-            return ""
-        states = self.states(found)
-        shared = states[0] if len(states) > 2 and len(set(states)) == 1 else frozenset()
-        return next(iter(shared)) if len(shared) == 1 else cancelling(self.context, found.optimum, states)
+        """The state of which effects of a candidate together follow a law of any shape, '' where there is none."""
+        return patchwork(self.context, found.optimum, self.states(found))
 
     def weight(self, *found: Candidate) -> float:
         """Weight of all candidates that hold the effects of one of some, or effects that contain them."""

@@ -151,6 +151,23 @@ class Leads:
         halving = (c for c in few if self.taken(nearest, c) > 0.5 and c.optimum.rms**2 < most)
         return any(OWN in self._told.imitators(c).values() for c in halving)
 
+    def rival_elsewhere(self, lead: Candidate) -> Candidate | None:
+        """A law of another state in a lead's place that leaves less than twice as much beyond the noise.
+
+        What is missing in either is then more than what sets them apart, and may be what lets the one lead.
+        """
+        if self._told.at_floor(lead):
+            return None
+        states = frozenset(self._told.states(lead))
+        for other in (w.candidate for w in self.able):
+            few = 0 < len(other.effects) <= len(lead.effects) and other.deviations <= lead.deviations
+            if not few or includes(other.effects, lead.effects) or includes(lead.effects, other.effects):
+                continue
+            apart = states.isdisjoint(self._told.states(other))
+            if apart and self.taken(lead, other) > -1.0 and not self._told.barred(other):
+                return other
+        return None
+
     def _holding(self, lead: Candidate) -> Iterator[Candidate]:
         """Candidates that may lead and hold a lead, alone or beside a law that the data determine."""
         for found in (w.candidate for w in self.able):

@@ -62,6 +62,17 @@ def cancelling(context: FitContext, optimum: Optimum, states: tuple[frozenset[st
     return ""
 
 
+def patchwork(context: FitContext, optimum: Optimum, states: tuple[frozenset[str], ...]) -> str:
+    """The state of which effects of a fit together follow a law of any shape, '' where there is none.
+
+    All of more than two are laws of it, or two cancel more than half of each other. `states` are `states_of_all`.
+    """
+    if len(states) < 2:
+        return ""
+    shared = states[0] if len(states) > 2 and len(set(states)) == 1 else frozenset()
+    return next(iter(shared)) if len(shared) == 1 else cancelling(context, optimum, states)
+
+
 def _some(motion: Motion, ends: int = 0) -> Motion:
     """Samples all along a motion, and so many more at each end of position and velocity."""
     orders = [np.argsort(values) for values in (motion.x, motion.v)] if ends else []

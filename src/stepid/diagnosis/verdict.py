@@ -16,7 +16,7 @@ from stepid.diagnosis.rules_linear import (
     weights_are_enough,
 )
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
-from stepid.diagnosis.verdict_words import OUTDONE, WEIGHTS, better, follows, title, what_leaves
+from stepid.diagnosis.verdict_words import OUTDONE, WEIGHTS, as_well, better, follows, title, what_leaves
 from stepid.diagnosis.wording import effect_names, parameter_words, per_cent, taken_in_words, whole_percent
 
 
@@ -185,6 +185,9 @@ def leads(e: EvidenceRecord, part: Candidate | None = None) -> Answer | None:
         return Answer("unexplained", lead, (), (*said, better(state)))
     if e.outdone(lead):
         return Answer("unexplained", lead, (), (*said, OUTDONE))
+    rival = e.rival_elsewhere(lead)
+    if rival is not None:
+        return Answer("unexplained", lead, (), (*said, as_well(lead, rival)))
     more = "" if e.at_floor(lead) else ": more is missing"
     said += (f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor{more}.",)
     return _with_rivals(e, lead, beside, said) or Answer("named", lead, (), said)

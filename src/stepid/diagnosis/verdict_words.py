@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stepid.core.words import capitalized
+from stepid.core.words import capitalized, length
 from stepid.diagnosis.constancy import CONDITIONS
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.wording import effect_names
@@ -28,6 +28,14 @@ def what_leaves(found: Candidate) -> str:
 def follows(state: str) -> str:
     """Say what a rest that a law of any shape takes does."""
     return f"changes with {state}" if state == CONDITIONS else f"follows {state}"
+
+
+def as_well(lead: Candidate, rival: Candidate) -> str:
+    """Say that another law does nearly as well as a lead, and that what is missing decides between them."""
+    return (
+        f"{what_leaves(rival)} {length(rival.optimum.rms)}, {title(lead)} {length(lead.optimum.rms)}: "
+        "what is missing in both is more than what sets them apart. No effect is named."
+    )
 
 
 def better(state: str) -> str:
