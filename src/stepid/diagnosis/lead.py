@@ -154,9 +154,11 @@ class Leads:
     def rival_elsewhere(self, lead: Candidate) -> Candidate | None:
         """A law of another state in a lead's place that leaves less than twice as much beyond the noise.
 
-        What is missing in either is then more than what sets them apart, and may be what lets the one lead.
+        What is missing in either is then more than what sets them apart, and may be what lets the one lead. It is
+        found where the lead, alone or as a part of the best, leaves only noise.
         """
-        if self._told.at_floor(lead):
+        best = self._told.best
+        if self._told.at_floor(lead) or (self._told.at_floor(best) and includes(best.effects, lead.effects)):
             return None
         states = frozenset(self._told.states(lead))
         for other in (w.candidate for w in self.able):
