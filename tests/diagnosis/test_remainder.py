@@ -9,10 +9,17 @@ import pytest
 
 import stepid
 from hidden.campaigns import Request, make_campaigns
+from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.explore import linear_candidate
-from stepid.diagnosis.remainder import Share, remainder, rest_shares
+from stepid.diagnosis.remainder import NEITHER, Share, remainder, rest_shares
 from stepid.fitting.fit import prepare
 from stepid.fitting.multistart import FitContext
+
+
+def told(context: FitContext) -> tuple[str, ...]:
+    """What is said of the linear plant's rest."""
+    return remainder(context, linear_candidate(context), Criteria())
+
 
 SHAPES = (
     ("coulomb_friction", "velocity", "friction or damping"),
@@ -22,11 +29,17 @@ SHAPES = (
     ("periodic_disturbance", "line", "steady swing"),
     ("sensor_drift", "slow", "drifting sensor"),
 )
+IN_THE_MOTION = {
+    "input_delay": "a drive with a memory",
+    "actuator_lag": "a drive with a memory",
+    "viscoelastic_spring": "a spring with a memory",
+    "position_dependent_damping": "a damping that depends on position",
+}
 
 
 @pytest.fixture(scope="module")
 def contexts() -> dict[str, FitContext]:
-    names = [name for name, _, _ in SHAPES] + ["input_delay"]
+    names = [name for name, _, _ in SHAPES] + [*IN_THE_MOTION, "actuator_dead_zone"]
     made = make_campaigns([Request(3, (name,), None, 60.0, "four") for name in names])
     return {name: prepare(campaign) for name, (campaign, _) in zip(names, made, strict=True)}
 
@@ -40,14 +53,20 @@ def test_the_largest_share_is_that_of_the_hidden_law(
     assert shares[0].shape == shape
     assert shares[0].share > 0.8
     assert [s.share for s in shares] == sorted((s.share for s in shares), reverse=True)
-    (said,) = remainder(context, linear_candidate(context))
+    (said,) = told(context)
     assert words in said
     assert said.startswith(f"{100 * shares[0].share:.0f} % of the rest")
 
 
+@pytest.mark.parametrize("effect", IN_THE_MOTION)
+def test_a_law_that_no_force_shows_is_seen_in_the_motion(effect: str, contexts: dict[str, FitContext]) -> None:
+    (said,) = told(contexts[effect])
+    assert f"fits {IN_THE_MOTION[effect]}: " in said
+    assert float(said.partition(" %")[0]) > 95
+
+
 def test_a_rest_without_a_shape_is_said_to_have_none(contexts: dict[str, FitContext]) -> None:
-    (said,) = remainder(contexts["input_delay"], linear_candidate(contexts["input_delay"]))
-    assert "neither velocity, position nor time" in said
+    assert told(contexts["actuator_dead_zone"]) == NEITHER
 
 
 def released(count: int, *, stiffness: tuple[float, ...] = (200.0, 200.0), jitter: float = 0.0) -> stepid.Campaign:
@@ -67,7 +86,7 @@ def test_runs_that_differ_are_told() -> None:
     context = prepare(released(500, stiffness=(200.0, 200.0, 200.0, 240.0)))
     shares = rest_shares(context, context.linear)
     assert shares[0].shape == "run"
-    said = remainder(context, linear_candidate(context))[0]
+    said = told(context)[0]
     assert re.search(r"of its own in every run.*do not repeat", said)
 
 
@@ -81,7 +100,7 @@ def test_a_swing_at_a_multiple_of_the_natural_frequency_is_an_overtone(
         louder = run.position + 4e-4 * np.exp(-0.5 * run.time) * np.cos(times * rate * run.time)
         runs.append(run.model_copy(update={"position": louder, "spring": run.name if alike else "s"}))
     context = prepare(stepid.Campaign(name="overtone", experiments=tuple(runs)))
-    (said, *_) = remainder(context, linear_candidate(context))
+    (said, *_) = told(context)
     assert (", 3 times the natural frequency: a law that bends" in said) is overtone
     assert ("steady swing" in said) is not overtone
 
@@ -94,7 +113,7 @@ def test_one_swing_is_no_steady_one(swings: float, steady: bool) -> None:
         phase = 2 * np.pi * swings * run.time / run.time[-1] + i
         runs.append(run.model_copy(update={"position": run.position + 1e-3 * np.sin(phase)}))
     context = prepare(stepid.Campaign(name="slow", experiments=tuple(runs)))
-    assert any("steady swing" in said for said in remainder(context, linear_candidate(context))) is steady
+    assert any("steady swing" in said for said in told(context)) is steady
 
 
 @pytest.mark.parametrize("count", [30, 45, 60])
@@ -104,6 +123,6 @@ def test_short_and_uneven_releases_do_not_fail(count: int, jitter: float) -> Non
         context = prepare(released(count, jitter=jitter))
     except stepid.errors.StepidError:
         return  # refused before anything is said of a rest
-    said = remainder(context, linear_candidate(context))
+    said = told(context)
     assert all(s.endswith(".") for s in said)
     assert all(isinstance(s, Share) and 0 <= s.share <= 1 for s in rest_shares(context, context.linear))

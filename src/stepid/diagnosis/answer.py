@@ -85,7 +85,7 @@ def _rest(evidence: EvidenceRecord, answer: Answer) -> tuple[str, ...]:
         return ()
     if answer.verdict not in ("named", "unexplained"):
         return ()
-    shapes = remainder(evidence.context, answer.shown)
+    shapes = remainder(evidence.context, answer.shown, evidence.criteria)
     refuted = answer.verdict == "unexplained" and answer.rule == leads.__name__
     return () if refuted and shapes == NEITHER else shapes  # a law that does better was told already
 

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.base import Array
+from stepid.diagnosis.criteria import Criteria
+from stepid.diagnosis.free_law import allowed, free_laws
 from stepid.diagnosis.phases import phase_of_samples
 from stepid.diagnosis.residual_force import ResidualForce, residual_force
 from stepid.diagnosis.selection.candidate import Candidate
@@ -41,13 +43,33 @@ class Share(NamedTuple):
     detail: str = ""
 
 
-def remainder(context: FitContext, candidate: Candidate) -> tuple[str, ...]:
+_MAKES = {
+    "velocity": "is a force that depends on velocity: laws of friction or damping make it",
+    "position": "is a force that depends on position: springs that bend, play, stops or magnets make it",
+    "position and velocity": "fits a damping that depends on position: magnets and guides that tighten make it",
+    "position and time": "fits a stiffness that changes in time: a spring that creeps, warms or lets go makes it",
+    "velocity and time": "fits a damping that changes in time: oil that warms makes it",
+    "input and time": "fits a drive that changes in time: an amplifier that warms or a supply that sags makes it",
+    "position and input": "fits a drive that depends on position: magnets and pinions off center make it",
+    "velocity and input": "fits a drive that depends on velocity: the voltage that a motor induces makes it",
+    "the input's past": "fits a drive with a memory: lags and delays make it",
+    "the position's past": "fits a spring with a memory: creep, relaxation and hysteresis make it",
+    "slow": "changes slowly in time: a drifting sensor, creep or warming makes it",
+}
+"""What is said of a rest of one shape: what it is, and which kinds of law make it."""
+
+
+def remainder(context: FitContext, candidate: Candidate, criteria: Criteria) -> tuple[str, ...]:
     """Say what shape the rest of a candidate's fit has, and which kinds of law make it.
+
+    Noise hides a force more than it hides a motion: where no shape is seen in the force, laws of any shape are asked
+    what they take of the motion's rest (`stepid.diagnosis.free_law`).
 
     Parameters
     ----------
     context : FitContext
     candidate : Candidate
+    criteria : Criteria
 
     Returns
     -------
@@ -60,7 +82,16 @@ def remainder(context: FitContext, candidate: Candidate) -> tuple[str, ...]:
         return ()
     least = max(_TOLD, _BESIDE * shares[0].share)
     told = tuple(_sentence(one) for one in shares if one.share >= least)
-    return told or NEITHER
+    return told or _in_the_motion(context, candidate, criteria) or NEITHER
+
+
+def _in_the_motion(context: FitContext, candidate: Candidate, criteria: Criteria) -> tuple[str, ...]:
+    """What is said of the law of any shape that takes of the motion's rest what chance does least, and a good part."""
+    beyond, _ = allowed(context, criteria, candidate, noise=False)
+    laws = [one for one in free_laws(context, candidate.optimum) if one.state in _MAKES and not one.own]
+    told = [one for one in laws if one.share >= _TOLD and one.beyond > beyond]
+    most = sorted(told, key=lambda one: -one.beyond)[:1]
+    return tuple(_sentence(Share(one.state, one.share)) for one in most)
 
 
 def rest_shares(context: FitContext, optimum: Optimum) -> tuple[Share, ...]:
@@ -195,12 +226,8 @@ def _scaled(values: Array) -> Array:
 
 def _sentence(one: Share) -> str:
     percent = f"{100 * one.share:.0f} % of the rest"
-    if one.shape == "velocity":
-        return f"{percent} is a force that depends on velocity: laws of friction or damping make it."
-    if one.shape == "position":
-        return f"{percent} is a force that depends on position: springs that bend, play, stops or magnets make it."
-    if one.shape == "slow":
-        return f"{percent} changes slowly in time: a drifting sensor, creep or warming makes it."
+    if one.shape in _MAKES:
+        return f"{percent} {_MAKES[one.shape]}."
     if one.shape == "line":
         return f"{percent} is a steady swing at {one.detail}: a shaker, a fan or a further mode of the plant makes it."
     if one.shape == "overtone":
