@@ -74,6 +74,14 @@ def test_a_rest_that_the_encoder_does_not_resolve_says_nothing() -> None:
     assert told(steps(stuck, noise=0.0)) == {}
 
 
+def test_a_cart_that_slips_before_its_step_is_no_noise() -> None:
+    """Its rest scatters by more than a count of the encoder, each of which is read many times."""
+    creep = 1.5e-4 * (TIME >= 0.1)
+    runs = [run.model_copy(update={"position": 5e-5 * np.round((STEP + creep) / 5e-5)}) for run in steps(stuck)]
+    assert np.std(runs[0].position[TIME < 0.2]) > 5e-5
+    assert told(runs) == {}
+
+
 def test_a_single_repeated_reading_is_no_stretch() -> None:
     def twice(y: np.ndarray) -> np.ndarray:
         return np.where((TIME > 0.6) & (TIME < 0.612), y[120], y)

@@ -63,6 +63,22 @@ def test_the_peak_method_reads_it(lead: int) -> None:
     assert sum("begins at rest under 0.6 V" in note for note in found.notes) == 3
 
 
+@pytest.mark.parametrize("lead", [10, 80])
+@pytest.mark.parametrize("zero", [0.0, -0.012])
+def test_an_input_that_was_measured_was_held_before_too(lead: int, zero: float) -> None:
+    """With noise of its own, a zero that is off, and a hum on the readings: 1.4 mm of 12 had been left."""
+    runs = []
+    for i, run in enumerate(campaign(lead).experiments):
+        noise = 1e-4 * np.random.default_rng(9 + i).standard_normal(TIME.size)
+        u = np.asarray(run.input) * (1 - zero / VOLTS) + zero + noise
+        y = np.asarray(run.position) + 1e-5 * np.sin(2 * np.pi * 60 * TIME + i)
+        runs.append(run.model_copy(update={"input": u, "position": y}))
+    found = stepid.fit(stepid.Campaign(name="measured", experiments=runs))
+    assert found.rms == pytest.approx(2e-6, rel=0.2)
+    assert found.parameters["stiffness[s]"].value == pytest.approx(STIFFNESS, rel=1e-3)
+    assert sum("begins at rest under 0.6" in note or "begins at rest under 0.59" in note for note in found.notes) == 3
+
+
 def test_an_amplifier_that_was_off_is_no_rest_under_its_level() -> None:
     """The cart is where it rests without an input."""
     run = back(0.0, 100, off=True)

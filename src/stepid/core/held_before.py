@@ -8,6 +8,7 @@ import numpy as np
 
 from stepid.core.experiment import Experiment
 from stepid.core.hand import period_of
+from stepid.core.input_levels import STEP, step_bounds
 from stepid.core.noise import span_at_rest
 
 _AWAY, _RESTS = 0.4, 0.1  # of the travel, from which on the cart is elsewhere; that it spans where it comes to rest
@@ -45,11 +46,13 @@ def all_held_before(runs: Sequence[Experiment]) -> tuple[list[Experiment], list[
 
 
 def _input_before(run: Experiment) -> float:
-    first, y = float(run.input[0]), run.position
-    changes = np.flatnonzero(np.diff(run.input)) + 1
-    if first == run.input_before or run.starts == "motion" or not changes.size or run.input[-1] != run.input_before:
+    y, bounds = run.position, step_bounds(run.input)  # levels that are measured have noise
+    first, final = (float(np.mean(run.input[a:b])) for a, b in (bounds[:2], bounds[-2:]))
+    small = STEP * float(np.ptp([run.input_before, *run.input]))
+    begins, ends = abs(first - run.input_before) > small, abs(final - run.input_before) > small
+    if not begins or ends or bounds.size == 2 or run.starts == "motion":
         return run.input_before
-    lead, last, travel = y[: changes[0]], y[changes[-1] :], float(np.ptp(y))
+    lead, last, travel = y[: bounds[1]], y[bounds[-2] :], float(np.ptp(y))
     quiet = span_at_rest(run)
     if travel <= 2 * quiet or float(np.ptp(lead)) > quiet:
         return run.input_before

@@ -28,14 +28,25 @@ def level_bounds(values: Array) -> Index | None:
     values : array, shape (n,)
         V.
     """
-    change = np.abs(np.diff(values))
-    clear = max(STEP * float(np.ptp(values)), _CLEAR * 1.4826 * float(np.median(change))) if change.size else 0.0
-    bounds = np.concatenate([[0], np.flatnonzero(change > clear) + 1, [values.size]]).astype(np.intp)
+    bounds = step_bounds(values)
     if bounds.size > most_steps(values.size):
         return None
     about = [part - part.mean() for part in (values[a:b] for a, b in pairwise(bounds)) if part.size >= _FEWEST]
     scatters = any(np.ptp(part) > 0 for part in about)
     return bounds if scatters and all(map(_is_white, about)) else None
+
+
+def step_bounds(values: Array) -> Index:
+    """First sample of each stretch between two steps that no noise makes, and the number of samples.
+
+    Parameters
+    ----------
+    values : array, shape (n,)
+        V.
+    """
+    change = np.abs(np.diff(values))
+    clear = max(STEP * float(np.ptp(values)), _CLEAR * 1.4826 * float(np.median(change))) if change.size else 0.0
+    return np.concatenate([[0], np.flatnonzero(change > clear) + 1, [values.size]]).astype(np.intp)
 
 
 def _is_white(scatter: Array) -> bool:

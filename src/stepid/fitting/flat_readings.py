@@ -24,8 +24,8 @@ _ENOUGH = 10  # samples at rest before a step, of which the noise can be told
 def flat_readings(runs: Sequence[Experiment]) -> dict[str, Mended]:
     """Find records with samples that repeat a reading for longer than the noise of carts at rest allows, by run name.
 
-    That noise is what the readings before a step scatter by, in the run where they do least: a rest that an encoder
-    does not resolve says nothing. White noise of σ [m], read in steps of q, repeats a reading with a probability of
+    That noise is what neighbors differ by before a step, in the run where they do least: a rest that an encoder does
+    not resolve says nothing, and a cart that creeps there is no noise. White noise of σ [m], read in steps of q, repeats a reading with a probability of
     erf(q / (2 √2 σ)) at most.
 
     Parameters
@@ -38,7 +38,7 @@ def flat_readings(runs: Sequence[Experiment]) -> dict[str, Mended]:
         Of each such run the record as it is, which samples these are, and what is said; the fault's size is how long
         they last, s. No reading is interpolated: what a clipped cart did in the meantime is not known.
     """
-    noise = min((float(np.std(y)) for y in _rests(runs)), default=0.0)
+    noise = min((float(np.std(np.diff(y)) / math.sqrt(2)) for y in _rests(runs)), default=0.0)
     found: dict[str, Mended] = {}
     for run in runs if noise > 0 else ():
         step = reading_step(run)
