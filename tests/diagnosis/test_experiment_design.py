@@ -36,6 +36,19 @@ def test_releases_are_proposed_where_no_run_has_an_input() -> None:
     assert [one.run.added_mass for one in _proposals(records, 0.02, 0.8) if "added" in one.words] == [1.0]
 
 
+def test_what_both_models_leave_is_in_the_proposed_run_too() -> None:
+    """However many times the noise they differ by there, it would not tell them apart."""
+    records = lay_out(stepid.Campaign(name="releases", experiments=(released(0.0), released(0.5))))
+    linear, friction = fits(records)
+    left = replace(friction)
+    vars(left)["rms"] = 1.0  # m
+    told = next_experiment(left, [linear], floor=1e-6, tell=lambda one: "friction" if one is left else "none")
+    assert told == (
+        "None of the usual extra runs would tell friction from none: in all of them the models differ by less than "
+        "half of what they leave so far. Find out first what is missing in both."
+    )
+
+
 def test_a_run_that_was_left_out_takes_no_part() -> None:
     records = lay_out(example.campaign()).subset([1, 2, 3])
     linear, friction = fits(records)

@@ -100,8 +100,9 @@ def test_the_run_that_would_tell_is_named_in_whole_sentences() -> None:
     assert re.fullmatch(
         r"To tell Coulomb friction from a linear plant, record a step of .*\. "
         r"There the models differ by [\d.]+ [µm]m RMS, [\d.]+ times the noise\.",
-        told(1e-5),
+        told(friction.rms),
     )
+    assert told(1e-6).endswith(" times what they leave so far.")
     assert told(1.0) == (
         "None of the usual extra runs would tell Coulomb friction from a linear plant: in all of them the models "
         "differ by less than half the noise. Lower the noise, or sample faster."

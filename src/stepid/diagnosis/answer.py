@@ -15,6 +15,7 @@ from stepid.diagnosis.notes import notes_on
 from stepid.diagnosis.remainder import NEITHER, remainder
 from stepid.diagnosis.result import Diagnosis, Gap, Ranked, RunGap
 from stepid.diagnosis.selection.candidate import Candidate
+from stepid.diagnosis.shape_in_motion import of_the_linear_plant
 from stepid.diagnosis.verdict import Answer, leads
 from stepid.diagnosis.wording import effect_names
 from stepid.fitting.covariance import effect_parameters, estimates
@@ -55,7 +56,14 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         gap=Gap(before=linear.rms, after=final.rms, noise=floor, held_out_before=pooled[0], held_out_after=pooled[1]),
         parameters=parameters,
         linear_parameters=estimates(linear, (), floor)[0],
-        where=locate(records, linear, floor, context.measured, enough=adequate and evidence.at_floor(evidence.linear)),
+        where=locate(
+            records,
+            linear,
+            floor,
+            context.measured,
+            enough=adequate and evidence.at_floor(evidence.linear),
+            otherwise=lambda: of_the_linear_plant(context),
+        ),
         next_experiment=_next(evidence, answer),
         advice={e.name: e.advice for e in effects if e.advice},
         reasons=(*answer.reasons, *_rest(evidence, answer)),

@@ -20,7 +20,8 @@ from stepid.simulation.simulator import Simulator
 _HALF, _LARGER = 0.5, 1.6  # times the largest step or displacement so far
 _FASTER = 4  # times as many readings a second
 _WAIT = 4  # samples before a step
-_SEEN = 0.5  # of the noise, by which models must differ
+_SEEN = 0.5  # of the noise, or of what the models leave, by which they must differ
+_RESTS = 1.15  # times the noise, from which on more is left
 _STEPS = 8  # of a fit of what is free in every run
 
 
@@ -113,6 +114,9 @@ def _gap(fitted: Records, rival: Optimum, answered: Proposal) -> float:
 def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tell: Callable[[Optimum], str]) -> str:
     """Name the run on which the rival models differ most, both simulated with the parameters they were fitted with.
 
+    Where they leave more than noise, what is missing in both will be missing in that run, too: it tells them apart only
+    if they differ by as much.
+
     Parameters
     ----------
     chosen, rivals : Optimum
@@ -126,20 +130,23 @@ def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tel
     mass = float(chosen.problem.layout.mass(chosen.shared)[0])
     able = _answered(fitted, chosen, _proposals(fitted, float(start[np.argmax(np.abs(start))]), mass))
     gaps = np.array([[_gap(fitted, rival, one) for one in able] for rival in rivals if able])
-    told = [i for i, own in enumerate(gaps) if own.max() >= _SEEN * floor]
+    rests = chosen.rms > _RESTS * floor
+    left, what = (chosen.rms, "what they leave so far") if rests else (floor, "the noise")
+    told = [i for i, own in enumerate(gaps) if own.max() >= _SEEN * left]
     if not told:
         return (
-            f"None of the usual extra runs would tell {tell(chosen)} from {_names(rivals, tell)}: in all of them the "
-            "models differ by less than half the noise. Lower the noise, or sample faster."
+            f"None of the usual extra runs would tell {tell(chosen)} from {_names(rivals, tell)}: in all of them "
+            f"the models differ by less than half {'of ' if rests else ''}{what}. "
+            + ("Find out first what is missing in both." if rests else "Lower the noise, or sample faster.")
         )
-    if gaps[told].min(axis=0).max() < _SEEN * floor:  # no run tells all of them
+    if gaps[told].min(axis=0).max() < _SEEN * left:  # no run tells all of them
         told = told[:1]
     apart = gaps[told].min(axis=0)
     run, best = int(np.argmax(apart)), float(apart.max())
     others = [rival for i, rival in enumerate(rivals) if i not in told]
     said = (
         f"To tell {tell(chosen)} from {_names([rivals[i] for i in told], tell)}, record {able[run].words}. There the "
-        f"models differ by {length(best)} RMS, {digits(best / floor)} times the noise."
+        f"models differ by {length(best)} RMS, {digits(best / left)} times {what}."
     )
     return f"{said} That run does not tell it from {_names(others, tell)}." if others else said
 

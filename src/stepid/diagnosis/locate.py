@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -23,7 +24,13 @@ _LEAST = 6  # samples that make a bin
 
 
 def locate(
-    records: Records, linear: Optimum, floor: float, motion: Motion | None = None, *, enough: bool = False
+    records: Records,
+    linear: Optimum,
+    floor: float,
+    motion: Motion | None = None,
+    *,
+    enough: bool = False,
+    otherwise: Callable[[], str] = str,
 ) -> Where:
     """Say where the linear joint fit and the measurement disagree.
 
@@ -38,6 +45,8 @@ def locate(
         As measured, where it is known already.
     enough : bool
         Whether the linear plant is the answer: it then disagrees nowhere.
+    otherwise : callable
+        Says what shape the residual has where its force shows none, '' where it has none either.
 
     Returns
     -------
@@ -68,7 +77,15 @@ def locate(
         runs=runs,
         trends=trends,
         sentences=sentences(
-            _rms(square[trusted]), floor, phases, runs, trends, kind, driven=bool(records.driven.any()), enough=enough
+            _rms(square[trusted]),
+            floor,
+            phases,
+            runs,
+            trends,
+            kind,
+            driven=bool(records.driven.any()),
+            enough=enough,
+            otherwise="" if enough or clear or kind is None else otherwise(),
         ),
         jump=2 * clear.coefficient if clear is not None and clear.name == "sign of velocity" else None,
     )

@@ -8,10 +8,11 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.diagnosis.criteria import Criteria
-from stepid.diagnosis.free_law import allowed, free_laws
+from stepid.diagnosis.free_law import allowed
 from stepid.diagnosis.phases import phase_of_samples
 from stepid.diagnosis.residual_force import ResidualForce, residual_force
 from stepid.diagnosis.selection.candidate import Candidate
+from stepid.diagnosis.shape_in_motion import KINDS, law_in_motion
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.spectrum import resonances
@@ -43,22 +44,6 @@ class Share(NamedTuple):
     detail: str = ""
 
 
-_MAKES = {
-    "velocity": "is a force that depends on velocity: laws of friction or damping make it",
-    "position": "is a force that depends on position: springs that bend, play, stops or magnets make it",
-    "position and velocity": "fits a damping that depends on position: magnets and guides that tighten make it",
-    "position and time": "fits a stiffness that changes in time: a spring that creeps, warms or lets go makes it",
-    "velocity and time": "fits a damping that changes in time: oil that warms makes it",
-    "input and time": "fits a drive that changes in time: an amplifier that warms or a supply that sags makes it",
-    "position and input": "fits a drive that depends on position: magnets and pinions off center make it",
-    "velocity and input": "fits a drive that depends on velocity: the voltage that a motor induces makes it",
-    "the input's past": "fits a drive with a memory: lags and delays make it",
-    "the position's past": "fits a spring with a memory: creep, relaxation and hysteresis make it",
-    "slow": "changes slowly in time: a drifting sensor, creep or warming makes it",
-}
-"""What is said of a rest of one shape: what it is, and which kinds of law make it."""
-
-
 def remainder(context: FitContext, candidate: Candidate, criteria: Criteria) -> tuple[str, ...]:
     """Say what shape the rest of a candidate's fit has, and which kinds of law make it.
 
@@ -86,12 +71,10 @@ def remainder(context: FitContext, candidate: Candidate, criteria: Criteria) -> 
 
 
 def _in_the_motion(context: FitContext, candidate: Candidate, criteria: Criteria) -> tuple[str, ...]:
-    """What is said of the law of any shape that takes of the motion's rest what chance does least, and a good part."""
+    """What is said of the law of any shape that takes a good part of the motion's rest, more than chance does."""
     beyond, _ = allowed(context, criteria, candidate, noise=False)
-    laws = [one for one in free_laws(context, candidate.optimum) if one.state in _MAKES and not one.own]
-    told = [one for one in laws if one.share >= _TOLD and one.beyond > beyond]
-    most = sorted(told, key=lambda one: -one.beyond)[:1]
-    return tuple(_sentence(Share(one.state, one.share)) for one in most)
+    law = law_in_motion(context, candidate.optimum, share=_TOLD, beyond=beyond)
+    return () if law is None else (f"{_percent(law.share)} fits {': '.join(KINDS[law.state])}.",)
 
 
 def rest_shares(context: FitContext, optimum: Optimum) -> tuple[Share, ...]:
@@ -224,10 +207,16 @@ def _scaled(values: Array) -> Array:
     return values / reach if reach > 0 else values
 
 
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} % of the rest"
+
+
 def _sentence(one: Share) -> str:
-    percent = f"{100 * one.share:.0f} % of the rest"
-    if one.shape in _MAKES:
-        return f"{percent} {_MAKES[one.shape]}."
+    percent = _percent(one.share)
+    if one.shape in KINDS:
+        return f"{percent} is {': '.join(KINDS[one.shape])}."
+    if one.shape == "slow":
+        return f"{percent} changes slowly in time: a drifting sensor, creep or warming makes it."
     if one.shape == "line":
         return f"{percent} is a steady swing at {one.detail}: a shaker, a fan or a further mode of the plant makes it."
     if one.shape == "overtone":

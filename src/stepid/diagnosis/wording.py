@@ -101,6 +101,7 @@ def sentences(
     *,
     driven: bool = True,
     enough: bool = False,
+    otherwise: str = "",
 ) -> tuple[str, ...]:
     """Say where a linear fit disagrees.
 
@@ -118,6 +119,8 @@ def sentences(
         Whether any run has an input.
     enough : bool
         Whether the linear plant is the answer.
+    otherwise : str
+        What shape the residual has where its force shows none.
     """
     if enough:
         return (f"nowhere: the linear model leaves {length(rms)} RMS, the noise alone {length(floor)}",)
@@ -126,7 +129,7 @@ def sentences(
         said.append(_about_runs(runs))
     if max(runs.values()) >= _DIFFER * min(runs.values()):
         said += [_about_trend(name, value, driven) for name, value in trends.items() if abs(value) >= _CLEAR_TREND]
-    said.append(_about_force(shape, driven))
+    said.append(_about_force(shape, driven, otherwise))
     return tuple(said)
 
 
@@ -165,9 +168,11 @@ def _about_trend(name: str, value: float, driven: bool) -> str:
     return f"{'grows' if value > 0 else 'falls'} with {what} (correlation {value:+.2f})"
 
 
-def _about_force(shape: Shape | None, driven: bool) -> str:
+def _about_force(shape: Shape | None, driven: bool, otherwise: str) -> str:
     if shape is None:
         return "too little motion to see a force in the residual"
+    if shape.share < CLEAR and otherwise:
+        return f"the residual force has no clear shape, but {otherwise}"
     if shape.share < CLEAR:
         where = "the drive, the reading or time" if driven else "the reading or time"
         return f"the residual force follows neither velocity nor position alone: look at {where}"

@@ -25,8 +25,8 @@ def flat_readings(runs: Sequence[Experiment]) -> dict[str, Mended]:
     """Find records with samples that repeat a reading for longer than the noise of carts at rest allows, by run name.
 
     That noise is what neighbors differ by before a step, in the run where they do least: a rest that an encoder does
-    not resolve says nothing, and a cart that creeps there is no noise. White noise of σ [m], read in steps of q, repeats a reading with a probability of
-    erf(q / (2 √2 σ)) at most.
+    not resolve says nothing, and a cart that creeps there is no noise. White noise of σ [m], read in steps of q,
+    repeats a reading with a probability of erf(q / (2 √2 σ)) at most.
 
     Parameters
     ----------
