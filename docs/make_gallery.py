@@ -17,6 +17,7 @@ from PIL import Image
 import stepid
 from stepid.diagnosis.locate import locate
 from stepid.diagnosis.result import Where
+from stepid.diagnosis.shape_in_motion import of_the_linear_plant
 from stepid.diagnosis.wording import effect_names, length
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.fitting.fit import prepare
@@ -120,7 +121,7 @@ def show(effect: Effect) -> Shown:
         runs.append(run.model_copy(update={"position": np.round(noisy * COUNTS) / COUNTS}))
     context = prepare(stepid.Campaign(name="gallery", experiments=tuple(runs)))
     records = context.records
-    where = locate(records, context.linear, context.floor)
+    where = locate(records, context.linear, context.floor, otherwise=lambda: of_the_linear_plant(context))
     residual = context.linear.residual[records.pieces()[0]]
     gap = f"{length(context.linear.rms)} beside {length(context.floor)} of noise"
     return Shown(runs[0].time, runs[0].position, without["run 1"], residual, where, gap)

@@ -11,7 +11,9 @@ import stepid
 from hidden.campaigns import Request, make_campaigns
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.explore import linear_candidate
+from stepid.diagnosis.locate import locate
 from stepid.diagnosis.remainder import NEITHER, Share, remainder, rest_shares
+from stepid.diagnosis.shape_in_motion import of_the_linear_plant
 from stepid.fitting.fit import prepare
 from stepid.fitting.multistart import FitContext
 
@@ -126,3 +128,20 @@ def test_short_and_uneven_releases_do_not_fail(count: int, jitter: float) -> Non
     said = told(context)
     assert all(s.endswith(".") for s in said)
     assert all(isinstance(s, Share) and 0 <= s.share <= 1 for s in rest_shares(context, context.linear))
+
+
+def test_the_linear_plants_residual_is_described_by_the_law_that_takes_most(contexts: dict[str, FitContext]) -> None:
+    for effect, what in IN_THE_MOTION.items():
+        assert re.fullmatch(rf"[\d.]+ % of the residual fits {what}", of_the_linear_plant(contexts[effect]))
+    assert of_the_linear_plant(contexts["actuator_dead_zone"]) == ""
+
+
+def test_where_the_force_has_no_shape_the_motion_tells(contexts: dict[str, FitContext]) -> None:
+    context = contexts["input_delay"]
+    found = locate(context.records, context.linear, context.floor, otherwise=lambda: of_the_linear_plant(context))
+    assert re.fullmatch(
+        r"the residual force has no clear shape, but [\d.]+ % of the residual fits a drive with a memory",
+        found.sentences[-1],
+    )
+    plain = locate(context.records, context.linear, context.floor)
+    assert "follows neither velocity nor position clearly" in plain.sentences[-1]

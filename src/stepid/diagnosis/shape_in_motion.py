@@ -9,7 +9,7 @@ from stepid.diagnosis.wording import whole_percent
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 
-_MOST, _SEEN = 0.5, 2.0  # share of a misfit that describes it; standard deviations beyond chance
+_MOST, _SEEN = 0.7, 2.0  # share of a misfit that describes it (less is another law in disguise); deviates beyond chance
 
 
 class Kind(NamedTuple):

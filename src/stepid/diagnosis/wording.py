@@ -175,7 +175,7 @@ def _about_force(shape: Shape | None, driven: bool, otherwise: str) -> str:
         return f"the residual force has no clear shape, but {otherwise}"
     if shape.share < CLEAR:
         where = "the drive, the reading or time" if driven else "the reading or time"
-        return f"the residual force follows neither velocity nor position alone: look at {where}"
+        return f"the residual force follows neither velocity nor position clearly: look at {where}, too"
     share = f"{whole_percent(shape.share)} of the force that no spring or damper gives"
     if shape.name == "sign of velocity":
         size = abs(shape.coefficient)
