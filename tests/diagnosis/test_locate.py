@@ -242,4 +242,4 @@ def test_releases_are_told_without_steps_and_drive() -> None:
     said = sentences(6e-4, 2e-5, phases, runs, trends, Shape(SHAPES[1], 1.0, 0.1, np.zeros(1)), driven=False)
     assert "grows with how far from rest a run starts (correlation +0.95)" in said
     assert "larger in runs that start below rest (correlation 0.90)" in said
-    assert said[-1].endswith("look at the reading or time")
+    assert said[-1].endswith("look at the reading or time, too")
