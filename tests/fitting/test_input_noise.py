@@ -5,11 +5,12 @@ from __future__ import annotations
 import control
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import stepid
 from stepid.errors import NoStepError
 from stepid.fitting.fit import prepare
-from stepid.fitting.input_noise import at_levels
+from stepid.fitting.input_noise import pooled_levels
 from stepid.identification.steps import find_steps
 
 MASS, STIFFNESS, DAMPING, GAIN = 0.9, 220.0, 3.0, 7.8
@@ -52,8 +53,47 @@ def test_an_input_that_the_cart_follows_is_taken_as_it_is_read() -> None:
     assert np.unique(context.records.volts).size > SAMPLES
 
 
+COLORED = {
+    "hum": lambda time, rng: 0.02 * np.sin(2 * np.pi * 31 * time),
+    "slow": lambda time, rng: lfilter([0.002], [1, -0.9], rng.standard_normal(time.size)),
+    "drift": lambda time, rng: np.where(time < 0.3, 0.0, -0.002 * time),
+}
+
+
+@pytest.mark.parametrize("followed", [False, True])
+@pytest.mark.parametrize("kind", COLORED)
+def test_noise_of_any_color_is_left_out_where_the_cart_does_not_follow_it(kind: str, followed: bool) -> None:
+    """A hum on the reading of an input had been a saturation with a dead zone; what the drive does is kept."""
+    rng = np.random.default_rng(5)
+    runs = []
+    for run in measured(0.0).experiments:
+        beside = COLORED[kind](run.time, rng)
+        plant = control.ss(control.tf([GAIN], [MASS + run.added_mass, DAMPING, STIFFNESS]))
+        sampled = control.sample_system(plant, STEP_TIME, method="zoh")
+        moved = control.forced_response(sampled, run.time, beside).outputs
+        changed = {"input": run.input + beside, "position": run.position + moved * followed}
+        runs.append(run.model_copy(update=changed))
+    context = prepare(stepid.Campaign(name=kind, experiments=tuple(runs)))
+    assert context.linear.rms < 1.05 * context.floor
+    assert (len(context.notes) == 1) is not followed
+    assert (np.unique(context.records.volts).size > 10) is followed
+
+
+def test_a_step_at_the_first_sample_is_one_from_rest() -> None:
+    """Its noise had been taken for an input that changes all the time, and the start for free: no gain was left."""
+    runs = [
+        run.model_copy(update={name: getattr(run, name)[30:] for name in ("time", "position", "input")})
+        for run in measured(0.002).experiments
+    ]
+    found = stepid.fit(stepid.Campaign(name="triggered", experiments=tuple(runs)))
+    gain = found.parameters["force_gain"]
+    assert gain.uncertainty is not None
+    assert gain.value == pytest.approx(GAIN, rel=2e-3)
+    assert not any("in motion" in note for note in found.notes)
+
+
 def test_exact_inputs_have_no_noise() -> None:
-    assert at_levels(measured(0.0)) is None
+    assert pooled_levels(measured(0.0)) is None
 
 
 @pytest.mark.parametrize("how", [{"noise": 0.05}, {"noise": 0.004, "adc": 0.005, "offset": 0.03}])

@@ -79,6 +79,22 @@ def test_an_input_that_was_measured_was_held_before_too(lead: int, zero: float) 
     assert sum("begins at rest under 0.6" in note or "begins at rest under 0.59" in note for note in found.notes) == 3
 
 
+@pytest.mark.parametrize("zero", [0.02, -0.01])
+def test_a_zero_of_the_input_that_is_off_is_no_step(zero: float) -> None:
+    """An input that was read 20 mV too high had been a dead zone of 20 mV, with 95 %."""
+    lead, runs = 60, []
+    for i, added in enumerate((0.0, 0.5, 1.0)):
+        u = np.where(np.arange(TIME.size) < lead, 0.0, VOLTS) + zero
+        y = GAIN * VOLTS / STIFFNESS * swing(added, TIME - TIME[lead])
+        noise = 2e-6 * np.random.default_rng(i).standard_normal(TIME.size)
+        named = {"name": f"{added:g} kg", "spring": "s", "damper": "d"}
+        runs.append(stepid.Experiment(time=TIME, position=y + noise, input=u, added_mass=added, **named))
+    assert all(held_before(run).input_before == pytest.approx(zero) for run in runs)
+    found = stepid.fit(stepid.Campaign(name="off", experiments=runs))
+    assert found.rms == pytest.approx(2e-6, rel=0.1)
+    assert found.parameters["force_gain"].value == pytest.approx(GAIN, rel=1e-3)
+
+
 def test_an_amplifier_that_was_off_is_no_rest_under_its_level() -> None:
     """The cart is where it rests without an input."""
     run = back(0.0, 100, off=True)

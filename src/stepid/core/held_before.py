@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.hand import period_of
 from stepid.core.input_levels import STEP, step_bounds
@@ -47,12 +49,17 @@ def all_held_before(runs: Sequence[Experiment]) -> tuple[list[Experiment], list[
 
 def _input_before(run: Experiment) -> float:
     y, bounds = run.position, step_bounds(run.input)  # levels that are measured have noise
-    first, final = (float(np.mean(run.input[a:b])) for a, b in (bounds[:2], bounds[-2:]))
+    first, final = (_level(run.input[a:b]) for a, b in (bounds[:2], bounds[-2:]))
     small = STEP * float(np.ptp([run.input_before, *run.input]))
     begins, ends = abs(first - run.input_before) > small, abs(final - run.input_before) > small
-    if not begins or ends or bounds.size == 2 or run.starts == "motion":
+    if bounds.size == 2 or run.starts == "motion":
         return run.input_before
     lead, last, travel = y[: bounds[1]], y[bounds[-2] :], float(np.ptp(y))
+    if not begins:  # the level of a noisy one is taken from its readings: see `stepid.core.input_levels.levelled`
+        exact = float(np.ptp(run.input[: bounds[1]])) == 0.0
+        return first if exact and _rests_beside(run, lead, first - run.input_before) else run.input_before
+    if ends:
+        return run.input_before
     quiet = span_at_rest(run)
     if travel <= 2 * quiet or float(np.ptp(lead)) > quiet:
         return run.input_before
@@ -61,3 +68,19 @@ def _input_before(run: Experiment) -> float:
     if end.size < _FEWEST or (period > last.size and float(np.ptp(end)) > _RESTS * travel):
         return run.input_before
     return first if abs(float(np.mean(end) - np.mean(lead))) > _AWAY * travel else run.input_before
+
+
+def _level(volts: Array) -> float:
+    return float(volts[0]) if np.ptp(volts) == 0 else float(np.mean(volts))
+
+
+def _rests_beside(run: Experiment, lead: Array, volts: float) -> bool:
+    """Tell whether a cart rests although its input lies a little beside what it is said to have been: no step made it.
+
+    A step of so many `volts` would have moved it in that time, by a part of what the whole input did.
+    """
+    y, quiet = run.position, span_at_rest(run)
+    whole = float(np.ptp([run.input_before, *run.input]))
+    swing = 1.0 - math.cos(min(2 * math.pi * lead.size / period_of(y), math.pi))
+    moves = abs(volts) / whole * float(np.ptp(y)) / 2 * swing if whole > 0 else 0.0
+    return moves > quiet >= float(np.ptp(lead))

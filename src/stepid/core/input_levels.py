@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 
 from stepid.core.base import Array, Index
+from stepid.core.experiment import Experiment
+from stepid.core.noise import rms
+from stepid.core.once import once
 
 STEP = 0.05
 """Of the input's range: a smaller change is noise on it."""
@@ -33,7 +37,36 @@ def level_bounds(values: Array) -> Index | None:
         return None
     about = [part - part.mean() for part in (values[a:b] for a, b in pairwise(bounds)) if part.size >= _FEWEST]
     scatters = any(np.ptp(part) > 0 for part in about)
-    return bounds if scatters and all(map(_is_white, about)) else None
+    return bounds if scatters and _are_white(about) else None
+
+
+def held_bounds(values: Array) -> Index | None:
+    """As `level_bounds`; what is read beside the levels may be of any color where it is less than a step."""
+    bounds = step_bounds(values)
+    parts = [values[a:b] for a, b in pairwise(bounds)]
+    scatters = any(np.ptp(part) > 0 for part in parts) and bounds.size <= most_steps(values.size)
+    if scatters and rms(np.concatenate([part - part.mean() for part in parts])) <= STEP * float(np.ptp(values)):
+        return bounds
+    return level_bounds(values)
+
+
+@once
+def levelled(run: Experiment) -> Experiment:
+    """Return a run with its input at its own levels, where it is read with noise about them; else the run.
+
+    It rested under the first of them where that is no step from what the run says.
+    """
+    bounds = held_bounds(run.input) if run.input_between == "held" else None
+    if bounds is None:
+        return run
+    return at_levels(run, bounds, [float(run.input[a:b].mean()) for a, b in pairwise(bounds)])
+
+
+def at_levels(run: Experiment, bounds: Index, levels: Sequence[float]) -> Experiment:
+    """Return a run with its input held at given levels [V] between `bounds`; see `levelled`."""
+    no_step = abs(levels[0] - run.input_before) <= STEP * float(np.ptp([run.input_before, *levels]))
+    before = levels[0] if no_step else run.input_before
+    return run.model_copy(update={"input": np.repeat(levels, np.diff(bounds)), "input_before": before})
 
 
 def step_bounds(values: Array) -> Index:
@@ -49,6 +82,7 @@ def step_bounds(values: Array) -> Index:
     return np.concatenate([[0], np.flatnonzero(change > clear) + 1, [values.size]]).astype(np.intp)
 
 
-def _is_white(scatter: Array) -> bool:
-    """Tell whether what is read of a level knows nothing of its neighbors."""
-    return float(np.sum(np.diff(scatter) ** 2)) >= 2 * _WHITE * float(scatter @ scatter)
+def _are_white(scatters: Sequence[Array]) -> bool:
+    """Tell whether what is read of levels knows nothing of its neighbors; few samples of one alone do not tell."""
+    power = sum(float(one @ one) for one in scatters)
+    return sum(float(np.sum(np.diff(one) ** 2)) for one in scatters) >= 2 * _WHITE * power

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepid.core.experiment import Experiment
+from stepid.core.input_levels import levelled
 from stepid.core.noise import span_at_rest
 from stepid.core.words import length
 from stepid.simulation.starts import starts_in_motion
@@ -116,6 +117,7 @@ def _begun_after(one: _Seen, stretch: _Stretch) -> tuple[Experiment | None, str]
 
 def _answers(run: Experiment, quiet: float) -> list[_Answer]:
     """What follows each change of the input; nothing where it changes all the time, or never."""
+    run = levelled(run)
     before = np.concatenate([[run.input_before], run.input[:-1]])
     at = np.flatnonzero(run.input != before)
     if run.is_release or at.size > 0.05 * run.input.size:

@@ -22,7 +22,7 @@ from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.fit_result import Fit as Fit
 from stepid.fitting.hum import find_hum, without_hum
 from stepid.fitting.input_fault import find_input_fault
-from stepid.fitting.input_noise import at_levels
+from stepid.fitting.input_noise import follows, pooled_levels
 from stepid.fitting.left_over import left_over
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import centered
@@ -59,10 +59,10 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
     screened = screen(as_campaign(campaign))
     campaign, notes = screened.campaign, screened.notes
     records, linear, floor = _begun(campaign, screened.wrong, workers)
-    levels = at_levels(campaign)
+    levels = pooled_levels(campaign)
     if levels is not None:
         held = _begun(levels.campaign, screened.wrong, workers)
-        if held[1].cost < linear.cost:  # the cart does not follow what is read beside the levels
+        if not follows(held[1], linear):
             campaign, (records, linear, floor), notes = levels.campaign, held, (*notes, levels.note)
     hums = find_hum(records, linear)
     if hums:

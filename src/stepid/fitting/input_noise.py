@@ -8,10 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepid.core.base import Index
+from stepid.core.base import Array, Index
 from stepid.core.experiment import Campaign, Experiment
-from stepid.core.input_levels import STEP, level_bounds
+from stepid.core.input_levels import at_levels, held_bounds
 from stepid.core.words import listed
+from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.simulation.simulator import Simulator
 
 _APART = 3.0  # standard uncertainties of a difference, within which two levels are one
 
@@ -33,6 +35,24 @@ class Levels(NamedTuple):
         )
 
 
+def follows(held: Optimum, read: Optimum) -> bool:
+    """Tell whether a cart follows what is read of its input beside the levels.
+
+    The linear plant that is fitted to the levels tells how it would move by that: at least half of it must be in what
+    the plant leaves. Whatever else is missing, a lag or friction, takes no part in that. Where the levels tell no
+    plant, as those of an input that is noise, what is read must leave less than half of what they do.
+
+    Parameters
+    ----------
+    held : Optimum
+        Linear plant fitted to the runs with their inputs at their levels.
+    read : Optimum
+        The same with their inputs as they were read.
+    """
+    moved = Simulator(read.problem.records, ()).readings(held.shared[None], held.local[None])[0] - held.solved.reading
+    return bool(2 * read.cost < held.cost or 2 * (held.residual @ moved) > moved @ moved)
+
+
 class _Read(NamedTuple):
     """What is read of one level: its mean and standard uncertainty, V."""
 
@@ -40,8 +60,8 @@ class _Read(NamedTuple):
     spread: float
 
 
-def at_levels(campaign: Campaign) -> Levels | None:
-    """Hold each input at its levels where it scatters about these like white noise; None where no input does.
+def pooled_levels(campaign: Campaign) -> Levels | None:
+    """Hold each input at its levels where it scatters about these; None where no input does.
 
     Levels that the noise does not tell apart are one, in whichever runs.
 
@@ -57,17 +77,27 @@ def at_levels(campaign: Campaign) -> Levels | None:
         parts = [run.input[a:b] for a, b in pairwise(found[run.name])]
         scatter = np.concatenate([part - part.mean() for part in parts])
         noise[run.name] = float(np.std(scatter))
-        read[run.name] = [_Read(float(part.mean()), noise[run.name] / np.sqrt(part.size)) for part in parts]
+        few = _alike(scatter)
+        read[run.name] = [
+            _Read(float(part.mean()), noise[run.name] * np.sqrt(min(few / part.size, 1.0))) for part in parts
+        ]
     level = _pooled(sorted({one for some in read.values() for one in some}))
     runs = tuple(
-        _held(run, found[run.name], [level[one] for one in read[run.name]]) if run.name in found else run
+        at_levels(run, found[run.name], [level[one] for one in read[run.name]]) if run.name in found else run
         for run in campaign.experiments
     )
     return Levels(campaign.model_copy(update={"experiments": runs}), noise)
 
 
 def _bounds(run: Experiment) -> Index | None:
-    return level_bounds(run.input) if run.input_between == "held" else None
+    return held_bounds(run.input) if run.input_between == "held" else None
+
+
+def _alike(scatter: Array) -> float:
+    """How many samples of noise tell as much as one: 1 where it is white, (1 + ρ) / (1 − ρ) where it is AR(1)."""
+    power = float(scatter @ scatter)
+    like = max(1.0 - float(np.sum(np.diff(scatter) ** 2)) / (2 * power), 0.0) if power > 0 else 0.0
+    return (1.0 + like) / max(1.0 - like, 1.0 / scatter.size)
 
 
 def _pooled(read: Sequence[_Read]) -> dict[_Read, float]:
@@ -81,11 +111,3 @@ def _pooled(read: Sequence[_Read]) -> dict[_Read, float]:
             groups.append([one])
     means = [np.average([r.mean for r in some], weights=[r.spread**-2.0 for r in some]) for some in groups]
     return {one: float(mean) for some, mean in zip(groups, means, strict=True) for one in some}
-
-
-def _held(run: Experiment, bounds: Index, levels: Sequence[float]) -> Experiment:
-    """A run with its input at these levels; it rested at the first where that is no step from what it says."""
-    held = np.repeat(levels, np.diff(bounds))
-    no_step = abs(levels[0] - run.input_before) <= STEP * float(np.ptp([run.input_before, *levels]))
-    before = levels[0] if no_step else run.input_before
-    return run.model_copy(update={"input": held, "input_before": before})

@@ -11,6 +11,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.hand import release_index
+from stepid.core.input_levels import levelled
 from stepid.core.noise import noise_level
 from stepid.core.samples import means_of_blocks
 from stepid.core.words import length
@@ -77,6 +78,7 @@ def remainder(run: Experiment, *, damped_frequency: float, damping_ratio: float)
     """
     if run.input_between != "held" or not 0 < damping_ratio < 1:
         return None
+    run = levelled(run)
     first = release_index(run) if run.is_release else 0
     time, y = run.time[first:] - run.time[first], run.position[first:]
     decay = damped_frequency * damping_ratio / math.sqrt(1 - damping_ratio**2)

@@ -6,6 +6,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.input_levels import levelled
 from stepid.core.noise import rms, span_at_rest
 from stepid.core.once import once
 from stepid.core.samples import course
@@ -48,6 +49,7 @@ def starts_in_motion(experiment: Experiment) -> bool:
     if experiment.is_release or travel <= 0:
         return travel > 0
     quiet = span_at_rest(experiment)
+    experiment = levelled(experiment)
     changes = np.flatnonzero(np.diff(experiment.input, prepend=experiment.input_before))
     lead = int(changes[0]) if changes.size else experiment.input.size
     seen = max(lead + 1 - _EARLY, _LEAD)
