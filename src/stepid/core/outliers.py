@@ -26,6 +26,7 @@ _DEGREE = 3  # of the polynomial through them
 _OUTLIER = 9.0  # standard deviations; kinks, jumps and bounces of the motion itself stay below 3.5
 LONGEST = 3  # samples of one outlier
 _COUNTS = 3.0  # counts that rounding never makes
+_JUMP = 10.0  # times the fastest change of a motion, that none begins with: a blow that fades at once has 3.5
 _MOST = 0.05  # share of a record beyond which nothing is isolated
 _PASSES = 20
 _SHORTEST = 4 * SIDE  # samples of a record, below which its motion is not told from an outlier
@@ -106,9 +107,9 @@ def _near_the_ends(y: Array, noise: float, least: float) -> list[Block]:
     """One of the first or last samples that stands out, by more than any acceleration of the record does in a sample.
 
     Of the first, one whose two neighbors differ by less than half of it: where a motion begins they differ by more. One
-    that is over within a sample reads as an outlier. The very first is not asked.
+    that is over within a sample reads as an outlier. The very first have to lie off by more than any motion does.
     """
-    found = []
+    found = _at_the_beginning(y, noise, least)
     for begin in (*range(1, SIDE), *range(y.size - SIDE, y.size)):
         score, off = stand_out(y, 1, np.array([begin]), noise, _after(y.size, begin, 1))
         first = begin < SIDE
@@ -117,6 +118,20 @@ def _near_the_ends(y: Array, noise: float, least: float) -> list[Block]:
         if score[0, 0] > _OUTLIER and abs(off[0, 0]) > max(least, fastest, beside):
             found.append((float(score[0, 0]), begin, 1))
     return found
+
+
+def _at_the_beginning(y: Array, noise: float, least: float) -> list[Block]:
+    """The first readings of a cart that rests, where they lie off by many times what it ever moves in a sample.
+
+    Before a cart that moves, readings may have been lost instead.
+    """
+    for count in range(1, LONGEST + 1):
+        fastest = float(np.abs(np.diff(y[count:])).max())
+        off = float(np.abs(y[:count] - y[count]).min())
+        rests = float(np.ptp(y[count : count + SIDE])) <= max(least, _OUTLIER * noise)
+        if rests and off > max(least, _JUMP * fastest, _OUTLIER * noise):
+            return [(off / noise, 0, count)]
+    return []
 
 
 def interpolate_readings(experiment: Experiment, *, detectors: Sequence[Detector]) -> tuple[Array, list[Mask]]:
