@@ -79,6 +79,18 @@ def test_noise_of_any_color_is_left_out_where_the_cart_does_not_follow_it(kind: 
     assert (np.unique(context.records.volts).size > 10) is followed
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_another_misfit_does_not_make_noise_an_input(seed: int) -> None:
+    """The input is read a sample early: what that leaves is far more than the noise could move, and alike by chance."""
+    rng, runs = np.random.default_rng(seed), []
+    for run in measured(0.0).experiments:
+        early = np.append(run.input[1:], run.input[-1]) + 1e-3 * rng.standard_normal(SAMPLES)
+        runs.append(run.model_copy(update={"input": early}))
+    context = prepare(stepid.Campaign(name="early", experiments=tuple(runs)))
+    assert any("is read with noise of up to" in note for note in context.notes)
+    assert context.linear.rms > 5 * context.floor
+
+
 def test_a_step_at_the_first_sample_is_one_from_rest() -> None:
     """Its noise had been taken for an input that changes all the time, and the start for free: no gain was left."""
     runs = [

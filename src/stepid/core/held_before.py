@@ -50,7 +50,7 @@ def all_held_before(runs: Sequence[Experiment]) -> tuple[list[Experiment], list[
 def _input_before(run: Experiment) -> float:
     y, bounds = run.position, step_bounds(run.input)  # levels that are measured have noise
     first, final = (_level(run.input[a:b]) for a, b in (bounds[:2], bounds[-2:]))
-    small = STEP * float(np.ptp([run.input_before, *run.input]))
+    small = STEP * _range(run)
     begins, ends = abs(first - run.input_before) > small, abs(final - run.input_before) > small
     if bounds.size == 2 or run.starts == "motion":
         return run.input_before
@@ -70,6 +70,10 @@ def _input_before(run: Experiment) -> float:
     return first if abs(float(np.mean(end) - np.mean(lead))) > _AWAY * travel else run.input_before
 
 
+def _range(run: Experiment) -> float:
+    return float(max(run.input.max(), run.input_before) - min(run.input.min(), run.input_before))
+
+
 def _level(volts: Array) -> float:
     return float(volts[0]) if np.ptp(volts) == 0 else float(np.mean(volts))
 
@@ -79,8 +83,7 @@ def _rests_beside(run: Experiment, lead: Array, volts: float) -> bool:
 
     A step of so many `volts` would have moved it in that time, by a part of what the whole input did.
     """
-    y, quiet = run.position, span_at_rest(run)
-    whole = float(np.ptp([run.input_before, *run.input]))
+    y, quiet, whole = run.position, span_at_rest(run), _range(run)
     swing = 1.0 - math.cos(min(2 * math.pi * lead.size / period_of(y), math.pi))
     moves = abs(volts) / whole * float(np.ptp(y)) / 2 * swing if whole > 0 else 0.0
     return moves > quiet >= float(np.ptp(lead))

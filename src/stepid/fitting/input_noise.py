@@ -11,11 +11,12 @@ import numpy as np
 from stepid.core.base import Array, Index
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.input_levels import at_levels, held_bounds
+from stepid.core.noise import rms
 from stepid.core.words import listed
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.simulation.simulator import Simulator
 
-_APART = 3.0  # standard uncertainties of a difference, within which two levels are one
+_APART = 3.0  # standard uncertainties of a difference, within which two levels are one, or chance is enough
 
 
 class Levels(NamedTuple):
@@ -39,8 +40,9 @@ def follows(held: Optimum, read: Optimum) -> bool:
     """Tell whether a cart follows what is read of its input beside the levels.
 
     The linear plant that is fitted to the levels tells how it would move by that: at least half of it must be in what
-    the plant leaves. Whatever else is missing, a lag or friction, takes no part in that. Where the levels tell no
-    plant, as those of an input that is noise, what is read must leave less than half of what they do.
+    the plant leaves, and more than of such a motion at other times. Whatever else is missing, a lag or friction, is in
+    either. Where the levels tell no plant, as those of an input that is noise, what is read must leave less than half
+    of what they do.
 
     Parameters
     ----------
@@ -50,7 +52,10 @@ def follows(held: Optimum, read: Optimum) -> bool:
         The same with their inputs as they were read.
     """
     moved = Simulator(read.problem.records, ()).readings(held.shared[None], held.local[None])[0] - held.solved.reading
-    return bool(2 * read.cost < held.cost or 2 * (held.residual @ moved) > moved @ moved)
+    spectra = np.fft.rfft(held.residual), np.fft.rfft(moved)
+    shared = np.fft.irfft(spectra[0] * spectra[1].conj(), moved.size)  # with that motion later by each sample
+    clear = 2 * shared[0] > moved @ moved and shared[0] > _APART * rms(shared)
+    return bool(2 * read.cost < held.cost or clear)
 
 
 class _Read(NamedTuple):
