@@ -10,7 +10,7 @@ import numpy.typing as npt
 from stepid.core.experiment import Experiment
 from stepid.core.samples import EVEN
 
-_SAID = ("added_mass", "spring", "damper", "base", "input_before", "input_between")
+_SAID = ("added_mass", "spring", "damper", "base", "input_between")
 
 
 def copies(runs: Iterable[Experiment]) -> dict[str, str]:
@@ -53,7 +53,7 @@ def are_repeats(one: Experiment, other: Experiment, *, within: float = 0.0) -> b
     if one.input.size != other.input.size or not have_one_label(one, other):
         return False
     late = np.abs((one.time - one.time[0]) - (other.time - other.time[0])).max()
-    apart = np.abs(one.input - other.input).max()
+    apart = max(np.abs(one.input - other.input).max(), abs(one.input_before - other.input_before))
     return bool(late <= EVEN * one.sample_time and apart <= within * np.ptp(one.input))
 
 

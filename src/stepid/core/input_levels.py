@@ -41,10 +41,13 @@ def level_bounds(values: Array) -> Index | None:
 
 
 def held_bounds(values: Array) -> Index | None:
-    """As `level_bounds`; what is read beside the levels may be of any color where it is less than a step."""
+    """As `level_bounds`; what is read beside the levels may be of any color where it is less than a step.
+
+    It differs from sample to sample, which small steps of the drive do not.
+    """
     bounds = step_bounds(values)
     parts = [values[a:b] for a, b in pairwise(bounds)]
-    scatters = any(np.ptp(part) > 0 for part in parts) and bounds.size <= most_steps(values.size)
+    scatters = 2 * np.count_nonzero(np.diff(values)) > values.size and bounds.size <= most_steps(values.size)
     if scatters and rms(np.concatenate([part - part.mean() for part in parts])) <= STEP * float(np.ptp(values)):
         return bounds
     return level_bounds(values)
