@@ -52,7 +52,7 @@ def _input_before(run: Experiment) -> float:
     first, final = (_level(run.input[a:b]) for a, b in (bounds[:2], bounds[-2:]))
     small = STEP * _range(run)
     begins, ends = abs(first - run.input_before) > small, abs(final - run.input_before) > small
-    if bounds.size == 2 or run.starts == "motion":
+    if bounds.size == 2 or first == run.input_before or run.starts == "motion":
         return run.input_before
     lead, last, travel = y[: bounds[1]], y[bounds[-2] :], float(np.ptp(y))
     if not begins:  # the level of a noisy one is taken from its readings: see `stepid.core.input_levels.levelled`

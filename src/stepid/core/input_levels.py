@@ -1,4 +1,4 @@
-"""Levels that an input is held at, where it was measured: readings scatter about each like white noise."""
+"""Levels that an input is held at, where it was measured: readings scatter about each."""
 
 from __future__ import annotations
 
@@ -40,17 +40,25 @@ def level_bounds(values: Array) -> Index | None:
     return bounds if scatters and _are_white(about) else None
 
 
-def held_bounds(values: Array) -> Index | None:
-    """As `level_bounds`; what is read beside the levels may be of any color where it is less than a step.
+def held_bounds(run: Experiment) -> Index | None:
+    """As `level_bounds` of a run's input; what is read beside the levels may be of any color where it is small.
 
     It differs from sample to sample, which small steps of the drive do not.
     """
-    bounds = step_bounds(values)
-    parts = [values[a:b] for a, b in pairwise(bounds)]
-    scatters = 2 * np.count_nonzero(np.diff(values)) > values.size and bounds.size <= most_steps(values.size)
-    if scatters and rms(np.concatenate([part - part.mean() for part in parts])) <= STEP * float(np.ptp(values)):
-        return bounds
+    values = run.input
+    if run.input_between != "held":
+        return None
+    if 2 * np.count_nonzero(np.diff(values)) > values.size:
+        bounds = step_bounds(values)
+        small = rms(beside_levels(values, bounds)) <= STEP * float(np.ptp(values))
+        if small and bounds.size <= most_steps(values.size):
+            return bounds
     return level_bounds(values)
+
+
+def beside_levels(values: Array, bounds: Index) -> Array:
+    """What is read beside the mean of each level, shape (n,)."""
+    return np.concatenate([values[a:b] - values[a:b].mean() for a, b in pairwise(bounds)])
 
 
 @once
@@ -59,7 +67,7 @@ def levelled(run: Experiment) -> Experiment:
 
     It rested under the first of them where that is no step from what the run says.
     """
-    bounds = held_bounds(run.input) if run.input_between == "held" else None
+    bounds = held_bounds(run)
     if bounds is None:
         return run
     return at_levels(run, bounds, [float(run.input[a:b].mean()) for a, b in pairwise(bounds)])

@@ -125,11 +125,11 @@ def _at_the_beginning(y: Array, noise: float, least: float) -> list[Block]:
 
     Before a cart that moves, readings may have been lost instead.
     """
+    plain = max(least, _OUTLIER * noise)
     for count in range(1, LONGEST + 1):
-        fastest = float(np.abs(np.diff(y[count:])).max())
         off = float(np.abs(y[:count] - y[count]).min())
-        rests = float(np.ptp(y[count : count + SIDE])) <= max(least, _OUTLIER * noise)
-        if rests and off > max(least, _JUMP * fastest, _OUTLIER * noise):
+        rests = float(np.ptp(y[count : count + SIDE])) <= plain
+        if off > plain and rests and off > _JUMP * float(np.abs(np.diff(y[count:])).max()):
             return [(off / noise, 0, count)]
     return []
 

@@ -131,6 +131,7 @@ def _next(evidence: EvidenceRecord, answer: Answer) -> str | None:
             [c.optimum for c in answer.alternatives],
             floor=evidence.context.floor,
             tell=lambda o: words[id(o)],
+            criteria=evidence.criteria,
         )
     if evidence.input_fault is not None:
         return evidence.input_fault.remedy

@@ -23,8 +23,9 @@ def conditions_of(records: Records) -> Index:
 
 def _in_one_condition(one: Experiment, other: Experiment) -> bool:
     """Tell whether two runs are repeats, or releases of one plant, however long they are."""
-    released = one.is_release and other.is_release
-    return have_one_label(one, other) if released else are_repeats(one, other, within=ALIKE)
+    if one.is_release and other.is_release:
+        return have_one_label(one, other) and one.input_before == other.input_before
+    return are_repeats(one, other, within=ALIKE)
 
 
 def by_condition(optimum: Optimum, place: Index, jacobian: Array, records: Records) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 from stepid.core.experiment import Experiment
 from stepid.core.noise import rms
 from stepid.core.words import digits, length
+from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.exchangeable import push
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.problem import build
@@ -21,7 +22,6 @@ _HALF, _LARGER = 0.5, 1.6  # times the largest step or displacement so far
 _FASTER = 4  # times as many readings a second
 _WAIT = 4  # samples before a step
 _SEEN = 0.5  # of the noise, or of what the models leave, by which they must differ
-_RESTS = 1.15  # times the noise, from which on more is left
 _STEPS = 8  # of a fit of what is free in every run
 
 
@@ -111,7 +111,14 @@ def _gap(fitted: Records, rival: Optimum, answered: Proposal) -> float:
     return 0.0 if found is None else rms(records.centered(records.position - found.solved.reading))
 
 
-def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tell: Callable[[Optimum], str]) -> str:
+def next_experiment(
+    chosen: Optimum,
+    rivals: list[Optimum],
+    *,
+    floor: float,
+    tell: Callable[[Optimum], str],
+    criteria: Criteria | None = None,
+) -> str:
     """Name the run on which the rival models differ most, both simulated with the parameters they were fitted with.
 
     Where they leave more than noise, what is missing in both will be missing in that run, too: it tells them apart only
@@ -125,12 +132,14 @@ def next_experiment(chosen: Optimum, rivals: list[Optimum], *, floor: float, tel
         m, noise.
     tell : callable
         Names an optimum in words.
+    criteria : Criteria, optional
+        Up to `near` times the noise only that is left.
     """
     fitted, start = chosen.problem.records, chosen.local[0]
     mass = float(chosen.problem.layout.mass(chosen.shared)[0])
     able = _answered(fitted, chosen, _proposals(fitted, float(start[np.argmax(np.abs(start))]), mass))
     gaps = np.array([[_gap(fitted, rival, one) for one in able] for rival in rivals if able])
-    rests = chosen.rms > _RESTS * floor
+    rests = chosen.rms > (criteria or Criteria()).near * floor
     left, what = (chosen.rms, "what they leave so far") if rests else (floor, "the noise")
     told = [i for i, own in enumerate(gaps) if own.max() >= _SEEN * left]
     if not told:

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepid.core.base import Array, Index
-from stepid.core.experiment import Campaign, Experiment
-from stepid.core.input_levels import at_levels, held_bounds
+from stepid.core.base import Array
+from stepid.core.experiment import Campaign
+from stepid.core.input_levels import at_levels, beside_levels, held_bounds
 from stepid.core.noise import rms
 from stepid.core.words import listed
 from stepid.fitting.levenberg_marquardt import Optimum
@@ -74,13 +74,13 @@ def pooled_levels(campaign: Campaign) -> Levels | None:
     ----------
     campaign : Campaign
     """
-    found = {run.name: bounds for run in campaign.experiments if (bounds := _bounds(run)) is not None}
+    found = {run.name: bounds for run in campaign.experiments if (bounds := held_bounds(run)) is not None}
     if not found:
         return None
     read, noise = {}, {}
     for run in (run for run in campaign.experiments if run.name in found):
         parts = [run.input[a:b] for a, b in pairwise(found[run.name])]
-        scatter = np.concatenate([part - part.mean() for part in parts])
+        scatter = beside_levels(run.input, found[run.name])
         noise[run.name] = float(np.std(scatter))
         few = _alike(scatter)
         read[run.name] = [
@@ -92,10 +92,6 @@ def pooled_levels(campaign: Campaign) -> Levels | None:
         for run in campaign.experiments
     )
     return Levels(campaign.model_copy(update={"experiments": runs}), noise)
-
-
-def _bounds(run: Experiment) -> Index | None:
-    return held_bounds(run.input) if run.input_between == "held" else None
 
 
 def _alike(scatter: Array) -> float:
