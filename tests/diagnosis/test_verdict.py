@@ -193,6 +193,13 @@ def test_open_freedom_does_not_dispute_a_name_nor_earn_one() -> None:
     assert found is not None
     assert (found.verdict, found.shown, found.alternatives) == ("ambiguous", FRICTION, (PLAY,))
     assert found.reasons[-1].startswith("Coulomb friction leaves 10.0 µm, 1 times the noise floor")
+    told: dict[str, Any] = {"best": PLAY, "undetermined": ("free_play.gap",), "simpler": (FRICTION,), "lead": LINEAR}
+    beyond = ask("complete_but_open", **told, floored=PLAY.names, still_followed="velocity")
+    assert beyond is not None  # what a simpler law leaves beyond the noise is what the open one has beyond it
+    assert (beyond.verdict, beyond.shown) == ("ambiguous", FRICTION)
+    noise = ask("complete_but_open", **told, floored=(*PLAY.names, *FRICTION.names), still_followed="velocity")
+    assert noise is not None
+    assert noise.verdict == "unexplained"
 
 
 def test_three_laws_of_one_state_name_none() -> None:

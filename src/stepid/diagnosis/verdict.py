@@ -99,12 +99,12 @@ def rest_follows_the_motion(e: EvidenceRecord) -> Answer | None:
 def complete_but_open(e: EvidenceRecord) -> Answer | None:
     """The best leaves only noise, but a parameter is open, or an effect not seen or imitated: others are as good.
 
-    Or a simpler law inside it that leads: what the general one has beyond it is open.
+    Or a simpler law inside it that leads: what the general one has beyond it is open, and what it leaves follows that.
     """
     if not (e.at_floor(e.best) and e.barred(e.best)):
         return None
     sure = [c for c in e.rivals if e.at_floor(c)] or list(e.simpler)
-    sure = [c for c in sure if not e.followed(c) and not e.barred(c)]
+    sure = [c for c in sure if not (e.at_floor(c) and e.followed(c)) and not e.barred(c)]
     but = ["the data do not determine " + ", ".join(map(parameter_words, e.undetermined))] if e.undetermined else []
     but += [f"{effect_names((name,))} cannot be told from {what} here" for name, what in e.imitators(e.best).items()]
     said = f"{what_leaves(e.best)} only noise, but {', and '.join(but)}."
