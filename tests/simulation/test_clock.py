@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stepid
+from stepid.core.samples import off_even_clock
 from stepid.simulation.clock import clock, clock_notes
 
 STEP = 0.01
@@ -36,6 +37,17 @@ def test_stamps_that_are_late_give_way_to_an_even_clock() -> None:
     np.testing.assert_allclose(np.diff(clock(run)), STEP, rtol=1e-2)
     (told,) = clock_notes([run])
     assert "an even clock is taken for them" in told
+
+
+def test_the_first_stamp_and_the_last_are_as_late_as_any() -> None:
+    """Held to these two, a clock had all others up to 0.6 of a sample beside it: they were taken as uneven samples."""
+    stamps = LATE.copy()
+    stamps[[0, -1]] = EVEN[[0, -1]] + 0.3 * STEP * np.array([-1.0, 1.0])
+    stamps[150] = EVEN[150] - 0.3 * STEP
+    run = released(EVEN, stamps)
+    assert 0.3 <= off_even_clock(stamps).max() < 0.4
+    np.testing.assert_allclose(np.diff(clock(run)), STEP, rtol=1e-3)
+    assert "an even clock is taken for them" in clock_notes([run])[0]
 
 
 def test_samples_that_are_uneven_keep_their_stamps() -> None:

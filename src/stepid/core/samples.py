@@ -45,9 +45,9 @@ def check_samples(time: Array, position: Array, volts: Array, counts_per_meter: 
 
 
 def off_even_clock(time: Array) -> Array:
-    """How far times, shape (n,), are off an even clock from the first to the last, in samples."""
-    step = (float(time[-1]) - float(time[0])) / (time.size - 1)
-    out: Array = np.abs(time - time[0] - step * np.arange(time.size)) / step
+    """How far times, shape (n,), are off the even clock nearest to them, in samples."""
+    even = even_clock(time)
+    out: Array = np.abs(time - even) * (time.size - 1) / (even[-1] - even[0])
     return out
 
 
@@ -58,9 +58,10 @@ def is_even(time: Array) -> bool:
 
 def even_clock(time: Array) -> Array:
     """Return the even clock nearest to times, shape (n,), by least squares."""
-    number = np.arange(time.size, dtype=np.float64)
-    slope, offset = np.polyfit(number, time - time[0], 1)
-    out: Array = time[0] + offset + slope * number
+    number = np.arange(time.size) - (time.size - 1) / 2
+    since = time - time[0]  # times far from zero keep their digits
+    slope = float(number @ since) / float(number @ number)
+    out: Array = time[0] + (float(since.mean()) + slope * number)
     return out
 
 
