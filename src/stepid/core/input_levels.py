@@ -16,6 +16,7 @@ STEP = 0.05
 """Of the input's range: a smaller change is noise on it."""
 _CLEAR = 6.0  # standard deviations of a change by noise, beyond which it is a step
 _FEWEST = 8  # samples of a level whose scatter says something
+_LONE = 3  # samples in a row of a level that may be misread
 _WHITE = 0.5  # von Neumann ratio over 2, below which a level drifts or sags: what the drive did, and no noise
 
 
@@ -78,6 +79,37 @@ def at_levels(run: Experiment, bounds: Index, levels: Sequence[float]) -> Experi
     no_step = abs(levels[0] - run.input_before) <= STEP * float(np.ptp([run.input_before, *levels]))
     before = levels[0] if no_step else run.input_before
     return run.model_copy(update={"input": np.repeat(levels, np.diff(bounds)), "input_before": before})
+
+
+def lone_samples(values: Array) -> list[slice]:
+    """Find samples of an input, three in a row at most, that leave a level which holds on both sides of them.
+
+    Parameters
+    ----------
+    values : array, shape (n,)
+        V.
+
+    Returns
+    -------
+    list of slice
+    """
+    bounds = step_bounds(values)
+    clear = STEP * float(np.ptp(values))
+    return [
+        slice(a, b)
+        for start, a, b, stop in zip(bounds, bounds[1:], bounds[2:], bounds[3:], strict=False)
+        if b - a <= _LONE and min(a - start, stop - b) >= _FEWEST and abs(values[a - 1] - values[b]) <= clear
+    ]
+
+
+def without_samples(values: Array, lone: Sequence[slice]) -> Array:
+    """Return an input, shape (n,), V, with samples of it at the level around them."""
+    out = values.copy()
+    for some in lone:
+        around = np.concatenate([values[some.start - _FEWEST : some.start], values[some.stop : some.stop + _FEWEST]])
+        out[some] = np.median(around)
+    out.setflags(write=False)
+    return out
 
 
 def step_bounds(values: Array) -> Index:

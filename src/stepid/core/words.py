@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 _SMALL, _LEAST = 0.095, 1e-4  # µm
+_NAMED = 6  # samples named in a sentence
 
 
 def capitalized(words: str) -> str:
@@ -38,3 +39,9 @@ def digits(value: float) -> str:
 def listed(parts: Sequence[str], word: str) -> str:
     """Write a list as people speak: ``"a, b and c"``."""
     return f" {word} ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
+
+
+def at_samples(numbers: Sequence[int]) -> str:
+    """Name the first few of some samples: ``"sample 4"``, ``"samples 1, 2, 3, 5, 8, 13, …"``."""
+    told = ", ".join(map(str, numbers[:_NAMED])) + (", …" if len(numbers) > _NAMED else "")
+    return f"sample{'s' * (len(numbers) > 1)} {told}"

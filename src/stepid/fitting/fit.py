@@ -22,7 +22,7 @@ from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.fit_result import Fit as Fit
 from stepid.fitting.hum import find_hum, without_hum
 from stepid.fitting.input_fault import find_input_fault
-from stepid.fitting.input_noise import follows, pooled_levels
+from stepid.fitting.input_noise import follows, pooled_levels, without_lone_samples
 from stepid.fitting.left_over import left_over
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import centered
@@ -59,15 +59,19 @@ def prepare(campaign: Campaign, *, workers: int = 1) -> FitContext:
     screened = screen(as_campaign(campaign))
     campaign, notes = screened.campaign, screened.notes
     records, linear, floor = _begun(campaign, screened.wrong, workers)
-    levels = pooled_levels(campaign)
-    if levels is not None:
-        held = _begun(levels.campaign, screened.wrong, workers)
+    faults = screened.faults
+    for taken in (without_lone_samples, pooled_levels):
+        other = taken(campaign)
+        if other is None:
+            continue
+        held = _begun(other.campaign, screened.wrong, workers)
         if not follows(held[1], linear):
-            campaign, (records, linear, floor), notes = levels.campaign, held, (*notes, levels.note)
+            campaign, (records, linear, floor) = other.campaign, held
+            faults, notes = (*faults, *other.faults), (*notes, *other.said)
     hums = find_hum(records, linear)
     if hums:
         records, linear, floor = _begun(without_hum(campaign, hums), screened.wrong, workers)
-    faults = (*screened.faults, *(hum.fault for hum in hums))
+    faults = (*faults, *(hum.fault for hum in hums))
     floor, colored = colored_floor(records, records.position - linear.solved.reading, white=floor)
     floor = bounded_floor(records, floor, linear.rms, int(linear.problem.free.sum() + linear.problem.active.sum()))
     return FitContext(records, linear, floor, workers=workers, faults=faults, colored=colored, notes=notes)

@@ -1,4 +1,4 @@
-"""Noise of an input that was measured: the drive held its levels, and the readings scatter about them."""
+"""An input that was measured: the drive held its levels, and readings scatter about them, or a few are wrong."""
 
 from __future__ import annotations
 
@@ -10,30 +10,22 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Campaign
-from stepid.core.input_levels import at_levels, beside_levels, held_bounds
+from stepid.core.input_levels import at_levels, beside_levels, held_bounds, lone_samples, without_samples
 from stepid.core.noise import rms
-from stepid.core.words import listed
+from stepid.core.words import at_samples, counted, listed
 from stepid.fitting.levenberg_marquardt import Optimum
+from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.simulator import Simulator
 
 _APART = 3.0  # standard uncertainties of a difference, within which two levels are one, or chance is enough
 
 
-class Levels(NamedTuple):
-    """A campaign with inputs that are held at their levels, and what was read of them beside that."""
+class Held(NamedTuple):
+    """A campaign with inputs as its drive may have held them, and what is said of how they were read if it did."""
 
     campaign: Campaign
-    noise: dict[str, float]  # V, standard deviation, by run
-
-    @property
-    def note(self) -> str:
-        """Say whose input is noisy, and what is taken for it."""
-        most = max(self.noise.values())
-        runs = listed([repr(name) for name in self.noise], "and")
-        return (
-            f"The input of run{'s' * (len(self.noise) > 1)} {runs} is read with noise of up to {most:.2g} V. "
-            "The cart does not follow that noise, so the levels are taken that the input was held at."
-        )
+    said: tuple[str, ...]
+    faults: tuple[RecordFault, ...] = ()
 
 
 def follows(held: Optimum, read: Optimum) -> bool:
@@ -65,7 +57,38 @@ class _Read(NamedTuple):
     spread: float
 
 
-def pooled_levels(campaign: Campaign) -> Levels | None:
+def without_lone_samples(campaign: Campaign) -> Held | None:
+    """Hold each input at its level where up to three samples leave it for another; None where none do.
+
+    A blow that is all a run is driven by is none of them.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    """
+    held, faults = list(campaign.experiments), []
+    for number, run in enumerate(campaign.experiments):
+        volts = without_samples(run.input, lone_samples(run.input))
+        if np.ptp(volts) > 0 and np.any(volts != run.input):
+            held[number] = run.model_copy(update={"input": volts})
+            faults.append(_misread(run.name, volts, run.input))
+    if not faults:
+        return None
+    said = tuple(fault.words for fault in faults)
+    return Held(campaign.model_copy(update={"experiments": tuple(held)}), said, tuple(faults))
+
+
+def _misread(name: str, held: Array, read: Array) -> RecordFault:
+    """Samples at which an input was misread."""
+    at = np.flatnonzero(held != read)
+    off, many = float(np.abs(held - read).max()), at.size > 1
+    of = f"{counted(at.size, 'reading')} of its input ({at_samples(at.tolist())})"
+    is_off = f"{'are up to' if many else 'is'} {off:.3g} V beside the level around {'them' if many else 'it'}"
+    words = f"Run {name!r}: {of} {is_off}, which the cart does not follow: that level is taken."
+    return RecordFault(run=name, kind="misread input", size=off, unit="V", words=words)
+
+
+def pooled_levels(campaign: Campaign) -> Held | None:
     """Hold each input at its levels where it scatters about these; None where no input does.
 
     Levels that the noise does not tell apart are one, in whichever runs.
@@ -91,7 +114,16 @@ def pooled_levels(campaign: Campaign) -> Levels | None:
         at_levels(run, found[run.name], [level[one] for one in read[run.name]]) if run.name in found else run
         for run in campaign.experiments
     )
-    return Levels(campaign.model_copy(update={"experiments": runs}), noise)
+    return Held(campaign.model_copy(update={"experiments": runs}), (_noisy(noise),))
+
+
+def _noisy(noise: dict[str, float]) -> str:
+    """Say whose input is noisy, by the standard deviation of each, V, and what is taken for it."""
+    runs = listed([repr(name) for name in noise], "and")
+    return (
+        f"The input of run{'s' * (len(noise) > 1)} {runs} is read with noise of up to {max(noise.values()):.2g} V. "
+        "The cart does not follow that noise, so the levels are taken that the input was held at."
+    )
 
 
 def _alike(scatter: Array) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.outliers import LONGEST, SIDE, Block, Mask, interpolate_readings, isolated, outliers, stand_out
-from stepid.core.words import length
+from stepid.core.words import at_samples, counted, length
 from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.records import Records
 
@@ -19,7 +19,6 @@ _STUCK = 4.0  # the same where a reading is repeated to the last digit and the c
 _CAUGHT_UP = 0.7  # share of the way missed meanwhile that a reading makes good in one sample: a cart at rest does not
 _STEADY = 0.5  # speed before over speed after, or the reverse, of a cart that moves on
 _STICKS = 8  # samples that a reading may stick
-_NAMED = 6  # samples named in a sentence
 _NEXT_TO_NOTHING = 1e-6  # square-root weight of a reading that is left out
 _RESIDUAL = 8.0  # standard deviations of a good fit's residual
 
@@ -91,12 +90,11 @@ def _fault(run: str, kind: str, mask: Mask, off: Array) -> RecordFault:
     at = np.flatnonzero(mask)
     size = float(off[mask].max())
     one = at.size == 1
-    listed = ", ".join(map(str, at[:_NAMED])) + (", …" if at.size > _NAMED else "")
     does = "stand" + "s" * one + f" out by {'up to ' * (not one)}{length(size)}"
     if kind == "stuck readings":
         does = f"repeat{'s' * one} the one before while the cart moves"
     words = (
-        f"Run {run!r}: {at.size} reading{'s' * (not one)} (sample{'s' * (not one)} {listed}) {does}; "
+        f"Run {run!r}: {counted(at.size, 'reading')} ({at_samples(at.tolist())}) {does}; "
         f"{'it is' if one else 'they are'} left out."
     )
     return RecordFault(run=run, kind=kind, size=size, unit="m", words=words)

@@ -15,7 +15,8 @@ class RecordFault(Model):
     run : str
         Name of the run, or `ALL_RUNS`.
     kind : str
-        What sort of fault: ``"outliers"``, ``"hum"``, ``"added_mass"``, ``"gain"``, ``"disagreement"``, …
+        What sort of fault: ``"outliers"``, ``"misread input"``, ``"hum"``, ``"added_mass"``, ``"gain"``,
+        ``"disagreement"``, …
     size : float
         In `unit`.
     unit : str
