@@ -9,8 +9,9 @@ import pytest
 
 from made_up_evidence import candidate, context
 from stepid import Criteria, Effort
+from stepid.diagnosis.selection.fits import Fits
+from stepid.diagnosis.selection.moves import MOVES
 from stepid.diagnosis.selection.search import Search
-from stepid.diagnosis.selection.standings import Standings
 
 PAIR = ("coulomb_friction", "cogging")
 
@@ -41,12 +42,11 @@ def a_search(lead: float) -> Search:
     """A pair that leaves so much of a misfit of 100 leads; five rivals of it are proposed."""
     found: Any = Search.__new__(Search)
     fit: Any = SimpleNamespace(**vars(context()) | {"noise_limit": 1.0, "unit": 0.01})
-    Standings.__init__(found, fit, Criteria(), Effort())
+    Fits.__init__(found, fit, Criteria(), Effort(), MOVES, lambda proposal: None)
     pair = node(*PAIR, cost=lead)
     found.root = node(cost=100.0)
     found.nodes = {n.key: n for n in (found.root, pair)}
     found.candidates = {c.key: c for c in (candidate(times=30.0), candidate(PAIR, times=8.0))}
-    found._tried, found._failed, found._begun = set(), set(), set()
     found.proposals = [
         proposed(pair, "coulomb_friction", "free_play", move="exchange", left=0.6 * lead),  # really 0.6^8 of it
         proposed(pair, "stribeck_friction", "cogging", move="generalize", left=0.98 * lead),

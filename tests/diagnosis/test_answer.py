@@ -17,9 +17,8 @@ from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.diagnose import diagnose
 from stepid.diagnosis.explore import linear_candidate
 from stepid.diagnosis.progress import Progress
-from stepid.diagnosis.selection import search
 from stepid.diagnosis.selection.effort import Effort
-from stepid.diagnosis.selection.moves import EXPLORING
+from stepid.diagnosis.selection.moves import Moves
 from stepid.diagnosis.selection.proposal import Node, Proposal, SearchContext, standing
 from stepid.diagnosis.selection.search import Search
 from stepid.effects import CATALOGUE, Effect, Moment, Parameter, Scales, resolve
@@ -237,11 +236,10 @@ class AskAFriend:
         ]
 
 
-def test_a_move_from_outside_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_move_from_outside_is_made() -> None:
     (coulomb,) = resolve(["coulomb_friction"])
-    monkeypatch.setattr(search, "EXPLORING", (*EXPLORING, AskAFriend(coulomb)))
-    context = prepare(friction())
-    found = Search(context, resolve(["quadratic_damping"]), criteria=Criteria(), effort=Effort()).run()
+    context, moves = prepare(friction()), Moves(exploring=(*Moves().exploring, AskAFriend(coulomb)))
+    found = Search(context, resolve(["quadratic_damping"]), criteria=Criteria(), effort=Effort(), moves=moves).run()
     assert found[0].names == ("coulomb_friction",)
     assert found[0].optimum.rms < 1.05 * context.floor
 

@@ -9,21 +9,22 @@ import pytest
 
 from exact_plants import EFFECTS, exact_campaign
 from search_nodes import FRICTION, GENERAL, SIMPLE, TWO, context, node, prepared, sets, sound
-from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, IN_PLACE, MOVES, SAME, TOGETHER
+from stepid.diagnosis.selection.moves import MOVES
 from stepid.diagnosis.selection.moves.add import Add
 from stepid.diagnosis.selection.moves.add_together import AddTogether
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.generalize import Generalize
 from stepid.diagnosis.selection.moves.instead import Instead
-from stepid.diagnosis.selection.proposal import Node, related
+from stepid.diagnosis.selection.moves.remain import Remain
+from stepid.diagnosis.selection.proposal import Node, related, standing
 from stepid.effects import resolve
 from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.fit import prepare
 
 
 def test_each_move_has_a_name_of_its_own() -> None:
-    kinds = {type(m) for m in (*EXPLORING, *CONFIRMING, *IN_PLACE, *SAME)}
-    assert len({m.name for m in MOVES}) == len(MOVES) == len(kinds) + len(TOGETHER), "two moves have one name"
+    kinds = {type(m) for m in (*MOVES.exploring, *MOVES.confirming, *MOVES.in_place, *MOVES.same)}
+    assert len(MOVES.every) == len(kinds) + len(MOVES.together), "two moves have one name"
 
 
 def test_add_offers_every_simple_effect_the_right_one_first() -> None:
@@ -158,3 +159,13 @@ def test_only_what_is_in_the_catalogue_is_proposed() -> None:
     some = resolve(["free_play", "cogging"])
     assert sorted(sets(Add().propose(node(fit), context(fit, some)))) == [("cogging",), ("free_play",)]
     assert Generalize().propose(node(fit, FRICTION), context(fit, some)) == []
+
+
+def test_remain_frees_conditions_beside_the_effect_from_where_that_stands() -> None:
+    fit = prepared("friction")
+    one = node(fit, FRICTION)
+    (found,) = Remain(frozenset({"gain"})).propose(one, context(fit))
+    assert (found.effects, found.deviations, found.base, found.left) == (one.effects, {"gain"}, one.key, one.cost)
+    (start,) = found.starts
+    assert start.values == standing(one).values
+    np.testing.assert_array_equal(start.linear, standing(one).linear)

@@ -11,7 +11,7 @@ from made_up_evidence import candidate
 from made_up_search import PAIR, a_search, node, nothing_imitates, proposed
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.fits import Fits
-from stepid.diagnosis.selection.moves import TOGETHER, UNFORESEEN
+from stepid.diagnosis.selection.moves import MOVES
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.generalize import Generalize
 from stepid.diagnosis.selection.search import Search
@@ -25,7 +25,7 @@ def plain_search(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def asked(search: Search, *, nearest: bool = False) -> list[tuple[str, int]]:
     base = frozenset(PAIR), frozenset[str]()
-    return [(p.move, p.size) for p in search._rivals([base], unforeseen=UNFORESEEN if nearest else ())]
+    return [(p.move, p.size) for p in search._rivals([base], unforeseen=MOVES.unforeseen if nearest else ())]
 
 
 @pytest.mark.parametrize("nearest", [False, True])
@@ -62,7 +62,7 @@ def test_larger_sets_take_no_place_where_none_may_be_asked() -> None:
 
 def test_rivals_on_other_bases_are_not_asked() -> None:
     found = a_search(lead=9.0)
-    assert found._rivals([found.root.key], unforeseen=UNFORESEEN) == []
+    assert found._rivals([found.root.key], unforeseen=MOVES.unforeseen) == []
 
 
 def test_sets_that_were_tried_from_a_base_are_not_asked_again_from_there() -> None:
@@ -87,7 +87,7 @@ def test_in_the_place_of_one_effect_that_leaves_noise_none_is_asked_that_promise
     best = candidate(names, deviations=deviations)
     found.candidates = {best.key: best}
     monkeypatch.setattr(Standings, "_complete", lambda *_: complete)
-    assert found._unforeseen() == (UNFORESEEN if exchanged else {"regeneralize"})
+    assert found._unforeseen() == (MOVES.unforeseen if exchanged else {"regeneralize"})
 
 
 def fitting_by(fit: Any, found: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -101,7 +101,7 @@ def fitting_by(fit: Any, found: Any, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_set_of_which_no_fit_is_found_gives_others_their_turn() -> None:
     found: Any = a_search(lead=9.0)
-    move = TOGETHER[0].name
+    move = MOVES.together[0].name
     sets = [(name, "sensor_drift") for name in ("cogging", "free_play", "end_stop", "actuator_lag")]
     found.proposals = [proposed(found.root, *names, move=move, left=30.0) for names in sets]
     assert [p.key[0] for p in found._promising()] == [frozenset(names) for names in sets[:3]]  # Effort.share

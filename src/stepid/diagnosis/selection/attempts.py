@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, Key
 from stepid.diagnosis.selection.fits import Fits
-from stepid.diagnosis.selection.moves import EXPLORING, SAME, TOGETHER
 from stepid.diagnosis.selection.moves.exchange import Exchange
 from stepid.diagnosis.selection.moves.generalize import Generalize
 from stepid.diagnosis.selection.promote import promote
@@ -38,7 +37,7 @@ class Attempts(Fits):
             if len(node.effects) <= LEADING:
                 leads.setdefault(len(node.effects), node)
         for node in leads.values():
-            self._expand(node, EXPLORING)
+            self._expand(node, self.moves.exploring)
         self._fit_all(by.modes(self.proposals, self.nodes, [node.key for node in leads.values()]))
         return self._takes_enough(least)
 
@@ -65,9 +64,9 @@ class Attempts(Fits):
             return False
         base = by.largest_lead(self.nodes.values())
         if base is not None:
-            self._expand(base, EXPLORING)
-        self._expand(self.root, TOGETHER)
-        self._fit_all(by.larger(self._able(), self.nodes, base, self.effort.share, TOGETHER), keep=1)
+            self._expand(base, self.moves.exploring)
+        self._expand(self.root, self.moves.together)
+        self._fit_all(by.larger(self._able(), self.nodes, base, self.effort.share, self.moves.together), keep=1)
         return self._takes_enough(least)
 
     def _try_beside(self) -> bool:
@@ -82,7 +81,7 @@ class Attempts(Fits):
             return False
         for base in by.apart(self.nodes.values(), LEADING, self.effort.beam):
             if self._least().cost > self.noise_limit:
-                self._expand(base, EXPLORING)
+                self._expand(base, self.moves.exploring)
                 self._fit_beside(base)
         self._promote()
         return self._takes_enough(least)
@@ -117,7 +116,8 @@ class Attempts(Fits):
             order = sorted(self.candidates.values(), key=lambda c: c.optimum.cost)
             leading = self._leading()
             for found in (c for c in order if c in leading or c.optimum.cost <= 2 * order[0].optimum.cost):
-                for proposal in [p for move in SAME for p in move.propose(self.nodes[found.key], self.context)]:
+                node = self.nodes[found.key]
+                for proposal in [p for move in self.moves.same for p in move.propose(node, self.context)]:
                     known = self.candidates.get(proposal.key)
                     if known is None or known.optimum.cost > found.optimum.cost + self.fit.tolerance:
                         self._fit(proposal)

@@ -11,7 +11,7 @@ from stepid.diagnosis.selection import conditions as runs
 from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.candidate import LEADING, Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
-from stepid.diagnosis.selection.moves import CONFIRMING, TOGETHER
+from stepid.diagnosis.selection.moves import Moves
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.instead import Instead
 from stepid.diagnosis.selection.moves.remain import Remain
@@ -22,10 +22,8 @@ from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 
-RIVALS = {move.name for move in CONFIRMING}
 _IN_PLACE = {Instead.name, Remain.name}
 _STANDING_IN = {Drop.name, *_IN_PLACE}
-_TOGETHER = {move.name for move in TOGETHER}
 
 
 class Fits(Standings):
@@ -36,13 +34,16 @@ class Fits(Standings):
     fit : FitContext
     criteria : Criteria
     effort : Effort
+    moves : Moves
     tell : callable
         Called before each fit of a proposal, with it.
     """
 
-    def __init__(self, fit: FitContext, criteria: Criteria, effort: Effort, tell: Callable[[Proposal], None]) -> None:
+    def __init__(
+        self, fit: FitContext, criteria: Criteria, effort: Effort, moves: Moves, tell: Callable[[Proposal], None]
+    ) -> None:
         super().__init__(fit, criteria, effort)
-        self._tell = tell
+        self.moves, self._tell = moves, tell
         self.proposals: list[Proposal] = []
         self.fits = 0
         self._tried: set[tuple[Key, Key]] = set()  # base and set
@@ -54,10 +55,10 @@ class Fits(Standings):
         fitted = self._told(proposal)
         known = self.nodes.get(proposal.key)
         self._begin(fitted, proposal, keep)
-        far = keep is not None and proposal.move in _TOGETHER  # from a few iterations there is nothing to tell
+        far = keep is not None and proposal.move in self.moves.at_once  # from a few iterations there is nothing to tell
         if known is not None or far or proposal.move in _STANDING_IN:  # what stands in for more is fitted as well
             fitted.run(iterations=self.effort.polishing if proposal.move in _IN_PLACE else self.effort.promote)
-        if known is not None and proposal.move in RIVALS and fitted.cost > known.cost > proposal.left:
+        if known is not None and proposal.move in self.moves.rivals and fitted.cost > known.cost > proposal.left:
             known.fitted.run(iterations=self.effort.polishing)  # its rival says that this is not its end
         if fitted.best is None:
             self._failed.add((proposal.base, proposal.key, proposal.move))
@@ -66,8 +67,8 @@ class Fits(Standings):
     def _begin(self, fitted: CandidateFit, proposal: Proposal, keep: int | None) -> None:
         """Begin a fit from the starts of its proposal, of a new set from those of others of the same set as well."""
         new, iterations = proposal.key not in self.nodes, self.effort.begin
-        for source in by.sources(proposal, self.proposals, RIVALS) if new else [proposal]:
-            most = keep or (1 if source.move in _TOGETHER else self.effort.keep + 1)  # those come near
+        for source in by.sources(proposal, self.proposals, self.moves.rivals) if new else [proposal]:
+            most = keep or (1 if source.move in self.moves.at_once else self.effort.keep + 1)  # those come near
             starts = by.starts_in_order(source, proposal.effects)
             fitted.begin(starts, like=proposal.like, keep=most, iterations=iterations)
         if proposal.move == Instead.name and (best := self.nodes[self.best.key]).key[0] <= proposal.key[0]:

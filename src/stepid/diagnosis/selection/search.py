@@ -12,8 +12,7 @@ from stepid.diagnosis.selection import order as by
 from stepid.diagnosis.selection.attempts import Attempts
 from stepid.diagnosis.selection.candidate import Candidate, Key
 from stepid.diagnosis.selection.effort import Effort
-from stepid.diagnosis.selection.fits import RIVALS
-from stepid.diagnosis.selection.moves import CONFIRMING, EXPLORING, IN_PLACE, TOGETHER, UNFORESEEN
+from stepid.diagnosis.selection.moves import MOVES, Moves
 from stepid.diagnosis.selection.moves.deviate import Deviate
 from stepid.diagnosis.selection.moves.drop import Drop
 from stepid.diagnosis.selection.moves.exchange import Exchange
@@ -24,8 +23,6 @@ from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.deviations import conditions
 from stepid.fitting.multistart import FitContext
 
-_RIVALS_AND_RUNS = {*RIVALS, Deviate.name}
-_TOGETHER = {move.name for move in TOGETHER}
 Tell = Callable[["Search", Proposal], None]
 
 
@@ -38,6 +35,7 @@ class Search(Attempts):
     catalogue : tuple of Effect
     criteria : Criteria
     effort : Effort
+    moves : Moves
     tell : callable
         Called with the search before each fit of a proposal, and the proposal.
     """
@@ -49,9 +47,10 @@ class Search(Attempts):
         *,
         criteria: Criteria,
         effort: Effort,
+        moves: Moves = MOVES,
         tell: Tell = lambda search, proposal: None,
     ) -> None:
-        super().__init__(fit, criteria, effort, lambda proposal: tell(self, proposal))
+        super().__init__(fit, criteria, effort, moves, lambda proposal: tell(self, proposal))
         self.context = SearchContext(fit, catalogue, effort)
         root = CandidateFit(fit, ())
         root.best, root.polished = fit.coarse_linear, fit.linear
@@ -81,7 +80,7 @@ class Search(Attempts):
 
     def _explore(self, most: int) -> None:
         """Go on to sets that explain more, until one leaves only noise, none promises more or `most` are fitted."""
-        self._expand(self.root, EXPLORING)
+        self._expand(self.root, self.moves.exploring)
         for _ in range(self.effort.rounds):
             batch = self._promising()[: max(most - self.fits, 0)]
             for proposal in batch:
@@ -93,8 +92,9 @@ class Search(Attempts):
             if self._complete(best):
                 break
             self._lower_floor(best)
-            together = self._expand(self.root, [m for m in TOGETHER if m.name not in self.root.moves_made][:1])
-            if not (self._expand_best(EXPLORING) or together or batch):
+            untried = [m for m in self.moves.together if m.name not in self.root.moves_made]
+            together = self._expand(self.root, untried[:1])
+            if not (self._expand_best(self.moves.exploring) or together or batch):
                 break
 
     def _confirm(self) -> None:
@@ -102,12 +102,12 @@ class Search(Attempts):
         for _ in range(self.effort.rounds):
             self._polish_leads()
             bases = [self.nodes[c.key] for c in self._leading()]
-            made = [self._expand(node, CONFIRMING) for node in bases]
+            made = [self._expand(node, self.moves.confirming) for node in bases]
             steady = runs.singles(self.nodes.values(), self.best)
             made += [self._expand(node, (Deviate(),)) for node in steady]
             steady = runs.first_of(steady, self.proposals, Deviate.name, self.effort.beam)
             calmer = runs.calmer(self.nodes.values(), self.best) if at_floor(self.fit, self.criteria, self.best) else []
-            made += [self._expand(node, (*IN_PLACE, Deviate())) for node in calmer]
+            made += [self._expand(node, (*self.moves.in_place, Deviate())) for node in calmer]
             steady += calmer  # another condition may be what differs
             remain = self._remaining(calmer)
             steady += [self.nodes[p.base] for p in remain]
@@ -163,6 +163,21 @@ class Search(Attempts):
         open_ = [p.left for p in self.proposals if p.key not in self.nodes]
         return max(1.0 - min(open_) / least, 0.0) if open_ and least > 0 else 0.0
 
+    def refusal(self, proposal: Proposal) -> str:
+        """Say why a proposal has no turn as things stand; '' where it has one as soon as there is room."""
+        if (proposal.base, proposal.key) in self._tried:
+            return "it was fitted"
+        if not self._new(proposal):
+            return "its set was fitted, and it does not promise so much less than that left"
+        rival, at_once = (proposal.move in some for some in (self.moves.rivals, self.moves.at_once))
+        if not at_once and proposal not in self._worthy(lambda p: p.move not in self.moves.at_once):
+            return "another proposal of its set, or others of its node, promise more"
+        gains = at_once or bool(self._gaining([proposal]))
+        if rival and not self._answered():
+            return "" if gains and self._may_answer(proposal) else "nothing is answered, and it promises no answer"
+        asked = gains or (rival and proposal.move in self._unforeseen())
+        return "" if asked else "it promises to leave no less than what it is to better or to rival"
+
     # ---- proposals ------------------------------------------------------------------------------------------------
 
     def _expand_best(self, moves: Sequence[Move]) -> bool:
@@ -182,8 +197,8 @@ class Search(Attempts):
 
         Of those with a further condition that differs from run to run the most promising one.
         """
-        found = self._gaining(self._worthy(lambda p: p.move not in _TOGETHER))
-        together = by.first_together(self._able(), self.nodes, self.effort.share, TOGETHER)
+        found = self._gaining(self._worthy(lambda p: p.move not in self.moves.at_once))
+        together = by.first_together(self._able(), self.nodes, self.effort.share, self.moves.together)
         sets = {p.key for p in together}
         found = [p for p in found if p.key not in sets]
         smallest = min((p.size for p in found), default=0)
@@ -198,7 +213,8 @@ class Search(Attempts):
 
         In its place every other was scored on the linear plant already.
         """
-        return UNFORESEEN - {Exchange.name} if self._one_is_enough() else UNFORESEEN
+        names = self.moves.unforeseen
+        return names - {Exchange.name} if self._one_is_enough() else names
 
     def _rivals(
         self, bases: Collection[Key], *, unforeseen: Collection[str] = (), most: float = math.inf
@@ -207,7 +223,8 @@ class Search(Attempts):
 
         Sets of a `Proposal.size` of at most `most`.
         """
-        new = self._worthy(lambda p: p.base in bases and p.move in _RIVALS_AND_RUNS and p.size <= most)
+        moves = self.moves.rivals | {Deviate.name}
+        new = self._worthy(lambda p: p.base in bases and p.move in moves and p.size <= most)
         found = self._gaining(new)
         beside = [p for p in new if p.move in unforeseen and p not in found][: self.effort.share]
         if not self._answered():  # no rivals, where nothing is named
@@ -222,7 +239,7 @@ class Search(Attempts):
             if (p.base, p.key) not in self._tried and (p.key not in best or p.rank < best[p.key].rank):
                 best[p.key] = p
         order = sorted(best.values(), key=lambda p: p.rank)
-        return [p for p in by.worthy(order, self.nodes, self.effort, RIVALS) if self._new(p)]
+        return [p for p in by.worthy(order, self.nodes, self.effort, self.moves.rivals) if self._new(p)]
 
     def _gaining(self, proposals: Sequence[Proposal]) -> list[Proposal]:
         """Those that may better the best so far."""
@@ -242,7 +259,7 @@ class Search(Attempts):
         """Tell whether a set has not been fitted yet, or only to an end that its rival shows to be a poor one."""
         if proposal.key not in self.nodes:
             return True
-        if proposal.move not in RIVALS or (proposal.base, proposal.key) in self._tried:
+        if proposal.move not in self.moves.rivals or (proposal.base, proposal.key) in self._tried:
             return False
         known = self.nodes[proposal.key].cost
         if proposal.move == Drop.name and proposal.base == self.best.key and proposal.left > known:
@@ -258,7 +275,7 @@ class Search(Attempts):
         if proposal.move == Drop.name:
             return True  # it may have been stuck, or never tried
         hoped = by.hoped(proposal, self.effort)
-        if proposal.move in RIVALS:
+        if proposal.move in self.moves.rivals:
             no_answer = by.no_answer(self.fit.noise_limit, proposal.effects, hoped / 2)  # the best may lie above it
             alike = min(node.cost for node in self.nodes.values() if node.size <= proposal.size)
             alike = max(alike, named.cost) if named.effects else alike  # sets that may not be named are no measure
