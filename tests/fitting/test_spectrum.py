@@ -45,6 +45,18 @@ def test_the_strongest_swing_comes_first() -> None:
     assert strongest_period(laid_out) == pytest.approx(0.8, rel=0.02)
 
 
+@pytest.mark.parametrize("unit", [1.0, 1e-4])
+def test_where_nothing_swings_the_record_tells_the_period_in_any_unit_of_time(unit: float) -> None:
+    """It had been half a second."""
+    rng, runs = np.random.default_rng(4), []
+    for samples in (400, 600):
+        time = 0.01 * unit * np.arange(samples)
+        readings = {"time": time, "position": 1e-5 * rng.standard_normal(samples), "input": np.ones(samples)}
+        named = {"name": str(samples), "spring": "s", "damper": "d"}
+        runs.append(stepid.Experiment(**named, **readings, added_mass=0.0, input_before=1.0, starts="rest"))
+    assert strongest_period(lay_out(stepid.Campaign(name="n", experiments=runs))) == pytest.approx(0.9975 * unit)
+
+
 def test_a_line_is_heard_beside_swings_a_hundred_times_as_large() -> None:
     laid_out = records(900, 800, 900)
     rng = np.random.default_rng(1)

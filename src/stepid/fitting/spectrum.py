@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from stepid.core.base import Array
@@ -27,11 +29,13 @@ def strongest_period(records: Records) -> float:
     """Period [s] of the strongest oscillation over all records.
 
     The velocity swings as strongly as the position, but white noise in the readings grows with frequency in it: a swing
-    has to stand out from what the upper half of the band says that noise does at its own frequency.
+    has to stand out from what the upper half of the band says that noise does at its own frequency. Where none does,
+    a quarter of the shortest record, whatever the unit of time.
     """
-    best, power = 0.5, 0.0
+    best, power, shortest = 0.0, 0.0, math.inf
     for r in range(len(records.runs)):
         step, position = records.evenly(r, records.position)
+        shortest = min(shortest, step * (position.size - 1))
         y = np.diff(position)
         spectrum = np.abs(np.fft.rfft(y * np.hanning(y.size), 4 * y.size)) ** 2
         frequency = np.fft.rfftfreq(4 * y.size, step)
@@ -42,7 +46,7 @@ def strongest_period(records: Records) -> float:
         k = int(np.argmax(np.where(usable, spectrum, 0.0)))
         if usable[k] and spectrum[k] > power:
             best, power = 1.0 / float(frequency[k]), float(spectrum[k])
-    return best
+    return best or shortest / 4
 
 
 def resonances(records: Records, residual: Array, count: int = 3) -> tuple[float, ...]:
