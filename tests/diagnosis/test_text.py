@@ -170,6 +170,9 @@ def test_each_verdict_says_its_answer() -> None:
     )
     assert "nothing in the catalogue explains why" in changed(lost, ranking=far).summary()
     assert "nothing in the catalogue explains all of what it leaves" in changed(lost, ranking=near).summary()
+    strict, loose = stepid.Criteria(lead=0.9), stepid.Criteria(near=2.5)  # by its own criteria, whichever
+    assert "nothing in the catalogue explains why" in changed(lost, ranking=near, criteria=strict).summary()
+    assert "these data do not tell which effect is missing" in changed(lost, ranking=far, criteria=loose).summary()
     pair = changed(d, effects=("coulomb_friction", "input_delay"))
     level = d.parameters["coulomb_friction.level"]
     assert f"not adequate: Coulomb friction ({level}) and input delay are missing." in pair.summary()

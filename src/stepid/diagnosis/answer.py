@@ -84,6 +84,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         faults=evidence.faults,
         wrong_inputs=evidence.input_fault.runs if evidence.input_fault else (),
         data=campaign,
+        criteria=evidence.criteria,
     )
 
 

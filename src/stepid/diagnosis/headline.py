@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from stepid.core.words import capitalized, listed
-from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.wording import candidate_name, effect_names
 
 if TYPE_CHECKING:
@@ -32,14 +31,14 @@ def answer(d: Diagnosis, *, sizes: bool = True) -> str:
         return f"No model can be judged: the input of run {runs} is not what the record says."
     if any(one.effects and leaves_noise(d, one) for one in d.ranking):
         return "A linear model is not adequate, and these data do not tell which effect is missing."
-    if any(one.effects and one.explained >= Criteria().lead for one in d.ranking):
+    if any(one.effects and one.explained >= d.criteria.lead for one in d.ranking):
         return "A linear model is not adequate, and nothing in the catalogue explains all of what it leaves."
     return "A linear model is not adequate, and nothing in the catalogue explains why."
 
 
 def leaves_noise(d: Diagnosis, one: Ranked) -> bool:
     """Tell whether a candidate leaves little more than noise."""
-    return one.rms <= Criteria().near * d.gap.noise
+    return one.rms <= d.criteria.near * d.gap.noise
 
 
 def found_sizes(d: Diagnosis) -> list[tuple[str, str, str]]:

@@ -14,6 +14,7 @@ from stepid.core.frames import make_frame, parameter_frame, rows_of
 from stepid.core.latex import parameter_table
 from stepid.core.quantities import InputUnit, Motion
 from stepid.core.words import length
+from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.differences import Scatter
 from stepid.diagnosis.headline import leaves_noise
 from stepid.diagnosis.text import as_html, as_text, one_line
@@ -212,6 +213,8 @@ class Diagnosis(Written):
         each other are exchanged in it.
     motion, input_unit : str
         Of the campaign, see `stepid.Campaign`.
+    criteria : Criteria
+        By which it was judged.
     """
 
     campaign: Label
@@ -239,6 +242,7 @@ class Diagnosis(Written):
     data: Campaign | None = None
     motion: Motion = "translation"
     input_unit: InputUnit = "V"
+    criteria: Criteria = Criteria()
 
     @property
     def reaches_noise(self) -> bool:
