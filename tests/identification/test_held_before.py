@@ -164,3 +164,20 @@ def stairs(added: float, first: float, then: tuple[float, ...], *, zone: float =
     return stepid.Experiment(
         name=f"{added:g} kg", time=time, position=y + noise, input=u, added_mass=added, spring="s", damper="d"
     )
+
+
+@pytest.mark.parametrize("edge", [0.1, 0.5, 0.9])
+def test_a_record_that_is_triggered_by_the_edge_of_a_step_begins_under_nothing(edge: float) -> None:
+    """The first sample lies on the edge, and the cart has moved by the next: no rest under it, with 43 mm off."""
+    runs = []
+    for added in (0.0, 0.5, 1.0):
+        u = np.full(TIME.size, VOLTS)
+        u[0] = edge * VOLTS
+        y = GAIN / STIFFNESS * (u[0] * swing(added, TIME) + (VOLTS - u[0]) * swing(added, TIME - TIME[1]))
+        noise = 2e-6 * np.random.default_rng(1).standard_normal(TIME.size)
+        named = {"name": f"{added:g} kg", "spring": "s", "damper": "d"}
+        runs.append(stepid.Experiment(time=TIME, position=y + noise, input=u, added_mass=added, **named))
+    assert all(held_before(run) is run for run in runs)
+    found = stepid.fit(stepid.Campaign(name="edge", experiments=runs))
+    assert found.rms == pytest.approx(2e-6, rel=0.1)
+    assert found.parameters["force_gain"].value == pytest.approx(GAIN, rel=1e-3)

@@ -75,7 +75,7 @@ def _input_before(run: Experiment) -> _Before:
     small, said = STEP * _range(run), _Before(run.input_before, True)
     if bounds.size == 2 or first == said.level or run.starts == "motion":
         return said
-    lead, changed = run.position[: bounds[1]], first - said.level
+    lead, changed = run.position[: bounds[1] + 1], first - said.level  # to where the next level sets in
     if abs(changed) <= small:  # that of a noisy one is taken from its readings: see `input_levels.levelled`
         exact = float(np.ptp(run.input[: bounds[1]])) == 0.0
         return _Before(first, True) if exact and _rests_beside(run, lead, changed) else said
@@ -129,6 +129,6 @@ def _rests_beside(run: Experiment, lead: Array, volts: float) -> bool:
     A step of so many `volts` would have moved it in that time, by a part of what the whole input did.
     """
     y, quiet, whole = run.position, span_at_rest(run), _range(run)
-    swing = 1.0 - math.cos(min(2 * math.pi * lead.size / period_of(y), math.pi))
+    swing = 1.0 - math.cos(min(2 * math.pi * (lead.size - 1) / period_of(y), math.pi))
     moves = abs(volts) / whole * float(np.ptp(y)) / 2 * swing if whole > 0 else 0.0
     return moves > quiet >= float(np.ptp(lead))
