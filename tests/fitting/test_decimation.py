@@ -86,3 +86,13 @@ def test_a_record_of_which_every_sample_is_needed_keeps_all() -> None:
     assert least.size == 200
     lines = records_of(np.sin(6.0 * t), np.where(t < 0.5, 0.0, 1.0), between="lines")
     assert decimation.decimated(lines, linear(gap, lines), period=1.0, floor=1e-5) is lines
+
+
+@pytest.mark.parametrize(("quiet", "first"), [(0.0, 1200), (0.1, 1200), (0.5, 2667), (0.9, 3790)])
+def test_a_first_part_tells_as_much_as_half_of_what_is_missing_shows_on_average(quiet: float, first: int) -> None:
+    """A sweep that comes to the resonance late: the part before had told a spring from none."""
+    rng = np.random.default_rng(5)
+    busy = records_of(np.sin(6e-3 * np.arange(4000)), rng.standard_normal(4000))
+    gap = np.where(np.arange(4000) < quiet * 4000, 0.0, 1e-5)
+    few = decimation.decimated(busy, linear(gap, busy), period=0.02, floor=1e-5)
+    assert few.size == pytest.approx(first, abs=2)

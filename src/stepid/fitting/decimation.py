@@ -21,7 +21,7 @@ _MOST_CHANGES = 0.1  # share of samples with a new input above which all are nee
 
 
 def decimated(records: Records, linear: Optimum, period: float, floor: float) -> Records:
-    """Keep every m-th sample, and those where the input changes; of a long record with a busy input its first part.
+    """Keep every m-th sample, and those where the input changes; of a long record with a busy input a first part.
 
     What is averaged over each kept sample's neighborhood is the gap to the linear fit: it is small and slow, so that
     noise is averaged out and hardly any of the gap. Weights are such that a gap costs what it costs in all samples.
@@ -50,7 +50,7 @@ def decimated(records: Records, linear: Optimum, period: float, floor: float) ->
         busy = changes.size > _MOST_CHANGES * size
         whole = step == 1 or busy or records.coefficients.shape[1] > 1
         enough = max(_FEWEST, math.ceil(_PERIODS * period / float(records.sample_time[r])))
-        first = min(size, enough) if busy else size
+        first = _telling(linear.residual[piece] ** 2, enough) if busy else size
         kept.append(piece.start + (np.arange(first) if whole else _grid(size, step, changes)))
     at = np.concatenate(kept)
     if at.size == records.size:
@@ -70,6 +70,17 @@ def decimated(records: Records, linear: Optimum, period: float, floor: float) ->
         coefficients=records.coefficients[at],
         at=at,
     )
+
+
+def _telling(power: Array, least: int) -> int:
+    """Samples of a first part, `least` at least, in which the linear plant leaves half the mean power or more.
+
+    A slow sweep comes to the resonance late: what is missing does not show before.
+    """
+    if power.size <= least:
+        return power.size
+    means = np.cumsum(power) / np.arange(1, power.size + 1)
+    return least + int(np.argmax(2 * means[least - 1 :] >= means[-1]))
 
 
 def _stride(samples: float) -> int:
