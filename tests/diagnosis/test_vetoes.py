@@ -92,6 +92,31 @@ def test_a_disturbance_has_to_beat_with_the_plants_own_oscillation_or_to_outlast
     assert shaker.unseen(values, SWING._replace(decays=(decay, decay))) == ""  # no plant of two masses swings as one
 
 
+@pytest.mark.parametrize(
+    ("rate", "decay", "over"),
+    [
+        (20.3, 0.05, True),  # 0.19 of a period late after 4 s
+        (29.8, 0.05, True),
+        (20.5, 0.05, False),
+        (20.1, 0.2, False),  # an overtone of what decays is not steady
+        (40.0, 0.05, False),
+    ],
+)
+def test_a_steady_line_in_step_with_a_steady_swing_is_its_overtone(rate: float, decay: float, over: bool) -> None:
+    """Of a ball on a gas spring, which the gas keeps swinging, 5.137 Hz had been named: twice its own 2.568."""
+    (shaker,) = resolve(["periodic_disturbance"])
+    steady = SWING._replace(rates=(10.0, 10.0), decays=(decay, decay))
+    said = shaker.unseen((0.1, rate / (2 * math.pi), 0.0), steady)
+    assert said == ("an overtone of the plant's own oscillation" if over else "")
+    assert shaker.unseen((0.1, rate / (2 * math.pi), 0.0), steady._replace(rates=(10.0, 14.0))) == ""
+
+
+def test_parts_of_one_recording_tell_rates_apart_as_the_whole_does() -> None:
+    """33 s of 3.33 rad/s each: two periods had been 11 per cent of a part, and are 4 of the whole."""
+    fit = prepare(pohls_wheel(seed=0))
+    assert vetoes.swing(fit, stepid.Criteria(), linear_candidate(fit)).resolution == stepid.Criteria().resolution
+
+
 def test_friction_and_a_bent_spring_are_no_shaker() -> None:
     """Three parts of 33 s: a sine 0.6 per cent off the plant's own rate had left as little."""
     d = stepid.diagnose(pohls_wheel(seed=0))

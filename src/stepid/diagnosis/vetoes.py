@@ -43,11 +43,13 @@ def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
 
 @once
 def _paces(optimum: Optimum, context: FitContext) -> tuple[_PerRun, _PerRun, _PerRun, float]:
-    """Rates and decays of the runs, 1/s, their masses, kg, and two periods of the slowest over the shortest record."""
+    """Rates and decays of the runs, 1/s, their masses, kg, and two periods of the slowest in the shortest recording."""
     of, shared = optimum.problem.layout, optimum.shared
     rates, masses = of.rates(shared), of.mass(shared)
     decays = shared[of.damping][context.records.damper] / (2 * masses)
     durations = np.array([np.ptp(context.records.time[piece]) for piece in context.records.pieces()])
+    if context.records.one_recording:  # its parts share their rates
+        durations[:] = durations.sum()
     able = durations * rates > 2 * math.tau  # a record of less than two periods tells no rate
     able = able if able.any() else np.ones_like(able)
     shortest, slowest = durations[able].min(), rates[able].min(initial=np.inf)

@@ -210,7 +210,7 @@ class PeriodicDisturbance(Effect):
         return OWN if swing.near(2 * math.pi * values[1]) else ""
 
     def unseen(self, values: tuple[float, ...], swing: Swing) -> str:
-        return swing.unseen(values[1]) or swing.unbeaten(values[1])
+        return swing.unseen(values[1]) or swing.unbeaten(values[1]) or swing.overtone(values[1])
 
     def overtones(self, values: tuple[float, ...], m: Motion) -> Sequence[Array]:
         return _overtones(2 * np.pi * values[1] * m.time + values[2])

@@ -6,6 +6,8 @@ import math
 from typing import NamedTuple
 
 OWN = "the plant's own oscillation"
+_OVERTONE = f"an overtone of {OWN}"
+_MULTIPLES = (2, 3)  # of its rate: higher ones of a smooth law are faint
 
 
 class Swing(NamedTuple):
@@ -70,3 +72,17 @@ class Swing(NamedTuple):
         rate, least = math.tau * frequency, math.tau * self.swings / self.duration
         own = zip(self.rates, self.decays, strict=True)
         return OWN if all(math.hypot(rate - swing, decay) < least for swing, decay in own) else ""
+
+    def overtone(self, frequency: float) -> str:
+        """Say that a steady frequency [Hz] is an overtone of runs that swing as steadily, or nothing.
+
+        It keeps in step with the own oscillation of every run to a quarter of a period in the longest record, in which
+        that does not decay: then a spring or a damping that bends makes it, and no shaker.
+        """
+
+        def in_step(rate: float, decay: float, times: int) -> bool:
+            late = abs(math.tau * frequency - times * rate) * self.duration
+            return late < math.pi / 2 and times * decay * self.duration < 1.0
+
+        own = list(zip(self.rates, self.decays, strict=True))
+        return _OVERTONE if any(all(in_step(*one, times) for one in own) for times in _MULTIPLES) else ""
