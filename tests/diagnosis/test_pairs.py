@@ -67,7 +67,7 @@ def test_a_square_wave_is_no_sine_though_that_leaves_only_noise() -> None:
     assert truth["outside"] == "square_wave"
     found = stepid.diagnose(campaign)
     assert (found.verdict, found.effects) == ("unexplained", ())
-    assert any("leaves" in reason and "but what it leaves follows time" in reason for reason in found.reasons)
+    assert any("leaves" in reason and "but what is left follows time" in reason for reason in found.reasons)
 
 
 AFEAC = "afeac22fa9c82222255db5cc18d837f5e655e865"

@@ -215,14 +215,14 @@ def test_what_is_left_has_to_be_noise_and_not_only_small() -> None:
     found = ask("rest_follows_the_motion", still_followed="velocity", lead=LINEAR)
     assert found is not None
     assert (found.verdict, found.shown, found.alternatives) == ("unexplained", FRICTION, ())
-    assert found.reasons[-1].endswith("what it leaves follows velocity: its law is another, or more is missing.")
+    assert found.reasons[-1].endswith("what is left follows velocity: its law is another, or more is missing.")
     leading = ask("rest_follows_the_motion", still_followed="velocity")
     assert leading is not None
     assert (leading.verdict, leading.rule) == ("named", "leads")
     assert leading.reasons[-1] == found.reasons[-1]
     changing = ask("rest_follows_the_motion", still_followed=CONDITIONS, lead=LINEAR)
     assert changing is not None
-    assert "what it leaves changes with added mass, labels and input: its law is another" in changing.reasons[-1]
+    assert "what is left changes with added mass, labels and input: its law is another" in changing.reasons[-1]
     assert ask("rest_follows_the_motion") is None
     assert ask("rest_follows_the_motion", still_followed="velocity", floored=()) is None
 

@@ -43,10 +43,10 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
     final, effects = told.optimum, told.effects
     before, after = evidence.left_out.residuals(told)
     parameters = estimates(final, effects, floor)[0] | evidence.limited(told)
-    differing = told if told.deviations else answer.shown
+    differing = _differing(evidence, answer, told)
     law = evidence.systematic(differing)
     scatter = scatter_of(context, differing, evidence.candidates, final, "" if law is None else law.kind)
-    beside_a_rest = not adequate and not evidence.at_floor(answer.shown)
+    beside_a_rest = not adequate and (differing is not answer.shown or not evidence.at_floor(answer.shown))
     pooled = _pooled(before), _pooled(after)
     return Diagnosis(
         campaign=campaign.name,
@@ -86,6 +86,20 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         data=campaign,
         criteria=evidence.criteria,
     )
+
+
+def _differing(evidence: EvidenceRecord, answer: Answer, told: Candidate) -> Candidate:
+    """The candidate of which is said by what the runs differ: what is told, or shown, with what differs in it.
+
+    Where nothing is explained and neither has any, the linear plant with conditions that take as much of the misfit as
+    a lead has to: an effect that may not be named can hide that.
+    """
+    for one in (told, answer.shown):
+        if one.deviations or answer.verdict != "unexplained":
+            return one
+    plain = (w.candidate for w in evidence.weighed if w.candidate.deviations and not w.candidate.effects)
+    taking = (c for c in plain if evidence.leads.taken(evidence.linear, c) >= evidence.criteria.lead)
+    return next(taking, answer.shown)
 
 
 def _rest(evidence: EvidenceRecord, answer: Answer) -> tuple[str, ...]:

@@ -89,9 +89,10 @@ def rest_follows_the_motion(e: EvidenceRecord) -> Answer | None:
     state = e.followed(e.best) if e.at_floor(e.best) else ""
     if not state:
         return None
+    whose = "a" if len(e.best.effects) > 1 else "its"
     said = (
         f"{what_leaves(e.best)} {length(e.best.optimum.rms)}, {e.times(e.best):.3g} times the noise floor, "
-        f"but what it leaves {follows(state)}: its law is another, or more is missing."
+        f"but what is left {follows(state)}: {whose} law is another, or more is missing."
     )
     return _only_a_lead(e, said)
 
