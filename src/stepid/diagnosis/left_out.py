@@ -39,11 +39,16 @@ class LeftOut:
         """Residuals of runs left out, linear plant with the same conditions free and candidate.
 
         Starts that are free with an effect are among them: what that freedom does is no sign of the effect. The whole
-        run judges a candidate that has no freedom in it but its start: most motion follows a step at once.
+        run judges a candidate that has no freedom in it but its start: most motion follows a step at once. Conditions
+        that lead the linear plant astray are no sign of the effect either: with runs alike it may predict more.
         """
         if found.optimum not in self._seen:
             first = self._told.criteria.first if is_free(found) or found.deviations else 1.0
-            self._seen[found.optimum] = self.of_two(self._plain(found), found.optimum, first)
+            plain, alike = self._plain(found), self._told.linear.optimum
+            both = [
+                self.of_two(one, found.optimum, first) for one in (plain, *((alike,) if alike is not plain else ()))
+            ]
+            self._seen[found.optimum] = min(both, key=lambda pair: _power(pair[0], pair[0], 0.0))
         return self._seen[found.optimum]
 
     def of_two(self, one: Optimum, other: Optimum, first: float = 1.0) -> tuple[dict[int, Array], dict[int, Array]]:

@@ -14,13 +14,14 @@ from stepid.core.copies import copies
 from stepid.core.experiment import Campaign, Experiment
 from stepid.core.hand import hand
 from stepid.core.held_before import all_held_before
+from stepid.core.jumps import jumps, split_at
 from stepid.core.mass_offset import WEIGHT, known_in_words, weight_spread
 from stepid.core.noise import record_noise
 from stepid.core.outliers import Mask
 from stepid.core.releases import split_releases
 from stepid.core.samples import means_of_blocks
 from stepid.core.units import UNIT, check_speed, check_travel
-from stepid.core.words import counted
+from stepid.core.words import at_samples, counted
 from stepid.errors import InputError
 from stepid.fitting.first_step import from_rest
 from stepid.fitting.flat_readings import flat_readings
@@ -32,6 +33,7 @@ from stepid.simulation.starts import starts_in_motion
 _PARTS = 32  # of a record, whose means show whether it moves behind its noise
 _OVER_READ = 0.9  # of the noise, below which a whole record varies only where the noise is read too high
 _CHANCE = 5.0  # standard deviations that these may vary by more than noise does
+_JUMPS = "jumps at {}: samples were lost there, or the reading slipped. What moves on from elsewhere is"
 
 
 class Screened(NamedTuple):
@@ -150,7 +152,7 @@ def _free(run: Experiment, first: int) -> Experiment:
 
 
 def split_campaign(campaign: Campaign) -> tuple[Campaign, tuple[str, ...]]:
-    """Take each release of a record that holds several as a run of its own, and say so.
+    """Take each release of a record that holds several as a run of its own, and what follows a jump; say so.
 
     Parameters
     ----------
@@ -159,19 +161,22 @@ def split_campaign(campaign: Campaign) -> tuple[Campaign, tuple[str, ...]]:
     Returns
     -------
     tuple of Campaign and tuple of str
-        The campaign itself where no record holds several.
+        The campaign itself where no record holds several, nor jumps.
     """
     runs: list[Experiment] = []
     notes = []
     for run in campaign.experiments:
-        parts = split_releases(run)
+        parts, what = split_releases(run), "holds {} releases. They are"
+        if len(parts) == 1:
+            at = jumps(mend(run).run)  # a reading that sticks jumps as well
+            parts, what = split_at(run, at), _JUMPS.format(at_samples(at))
         taken = {other.name for other in campaign.experiments} & {part.name for part in parts} - {run.name}
         if taken:  # what it would be called, others are
             parts = (run,)
         runs += parts
-        if len(parts) > 1:
+        if parts[0] is not run:
             names = ", ".join(repr(part.name) for part in parts)
-            notes.append(f"Run {run.name!r} holds {len(parts)} releases. They are taken as runs {names}.")
+            notes.append(f"Run {run.name!r} {what.format(len(parts))} taken as run{'s' * (len(parts) > 1)} {names}.")
     if not notes:
         return campaign, ()
     return campaign.model_copy(update={"experiments": tuple(runs)}), tuple(notes)

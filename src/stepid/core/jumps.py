@@ -1,0 +1,95 @@
+"""Jumps of a reading that no cart makes: samples were lost there, or the reading slipped."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stepid.core.base import Array, Index
+from stepid.core.noise import span_at_rest
+from stepid.core.outliers import LONGEST
+
+if TYPE_CHECKING:
+    from stepid.core.experiment import Experiment
+
+_TIMES = 2.5  # times any other that stands out so
+_CLEAR = 4.0  # times what noise makes of a cart at rest
+_STEADY = 1.0  # of a jump, by which the speed may change: a stop changes it by twice what one sample is off
+_BACK = 0.5  # of a jump, by which changes beside it go back where a few readings are wrong
+_SIDE = 3  # changes on each side that tell how far a cart moves from one sample to the next
+_MOST = 5  # jumps of a record: of more none is an exception
+_EARLY = 20  # part of a record, in which where it begins is asked: see `stepid.fitting.first_step`
+_FEWEST = 24  # samples of a part
+
+
+def jumps(experiment: Experiment) -> list[int]:
+    """First sample after each jump of a reading: it moves on as before, from elsewhere.
+
+    What stands out by far more than any other change, beside those around it, from one sample to the next. A step of
+    the input may move a cart that its samples hardly follow, and an isolated wrong reading is off twice, there and
+    back: these are none.
+
+    Parameters
+    ----------
+    experiment : Experiment
+
+    Returns
+    -------
+    list of int
+    """
+    n = experiment.position.size
+    if n < 2 * _FEWEST:
+        return []
+    change = np.diff(experiment.position) * (experiment.sample_time / np.diff(experiment.time))  # no gap in the stamps
+    windows = np.lib.stride_tricks.sliding_window_view(change, 2 * _SIDE + 1)
+    before, after = np.median(windows[:, :_SIDE], axis=1), np.median(windows[:, -_SIDE:], axis=1)
+    beyond = windows[:, _SIDE] - (before + after) / 2
+    found = _largest(beyond)
+    sizes = np.abs(beyond[found])
+    apart = np.flatnonzero(sizes[:-1] > np.maximum(_TIMES * sizes[1:], _CLEAR * span_at_rest(experiment)))
+    if not apart.size:
+        return []
+    found = np.sort(found[: apart[-1] + 1])
+    steady = np.abs(after - before)[found] <= _STEADY * np.abs(beyond)[found]
+    near = (beyond[max(i - LONGEST, 0) : i + LONGEST + 1] / beyond[i] for i in found)
+    there_and_back = any(float(one.min()) < -_BACK for one in near)
+    at = found + _SIDE + 1
+    if not steady.all() or there_and_back or at[0] <= n // _EARLY:
+        return []
+    driven = np.flatnonzero(np.diff(experiment.input)) + 1
+    moved = [i for i in at if np.any((driven <= i) & (driven >= i - LONGEST))]
+    return [] if moved else at.tolist()
+
+
+def _largest(beyond: Array) -> Index:
+    """The largest few, one more than jumps may be, with none beside a larger one: that is in what these are held to."""
+    left, out = np.abs(beyond), list[int]()
+    for _ in range(min(_MOST + 1, beyond.size)):
+        out.append(int(np.argmax(left)))
+        left[max(out[-1] - _SIDE, 0) : out[-1] + _SIDE + 1] = 0.0
+    return np.array(out, dtype=np.intp)
+
+
+def split_at(experiment: Experiment, at: Sequence[int]) -> tuple[Experiment, ...]:
+    """Split a record at some samples: what follows each starts in motion, and has a rest position of its own.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    at : sequence of int
+
+    Returns
+    -------
+    tuple of Experiment
+        In order of time on the record's clock, called "name (1)", "name (2)", …; the record itself where nothing is
+        split. A part of a few samples is left out.
+    """
+    if not at:
+        return (experiment,)
+    cuts = [(a, b) for a, b in pairwise([0, *at, experiment.position.size]) if b - a >= _FEWEST]
+    parts = [experiment.slice(a, b, name=f"{experiment.name} ({i})") for i, (a, b) in enumerate(cuts, 1)]
+    begun = zip(parts, cuts, strict=True)
+    return tuple(part.model_copy(update={"starts": "motion"}) if a else part for part, (a, _) in begun)
