@@ -85,4 +85,13 @@ def test_a_record_is_split_where_it_jumps_and_that_is_said() -> None:
     assert found.rms == pytest.approx(5e-6, rel=0.1)
     assert found.parameters["stiffness[s]"].value == pytest.approx(14.0**2 + 0.4**2, rel=1e-3)
     assert split_at(run, [10, 130])[0].name == "a (1)"  # ten samples are left out
+    assert split_at(run, list(range(20, 400, 20))) == (run,)
     assert [part.position.size for part in split_at(run, [10, 130])] == [120, 270]
+
+
+def test_what_is_too_short_for_a_run_is_left_out_and_said() -> None:
+    run = lost(9, 390)
+    assert jumps(run) == [390]
+    campaign, (note,) = split_campaign(stepid.Campaign(name="c", experiments=(run,)))
+    assert [part.position.size for part in campaign.experiments] == [390]
+    assert note.endswith("is taken as run 'a (1)'. 10 samples in parts too short for a run are left out.")

@@ -85,11 +85,11 @@ def split_at(experiment: Experiment, at: Sequence[int]) -> tuple[Experiment, ...
     -------
     tuple of Experiment
         In order of time on the record's clock, called "name (1)", "name (2)", …; the record itself where nothing is
-        split. A part of a few samples is left out.
+        split. A part of less than 24 samples is left out.
     """
-    if not at:
-        return (experiment,)
     cuts = [(a, b) for a, b in pairwise([0, *at, experiment.position.size]) if b - a >= _FEWEST]
+    if not (at and cuts):
+        return (experiment,)
     parts = [experiment.slice(a, b, name=f"{experiment.name} ({i})") for i, (a, b) in enumerate(cuts, 1)]
     begun = zip(parts, cuts, strict=True)
     return tuple(part.model_copy(update={"starts": "motion"}) if a else part for part, (a, _) in begun)

@@ -45,9 +45,8 @@ class LeftOut:
         if found.optimum not in self._seen:
             first = self._told.criteria.first if is_free(found) or found.deviations else 1.0
             plain, alike = self._plain(found), self._told.linear.optimum
-            both = [
-                self.of_two(one, found.optimum, first) for one in (plain, *((alike,) if alike is not plain else ()))
-            ]
+            plains = (plain,) if alike is plain else (plain, alike)
+            both = [self.of_two(one, found.optimum, first) for one in plains]
             self._seen[found.optimum] = min(both, key=lambda pair: _power(pair[0], pair[0], 0.0))
         return self._seen[found.optimum]
 

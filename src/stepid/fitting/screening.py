@@ -176,7 +176,11 @@ def split_campaign(campaign: Campaign) -> tuple[Campaign, tuple[str, ...]]:
         runs += parts
         if parts[0] is not run:
             names = ", ".join(repr(part.name) for part in parts)
-            notes.append(f"Run {run.name!r} {what.format(len(parts))} taken as run{'s' * (len(parts) > 1)} {names}.")
+            out = run.time.size - sum(part.time.size for part in parts)
+            short = f" {counted(out, 'sample')} in parts too short for a run are left out." if out else ""
+            notes.append(
+                f"Run {run.name!r} {what.format(len(parts))} taken as run{'s' * (len(parts) > 1)} {names}.{short}"
+            )
     if not notes:
         return campaign, ()
     return campaign.model_copy(update={"experiments": tuple(runs)}), tuple(notes)
