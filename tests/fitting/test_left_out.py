@@ -108,7 +108,8 @@ def test_a_first_part_in_which_nothing_happens_tells_no_damper() -> None:
     for run in late.experiments:
         rest = np.zeros(2 * run.time.size)
         time = run.sample_time * np.arange(3 * run.time.size)
-        given = {"position": np.append(rest, run.position), "input": np.append(rest, run.input), "time": time}
+        held = np.append(rest + run.position[0], run.position)  # without a jump, which would make two runs of it
+        given = {"position": held, "input": np.append(rest, run.input), "time": time}
         runs.append(run.model_copy(update=given))
     context = prepare(late.model_copy(update={"experiments": tuple(runs)}))
     assert held_out_residuals(context.linear, tolerance=context.tolerance, part=PART) == {}
