@@ -14,7 +14,7 @@ from stepid.core.experiment import Experiment
 from stepid.core.hand import period_of
 from stepid.core.input_levels import STEP, step_bounds
 from stepid.core.noise import span_at_rest
-from stepid.core.words import listed
+from stepid.core.words import capitalized, runs_named
 
 _AWAY, _RESTS = 0.4, 0.1  # of the travel, from which on the cart is elsewhere; that it spans where it comes to rest
 _FEWEST = 4  # samples at the end
@@ -39,24 +39,28 @@ def held_before(run: Experiment) -> Experiment:
     Experiment
         The run itself where it is as it says.
     """
-    before = _input_before(run).level
-    return run if before == run.input_before else run.model_copy(update={"input_before": before})
+    return _under(run, _input_before(run).level)
 
 
 def all_held_before(runs: Sequence[Experiment]) -> tuple[list[Experiment], list[str]]:
     """Return runs as `held_before` does, and say of which that is another input than they say."""
-    held, told = [held_before(run) for run in runs], dict[tuple[str, bool], list[str]]()
-    for run, own in zip(held, runs, strict=True):
-        if run is not own:
-            level, sure = _input_before(own)
-            told.setdefault((f"{level:.3g} V", sure), []).append(repr(run.name))
+    before = [_input_before(run) for run in runs]
+    told = dict[tuple[str, bool], list[str]]()
+    for run, (level, sure) in zip(runs, before, strict=True):
+        if level != run.input_before:
+            told.setdefault((f"{level:.3g} V", sure), []).append(run.name)
+    held = [_under(run, found.level) for run, found in zip(runs, before, strict=True)]
     return held, [_said(level, names, sure) for (level, sure), names in told.items()]
 
 
+def _under(run: Experiment, before: float) -> Experiment:
+    """A run that rested under an input, V; itself where it says so."""
+    return run if before == run.input_before else run.model_copy(update={"input_before": before})
+
+
 def _said(level: str, names: list[str], sure: bool) -> str:
-    many = len(names) > 1
-    who = f"Run{'s' * many} {listed(names, 'and')} {'begin' if many else 'begins'} at rest under {level}"
-    said = f"{who}: {'their inputs' if many else 'its input'} had that level before the record."
+    begin, inputs = ("begin", "their inputs") if len(names) > 1 else ("begins", "its input")
+    said = f"{capitalized(runs_named(names))} {begin} at rest under {level}: {inputs} had that level before the record."
     if sure:
         return said
     return f"{said} A cart that friction holds under it looks alike: samples from before that level would tell."
@@ -79,21 +83,24 @@ def _input_before(run: Experiment) -> _Before:
     if abs(changed) <= small:  # that of a noisy one is taken from its readings: see `input_levels.levelled`
         exact = float(np.ptp(run.input[: bounds[1]])) == 0.0
         return _Before(first, True) if exact and _rests_beside(run, lead, changed) else said
-    quiet, travel = span_at_rest(run), float(np.ptp(run.position))
-    if travel <= 2 * quiet or float(np.ptp(lead)) > quiet:
+    quiet = span_at_rest(run)
+    if float(np.ptp(run.position)) <= 2 * quiet or float(np.ptp(lead)) > quiet:
         return said
-    held, places = float(np.mean(lead)), _places(run, bounds)
-    if abs(final - said.level) <= small:
-        elsewhere = places[-1] is not None and abs(places[-1].position - held) > _AWAY * travel
-        return _Before(first, True) if elsewhere else said
-    if not _rests_beside(run, lead, changed):
-        return said
-    levels, positions = np.array([place for place in places if place is not None]).reshape(-1, 2).T
-    if levels.size < 2 or float(np.ptp(levels)) <= small:
+    return _by_places(run, _places(run, bounds), lead, first, final)
+
+
+def _by_places(run: Experiment, places: Sequence[_Place | None], lead: Array, first: float, final: float) -> _Before:
+    """The input before a run that rests under its first level, V, by where it comes to rest under later ones."""
+    said, held, small = run.input_before, float(np.mean(lead)), STEP * _range(run)
+    if abs(final - said) <= small:
+        elsewhere = places[-1] is not None and abs(places[-1].position - held) > _AWAY * float(np.ptp(run.position))
+        return _Before(first if elsewhere else said, True)
+    if not _rests_beside(run, lead, first - said):
+        return _Before(said, True)
+    near = _nearer([place for place in places if place is not None], first, said, held, small)
+    if near is None:
         return _Before(first, abs(first) >= abs(final))
-    line = np.polyfit(levels, positions, 1)
-    off = [abs(float(np.polyval(line, level)) - held) for level in (first, said.level)]
-    return _Before(first, True) if off[0] < _NEARER * off[1] else said
+    return _Before(first if near else said, True)
 
 
 class _Place(NamedTuple):
@@ -113,6 +120,19 @@ def _places(run: Experiment, bounds: Index) -> list[_Place | None]:
         tells = end.size >= _FEWEST and (period <= part.size or float(np.ptp(end)) <= _RESTS * travel)
         out.append(_Place(_level(run.input[a:b]), float(np.mean(end))) if tells else None)
     return out
+
+
+def _nearer(places: Sequence[_Place], one: float, other: float, held: float, small: float) -> bool | None:
+    """Tell whether a cart is held far nearer to where one level would hold it than to where another would.
+
+    By the line through the places of other levels; None where these do not differ by more than is `small`, V.
+    """
+    levels, positions = np.array(places).reshape(-1, 2).T
+    if levels.size < 2 or float(np.ptp(levels)) <= small:
+        return None
+    line = np.polyfit(levels, positions, 1)
+    off = [abs(float(np.polyval(line, level)) - held) for level in (one, other)]
+    return off[0] < _NEARER * off[1]
 
 
 def _range(run: Experiment) -> float:

@@ -45,3 +45,8 @@ def at_samples(numbers: Sequence[int]) -> str:
     """Name the first few of some samples: ``"sample 4"``, ``"samples 1, 2, 3, 5, 8, 13, …"``."""
     told = ", ".join(map(str, numbers[:_NAMED])) + (", …" if len(numbers) > _NAMED else "")
     return f"sample{'s' * (len(numbers) > 1)} {told}"
+
+
+def runs_named(names: Sequence[str]) -> str:
+    """Name some runs: ``"run 'a'"``, ``"runs 'a', 'b' and 'c'"``."""
+    return f"run{'s' * (len(names) > 1)} {listed([repr(name) for name in names], 'and')}"

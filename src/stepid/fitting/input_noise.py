@@ -12,7 +12,7 @@ from stepid.core.base import Array
 from stepid.core.experiment import Campaign
 from stepid.core.input_levels import at_levels, beside_levels, held_bounds, lone_samples, without_samples
 from stepid.core.noise import rms
-from stepid.core.words import at_samples, counted, listed
+from stepid.core.words import at_samples, counted, runs_named
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.simulator import Simulator
@@ -68,8 +68,9 @@ def without_lone_samples(campaign: Campaign) -> Held | None:
     """
     held, faults = list(campaign.experiments), []
     for number, run in enumerate(campaign.experiments):
-        volts = without_samples(run.input, lone_samples(run.input))
-        if np.ptp(volts) > 0 and np.any(volts != run.input):
+        lone = lone_samples(run.input)
+        volts = without_samples(run.input, lone)
+        if lone and np.ptp(volts) > 0:
             held[number] = run.model_copy(update={"input": volts})
             faults.append(_misread(run.name, volts, run.input))
     if not faults:
@@ -119,9 +120,8 @@ def pooled_levels(campaign: Campaign) -> Held | None:
 
 def _noisy(noise: dict[str, float]) -> str:
     """Say whose input is noisy, by the standard deviation of each, V, and what is taken for it."""
-    runs = listed([repr(name) for name in noise], "and")
     return (
-        f"The input of run{'s' * (len(noise) > 1)} {runs} is read with noise of up to {max(noise.values()):.2g} V. "
+        f"The input of {runs_named(list(noise))} is read with noise of up to {max(noise.values()):.2g} V. "
         "The cart does not follow that noise, so the levels are taken that the input was held at."
     )
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.once import once
 from stepid.core.outliers import LONGEST, SIDE, Block, Mask, interpolate_readings, isolated, outliers, stand_out
 from stepid.core.words import at_samples, counted, length
 from stepid.fitting.record_fault import RecordFault
@@ -64,10 +65,11 @@ def mend(run: Experiment) -> Mended:
     Mended
         The record itself where nothing is wrong with it, or where too much is.
     """
-    y, (stuck, out) = interpolate_readings(run, detectors=(_stuck, outliers))
+    read, (stuck, out) = _interpolated(run)
     wrong = stuck | out
     if not wrong.any():
         return Mended(run, wrong, ())
+    y = read.copy()
     off = np.abs(y - run.position)
     if run.counts_per_meter is None and (step := run.resolution) is not None:
         y[wrong] = _on_grid(y[wrong], run.position[~wrong], step)
@@ -75,6 +77,12 @@ def mend(run: Experiment) -> Mended:
     faults = [_fault(run.name, kind, mask, off) for kind, mask in kinds.items() if mask.any()]
     y.setflags(write=False)
     return Mended(run.model_copy(update={"position": y}), wrong, tuple(faults))
+
+
+@once
+def _interpolated(run: Experiment) -> tuple[Array, list[Mask]]:
+    """Readings of a run without wrong ones, m, and which stuck or stood out: kept, for a record is screened twice."""
+    return interpolate_readings(run, detectors=(_stuck, outliers))
 
 
 def _on_grid(values: Array, told: Array, step: float) -> Array:

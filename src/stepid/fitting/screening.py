@@ -33,7 +33,7 @@ from stepid.simulation.starts import starts_in_motion
 _PARTS = 32  # of a record, whose means show whether it moves behind its noise
 _OVER_READ = 0.9  # of the noise, below which a whole record varies only where the noise is read too high
 _CHANCE = 5.0  # standard deviations that these may vary by more than noise does
-_JUMPS = "jumps at {}: samples were lost there, or the reading slipped. What moves on from elsewhere is"
+_JUMPS = "samples were lost there, or the reading slipped. What moves on from elsewhere is"
 
 
 class Screened(NamedTuple):
@@ -166,10 +166,11 @@ def split_campaign(campaign: Campaign) -> tuple[Campaign, tuple[str, ...]]:
     runs: list[Experiment] = []
     notes = []
     for run in campaign.experiments:
-        parts, what = split_releases(run), "holds {} releases. They are"
-        if len(parts) == 1:
-            at = jumps(mend(run).run)  # a reading that sticks jumps as well
-            parts, what = split_at(run, at), _JUMPS.format(at_samples(at))
+        parts = split_releases(run)
+        what = f"holds {len(parts)} releases. They are"
+        if len(parts) == 1 and (at := jumps(mend(run).run)):  # a reading that sticks jumps as well
+            parts = split_at(run, at)
+            what = f"jumps at {at_samples(at)}: {_JUMPS}"
         taken = {other.name for other in campaign.experiments} & {part.name for part in parts} - {run.name}
         if taken:  # what it would be called, others are
             parts = (run,)
@@ -178,9 +179,7 @@ def split_campaign(campaign: Campaign) -> tuple[Campaign, tuple[str, ...]]:
             names = ", ".join(repr(part.name) for part in parts)
             out = run.time.size - sum(part.time.size for part in parts)
             short = f" {counted(out, 'sample')} in parts too short for a run are left out." if out else ""
-            notes.append(
-                f"Run {run.name!r} {what.format(len(parts))} taken as run{'s' * (len(parts) > 1)} {names}.{short}"
-            )
+            notes.append(f"Run {run.name!r} {what} taken as run{'s' * (len(parts) > 1)} {names}.{short}")
     if not notes:
         return campaign, ()
     return campaign.model_copy(update={"experiments": tuple(runs)}), tuple(notes)

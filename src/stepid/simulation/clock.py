@@ -10,7 +10,7 @@ from stepid.core.base import Array
 from stepid.core.experiment import Experiment
 from stepid.core.once import once
 from stepid.core.samples import CLOSE, divided_differences, even_clock, is_even, off_even_clock
-from stepid.core.words import listed
+from stepid.core.words import capitalized, runs_named
 
 _BETTER = 0.9  # times the spread on the even clock, above which the stamps' own times are no better
 _ORDER = 8  # of the differences that are compared
@@ -63,8 +63,8 @@ def _way(run: Experiment) -> str:
 
 
 def _note(runs: list[Experiment], way: str) -> str:
-    names = listed([repr(run.name) for run in runs], "and")
-    who = f"Run{'s' * (len(runs) > 1)} {names}: {'their' if len(runs) > 1 else 'its'} time stamps are"
+    named = capitalized(runs_named([run.name for run in runs]))
+    who = f"{named}: {'their' if len(runs) > 1 else 'its'} time stamps are"
     if way == _UNEVEN:
         longest = max(float(np.diff(run.time).max()) for run in runs)
         return f"{who} uneven, at most {longest:.4g} s apart, and {way}."
