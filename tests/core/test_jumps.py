@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -69,6 +71,12 @@ def test_a_gap_in_the_stamps_is_none_nor_what_a_step_of_the_input_makes() -> Non
     volts = np.where(TIME >= 1.0, 1.0, 0.0)
     fast = np.where(TIME >= 1.0, 0.02 * (1 - np.exp(-(TIME - 0.995) / 2e-3)), 0.0)  # all of it in one sample
     assert jumps(record(fast, volts)) == []
+
+
+@pytest.mark.parametrize("motion", ["translation", "rotation"])
+def test_a_campaign_without_any_is_the_same_and_nothing_is_said(motion: Any) -> None:
+    whole = stepid.Campaign(name="c", experiments=(record(swing(TIME)),), motion=motion, input_unit="A")
+    assert split_campaign(whole) == (whole, ())
 
 
 def test_a_record_is_split_where_it_jumps_and_that_is_said() -> None:

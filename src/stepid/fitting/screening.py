@@ -166,23 +166,29 @@ def split_campaign(campaign: Campaign) -> tuple[Campaign, tuple[str, ...]]:
     runs: list[Experiment] = []
     notes = []
     for run in campaign.experiments:
-        parts = split_releases(run)
-        what = f"holds {len(parts)} releases. They are"
-        if len(parts) == 1 and (at := jumps(mend(run).run)):  # a reading that sticks jumps as well
-            parts = split_at(run, at)
-            what = f"jumps at {at_samples(at)}: {_JUMPS}"
+        parts, what = _parts(run)
         taken = {other.name for other in campaign.experiments} & {part.name for part in parts} - {run.name}
-        if taken:  # what it would be called, others are
-            parts = (run,)
+        if not what or taken:  # one, or what a part would be called, others are
+            runs.append(run)
+            continue
         runs += parts
-        if parts[0] is not run:
-            names = ", ".join(repr(part.name) for part in parts)
-            out = run.time.size - sum(part.time.size for part in parts)
-            short = f" {counted(out, 'sample')} in parts too short for a run are left out." if out else ""
-            notes.append(f"Run {run.name!r} {what} taken as run{'s' * (len(parts) > 1)} {names}.{short}")
+        names = ", ".join(repr(part.name) for part in parts)
+        out = run.time.size - sum(part.time.size for part in parts)
+        short = f" {counted(out, 'sample')} in parts too short for a run are left out." if out else ""
+        notes.append(f"Run {run.name!r} {what} taken as run{'s' * (len(parts) > 1)} {names}.{short}")
     if not notes:
         return campaign, ()
     return campaign.model_copy(update={"experiments": tuple(runs)}), tuple(notes)
+
+
+def _parts(run: Experiment) -> tuple[tuple[Experiment, ...], str]:
+    """Split a record that holds several releases, or jumps, and say which: nothing of one that does not."""
+    parts = split_releases(run)
+    if len(parts) > 1:
+        return parts, f"holds {len(parts)} releases. They are"
+    at = jumps(mend(run).run)  # a reading that sticks jumps as well
+    parts = split_at(run, at)
+    return parts, f"jumps at {at_samples(at)}: {_JUMPS}" if parts[0] is not run else ""
 
 
 def _still(run: Experiment) -> bool:
