@@ -9,9 +9,12 @@ import pytest
 
 from made_up_evidence import candidate, context
 from stepid import Criteria, Effort
+from stepid.diagnosis.selection.attempts import Attempts
 from stepid.diagnosis.selection.fits import Fits
 from stepid.diagnosis.selection.moves import MOVES
+from stepid.diagnosis.selection.queue import Queue
 from stepid.diagnosis.selection.search import Search
+from stepid.diagnosis.selection.standings import Standings
 
 PAIR = ("coulomb_friction", "cogging")
 
@@ -38,16 +41,19 @@ def proposed(base: Any, *names: str, move: str, left: float) -> Any:
     return SimpleNamespace(**own, base=base.key, move=move, left=left, rank=left, like=like, gain=base.cost - left)
 
 
-def a_search(lead: float) -> Search:
+def a_search(lead: float, *, effort: Effort | None = None, **fit: Any) -> Search:
     """A pair that leaves so much of a misfit of 100 leads; five rivals of it are proposed."""
+    prepared: Any = SimpleNamespace(**vars(context()) | {"noise_limit": 1.0, "unit": 0.01} | fit)
     found: Any = Search.__new__(Search)
-    fit: Any = SimpleNamespace(**vars(context()) | {"noise_limit": 1.0, "unit": 0.01})
-    Fits.__init__(found, fit, Criteria(), Effort(), MOVES, lambda proposal: None)
-    pair = node(*PAIR, cost=lead)
-    found.root = node(cost=100.0)
-    found.nodes = {n.key: n for n in (found.root, pair)}
-    found.candidates = {c.key: c for c in (candidate(times=30.0), candidate(PAIR, times=8.0))}
-    found.proposals = [
+    found.fit, found.criteria, found.effort, found.moves = prepared, Criteria(), effort or Effort(), MOVES
+    found.standings = Standings(found.fit, found.criteria, found.effort)
+    found.queue = Queue(found.standings, (), MOVES)
+    found.fits = Fits(found.standings, found.queue, lambda proposal: None)
+    found._attempts = Attempts(found.fits)
+    root, pair = node(cost=100.0), node(*PAIR, cost=lead)
+    found.standings.nodes = {n.key: n for n in (root, pair)}
+    found.standings.candidates = {c.key: c for c in (candidate(times=30.0), candidate(PAIR, times=8.0))}
+    found.queue.proposals = [
         proposed(pair, "coulomb_friction", "free_play", move="exchange", left=0.6 * lead),  # really 0.6^8 of it
         proposed(pair, "stribeck_friction", "cogging", move="generalize", left=0.98 * lead),
         proposed(pair, "coulomb_friction", move="drop", left=lead),

@@ -259,12 +259,12 @@ def test_the_search_counts_what_is_left() -> None:
         FEW,
         criteria=Criteria(),
         effort=Effort(fits=3, rounds=2),
-        tell=lambda s, p: seen.append((s.left, s.promise, s.fits)),
+        tell=lambda s, p: seen.append((s.queue.left, s.queue.promise, s.fits.count)),
     )
     one.run()
     assert all(left >= 0 and 0 <= promise <= 1 for left, promise, _ in seen)
     assert [fits for *_, fits in seen] == list(range(1, len(seen) + 1))
-    assert one.best.names == ("coulomb_friction",)
+    assert one.standings.best.names == ("coulomb_friction",)
 
 
 def test_what_was_left_out_of_a_record_is_told_once() -> None:

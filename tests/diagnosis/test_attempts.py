@@ -15,7 +15,7 @@ FITTED_IN = 1e5  # steps times states
 @pytest.fixture(autouse=True)
 def plain_search(monkeypatch: pytest.MonkeyPatch) -> None:
     nothing_imitates(monkeypatch)
-    monkeypatch.setattr("stepid.diagnosis.selection.attempts.promote", lambda *_: None)
+    monkeypatch.setattr("stepid.diagnosis.selection.fits.promote", lambda *_: None)
 
 
 def tried(
@@ -24,8 +24,8 @@ def tried(
     """Whether the attempt took enough, and the sets beside which effects were fitted."""
     search: Any = a_search(lead=lead)
     single = node("coulomb_friction", cost=2 * lead)
-    search.nodes[single.key] = single
-    for one in search.nodes.values():
+    search.standings.nodes[single.key] = single
+    for one in search.standings.nodes.values():
         one.fitted.work = work
     bases: list[set[str]] = []
 
@@ -33,11 +33,11 @@ def tried(
         bases.append(set(base.key[0]))
         if found_beside is not None and len(base.effects) == 2:
             three = node(*PAIR, "end_stop", cost=found_beside)
-            search.nodes[three.key] = three
+            search.standings.nodes[three.key] = three
 
-    monkeypatch.setattr(search, "_expand", lambda *_: True)
-    monkeypatch.setattr(search, "_fit_beside", fit)
-    return search._try_beside(), bases
+    monkeypatch.setattr(search.queue, "expand", lambda *_: True)
+    monkeypatch.setattr(search.fits, "beside", fit)
+    return search._attempts.beside(), bases
 
 
 @pytest.mark.parametrize(("cost", "anew"), [(4.4, True), (4.6, False), (9.1, None)])
@@ -45,18 +45,18 @@ def test_moves_are_made_anew_from_an_end_that_leaves_less_than_half(cost: float,
     """What was proposed from the other end, and what was tried of that, no longer counts."""
     search: Any = a_search(lead=9.0)
     key = frozenset(PAIR), frozenset[str]()
-    pair, other = search.nodes[key], proposed(search.root, *PAIR, move="add", left=1.0)
+    pair, other = search.standings.nodes[key], proposed(search.standings.root, *PAIR, move="add", left=1.0)
     pair.moves_made = {"generalize"}
-    search.proposals.append(other)
-    search._tried = {(p.base, p.key) for p in search.proposals}
-    before = len(search.proposals), len(search._tried)
-    search._keep(SimpleNamespace(best=object(), cost=cost, effects=pair.effects, deviations=frozenset()), key)
-    assert (search.nodes[key] is pair) == (anew is None)
+    search.queue.proposals.append(other)
+    search.queue.tried = {(p.base, p.key) for p in search.queue.proposals}
+    before = len(search.queue.proposals), len(search.queue.tried)
+    search.fits._keep(SimpleNamespace(best=object(), cost=cost, effects=pair.effects, deviations=frozenset()), key)
+    assert (search.standings.nodes[key] is pair) == (anew is None)
     if anew is not None:
-        assert search.nodes[key].moves_made == (set() if anew else {"generalize"})
-    left = len(search.proposals), len(search._tried)
+        assert search.standings.nodes[key].moves_made == (set() if anew else {"generalize"})
+    left = len(search.queue.proposals), len(search.queue.tried)
     assert left == ((1, 1) if anew else before)
-    assert other in search.proposals
+    assert other in search.queue.proposals
 
 
 def test_effects_are_fitted_beside_the_best_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -65,9 +65,9 @@ def test_effects_are_fitted_beside_the_best_pairs(monkeypatch: pytest.MonkeyPatc
 
 def test_all_go_a_few_steps_from_one_start_and_the_best_few_run_on(monkeypatch: pytest.MonkeyPatch) -> None:
     search: Any = a_search(lead=9.0)
-    base = search.nodes[frozenset(PAIR), frozenset()]
+    base = search.standings.nodes[frozenset(PAIR), frozenset()]
     costs = {"end_stop": 8.0, "free_play": 7.0, "sensor_drift": 6.0, "input_delay": 5.0, "actuator_lag": 8.5}
-    search.proposals = [proposed(base, *PAIR, name, move="add", left=9.0) for name in costs]
+    search.queue.proposals = [proposed(base, *PAIR, name, move="add", left=9.0) for name in costs]
     begun: list[dict[str, Any]] = []
     ran: list[tuple[str, int]] = []
 
@@ -80,15 +80,17 @@ def test_all_go_a_few_steps_from_one_start_and_the_best_few_run_on(monkeypatch: 
             run=lambda iterations: ran.append((name, iterations)),
         )
 
-    monkeypatch.setattr(search, "_told", told)
+    monkeypatch.setattr(search.fits, "_told", told)
     monkeypatch.setattr("stepid.diagnosis.selection.fits.Node", lambda fitted, made: fitted)
-    for p in search.proposals:
+    for p in search.queue.proposals:
         p.starts, p.deviations = (), frozenset()
-    search._fit_beside(base)
+    search.fits.beside(base)
     assert len(begun) == 5
     assert all(how["keep"] == 1 and how["iterations"] == search.effort.begin and how["patient"] for how in begun)
     assert ran == [(name, search.effort.polishing) for name in ("input_delay", "sensor_drift", "free_play")]
-    assert {key[0] - set(PAIR) for key in search.nodes if len(key[0]) == 3} == {frozenset({name}) for name in costs}
+    assert {key[0] - set(PAIR) for key in search.standings.nodes if len(key[0]) == 3} == {
+        frozenset({name}) for name in costs
+    }
 
 
 @pytest.mark.parametrize(("left", "enough"), [(0.5, True), (1.3, True), (4.0, False)])  # noise; most of it; not most

@@ -120,19 +120,19 @@ def test_where_a_rest_remains_what_runs_differ_by_is_dropped_and_no_effect(
     nothing_imitates(monkeypatch)
     found: Any = a_search(lead=1.0)
     best, alike = candidate(PAIR, times=8.0, deviations=deviations), candidate(PAIR, times=8.0)
-    found.candidates = {best.key: best}
-    found.nodes[best.key] = node(*PAIR, cost=1.0)
+    found.standings.candidates = {best.key: best}
+    found.standings.nodes[best.key] = node(*PAIR, cost=1.0)
     fewer = SimpleNamespace(move="drop", base=best.key, key=alike.key, name="gain")
     smaller = SimpleNamespace(move="drop", base=best.key, key=candidate(PAIR[:1]).key, name="an effect")
-    monkeypatch.setattr(found, "_expand", lambda *_: True)
-    monkeypatch.setattr(found, "_rivals", lambda *_: [fewer, smaller])
+    monkeypatch.setattr(found.queue, "expand", lambda *_: True)
+    monkeypatch.setattr(found.queue, "rivals", lambda *_: [fewer, smaller])
     fitted: list[str] = []
 
     def fit_all(proposals: Any) -> None:
         fitted.extend(p.name for p in proposals)
-        found.candidates = {alike.key: alike}
+        found.standings.candidates = {alike.key: alike}
 
-    monkeypatch.setattr(found, "_fit_all", fit_all)
-    monkeypatch.setattr(found, "_polish_best", lambda: best)
+    monkeypatch.setattr(found.fits, "try_all", fit_all)
+    monkeypatch.setattr(found.fits, "polish_best", lambda: best)
     assert found._simplify() is bool(dropped)
     assert fitted == dropped

@@ -14,6 +14,7 @@ from stepid import Effort
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.selection.fits import Fits
 from stepid.diagnosis.selection.promote import promote
+from stepid.diagnosis.selection.standings import Standings
 
 SWINGS = np.sin(0.3 * np.arange(RUNS * SAMPLES))
 NOISE = RUNS * SAMPLES * FLOOR**2
@@ -32,12 +33,10 @@ def raced(found: Candidate) -> Any:
 
 def a_race(*found: Candidate, effort: Effort | None = None) -> Any:
     """A search that has fitted some sets beside a linear plant, which swings: of its rest few samples count."""
-    search = a_search(lead=9.0)
+    search = a_search(lead=9.0, effort=effort, unit=FLOOR**2, noise_cost=NOISE)
     plain = candidate(times=30.0, residual=SWINGS)
-    search.candidates, search.noise_limit = {plain.key: plain}, 1.1 * NOISE
-    search.nodes = {c.key: raced(c) for c in (plain, *found)}
-    search.fit = SimpleNamespace(**vars(search.fit) | {"unit": FLOOR**2, "noise_cost": NOISE})
-    search.effort = effort or Effort()
+    search.standings.candidates, search.standings.noise_limit = {plain.key: plain}, 1.1 * NOISE
+    search.standings.nodes = {c.key: raced(c) for c in (plain, *found)}
     return search
 
 
@@ -47,10 +46,10 @@ def fitted_in(search: Any, monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, .
 
     def polish(_: Any, one: Any) -> None:
         order.append(tuple(e.name for e in one.effects))
-        search.candidates[one.key] = Candidate(one.effects, one.deviations, one.best, 0.0)
+        search.standings.candidates[one.key] = Candidate(one.effects, one.deviations, one.best, 0.0)
 
-    monkeypatch.setattr(Fits, "_polish", polish)
-    assert search._polish_best() is search.best
+    monkeypatch.setattr(Fits, "polish", polish)
+    assert search.fits.polish_best() is search.standings.best
     return order
 
 
@@ -80,7 +79,9 @@ def test_what_leaves_least_is_fitted_if_it_may_win(stuck: float, fitted: bool, m
     best = candidate(["cogging"], times=10.0)
     most = candidate(["free_play"], times=9.999, deviations=["damping", "gain", "start_time"])
     search = a_race(best, most, effort=Effort(stuck=stuck))
-    assert search._foreseen(search.nodes[most.key]) > search._foreseen(search.nodes[best.key])
+    assert search.standings.foreseen(search.standings.nodes[most.key]) > search.standings.foreseen(
+        search.standings.nodes[best.key]
+    )
     assert fitted_in(search, monkeypatch) == [best.names, *([most.names] if fitted else [])]
 
 
@@ -101,7 +102,7 @@ def test_a_pair_that_is_near_is_fitted_if_it_may_be_an_answer(
 ) -> None:
     best = candidate(["end_stop"], times=4.0)
     pair = losing(best, 5.0, ["free_play", "actuator_lag"])  # as many parameters
-    monkeypatch.setattr(Fits, "_answers", lambda *_: answers)
+    monkeypatch.setattr(Standings, "answers", lambda *_: answers)
     assert fitted_in(a_race(best, pair), monkeypatch) == [best.names, *([pair.names] if fitted else [])]
 
 
@@ -115,13 +116,13 @@ def test_a_cost_in_the_race_stands_for_that_in_all_samples() -> None:
     """Every tenth sample: noise counts a tenth, a misfit ten times; what rounding leaves at least is of all samples."""
     best = candidate(["free_play"], times=2.0)
     search = a_race(best)
-    search.candidates[best.key] = best
-    in_all = search._qbic(best.optimum)
+    search.standings.candidates[best.key] = best
+    in_all = search.standings.qbic(best.optimum)
     search.fit.unit, search.fit.noise_cost, search.fit.rounding_cost = FLOOR**2 / 10, NOISE / 10, NOISE / 2
     tenth = raced(best)
     tenth.cost = best.optimum.cost / 10
-    assert search._foreseen(tenth) == pytest.approx(in_all)
-    assert search._foreseen(tenth, tenth.cost) == pytest.approx(in_all + RUNS * SAMPLES * np.log(2), rel=1e-3)
+    assert search.standings.foreseen(tenth) == pytest.approx(in_all)
+    assert search.standings.foreseen(tenth, tenth.cost) == pytest.approx(in_all + RUNS * SAMPLES * np.log(2), rel=1e-3)
 
 
 def beside(name: str, cost: float, *conditions: str, already: tuple[str, ...] = (), left: float) -> tuple[Any, Any]:
@@ -138,14 +139,14 @@ def beside(name: str, cost: float, *conditions: str, already: tuple[str, ...] = 
 def test_one_condition_beside_an_effect_is_asked_out_of_its_turn() -> None:
     """Smaller sets go first, but for the one that promises most; all conditions together promise to leave nothing."""
     found: Any = a_search(lead=9.0)
-    alone = [proposed(found.root, name, move="add", left=50.0) for name in ("free_play", "end_stop")]
+    alone = [proposed(found.standings.root, name, move="add", left=50.0) for name in ("free_play", "end_stop")]
     lag, most = beside("actuator_lag", 55.0, "damping", already=("gain",), left=2.0)
     cogging, next_one = beside("cogging", 60.0, "gain", left=3.0)
     drift, every = beside("sensor_drift", 70.0, "gain", "damping", left=0.0)
-    found.nodes |= {base.key: base for base in (lag, cogging, drift)}
+    found.standings.nodes |= {base.key: base for base in (lag, cogging, drift)}
     for larger, asked in (([every], []), ([next_one, every], [next_one]), ([next_one, most, every], [most])):
-        found.proposals = [*alone, *larger]
-        assert found._promising() == [*alone, *asked]
+        found.queue.proposals = [*alone, *larger]
+        assert found.queue.promising() == [*alone, *asked]
 
 
 @pytest.mark.parametrize(
@@ -161,11 +162,14 @@ def test_what_the_best_may_not_need_is_dropped_though_a_step_promises_nothing(
     left: float, of_the_best: bool, asked: bool
 ) -> None:
     found: Any = a_search(lead=9.0)
-    alone, pair = node("coulomb_friction", cost=40.0), next(n for n in found.nodes.values() if len(n.effects) > 1)
-    found.nodes[alone.key] = alone
+    alone, pair = (
+        node("coulomb_friction", cost=40.0),
+        next(n for n in found.standings.nodes.values() if len(n.effects) > 1),
+    )
+    found.standings.nodes[alone.key] = alone
     if not of_the_best:
-        found.candidates = {c.key: c for c in (candidate(times=30.0), candidate(["end_stop"], times=2.0))}
-    assert found._new(proposed(pair, "coulomb_friction", move="drop", left=left)) is asked
+        found.standings.candidates = {c.key: c for c in (candidate(times=30.0), candidate(["end_stop"], times=2.0))}
+    assert found.queue._new(proposed(pair, "coulomb_friction", move="drop", left=left)) is asked
 
 
 @pytest.mark.parametrize(("known", "times", "named"), [(True, 1.0, False), (True, 4.0, True), (False, 1.0, True)])
@@ -175,10 +179,10 @@ def test_what_leaves_only_noise_on_all_samples_and_is_open_is_not_named(
     """Beside a rest what is open may explain some of it."""
     found = candidate(["cogging"], times=times)
     search = a_race(found)
-    search.nodes[found.key].fitted.polished = found.optimum if known else None
+    search.standings.nodes[found.key].fitted.polished = found.optimum if known else None
     monkeypatch.setattr("stepid.diagnosis.selection.order.barred", lambda *_: True)
-    search.candidates = {found.key: found}
-    assert [n.key for n in search._named(search.nodes.values())].count(found.key) == named
+    search.standings.candidates = {found.key: found}
+    assert [n.key for n in search.standings.named(search.standings.nodes.values())].count(found.key) == named
 
 
 def test_who_runs_on_in_the_race_is_told_by_qbic_too() -> None:
@@ -217,14 +221,14 @@ def test_each_effect_of_what_leads_is_asked_alone_as_its_runs_differ(monkeypatch
     bumps = [raced(candidate(["cogging"], times=5.0, deviations=d)) for d in (["gain"], [])]
     apart = raced(candidate(["cogging"], times=2.5, deviations=["start_time"]))  # which the pair has not
     order = [pair, apart, *rubs, *bumps]
-    found.nodes = {n.key: n for n in (found.root, *order)}
-    found.candidates = {
+    found.standings.nodes = {n.key: n for n in (found.standings.root, *order)}
+    found.standings.candidates = {
         c.key: c for c in (candidate(times=30.0), Candidate(pair.effects, pair.deviations, pair.best, 9.0))
     }
     asked: list[Any] = []
-    monkeypatch.setattr(found, "_polish", asked.append)
-    monkeypatch.setattr(found, "_in_order", lambda: order)
-    monkeypatch.setattr(found, "_nameable", lambda nodes: iter([pair, *rubs[:1]]))
-    found._polish_leads()
+    monkeypatch.setattr(found.fits, "polish", asked.append)
+    monkeypatch.setattr(found.standings, "in_order", lambda: order)
+    monkeypatch.setattr(found.standings, "nameable", lambda nodes: iter([pair, *rubs[:1]]))
+    found.fits.polish_leads()
     alone = [n for n in asked if len(n.effects) == 1]
     assert {n.key for n in alone} == {n.key for n in (rubs[0], rubs[2], bumps[0], bumps[1])}

@@ -25,7 +25,7 @@ def plain_search(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def asked(search: Search, *, nearest: bool = False) -> list[tuple[str, int]]:
     base = frozenset(PAIR), frozenset[str]()
-    return [(p.move, p.size) for p in search._rivals([base], unforeseen=MOVES.unforeseen if nearest else ())]
+    return [(p.move, p.size) for p in search.queue.rivals([base], unforeseen=MOVES.unforeseen if nearest else ())]
 
 
 @pytest.mark.parametrize("nearest", [False, True])
@@ -46,28 +46,27 @@ def test_beside_a_lead_all_rivals_are_asked_what_needs_less_first(lead: float) -
 def test_three_effects_are_asked_only_where_they_may_reach_the_noise(lead: float) -> None:
     found = a_search(lead)
     assert ("exchange", 3) not in asked(found)  # 0.9^8 = 0.43
-    found.proposals[-1].left = 0.6 * lead  # 40 × 0.6^8 = 0.7
+    found.queue.proposals[-1].left = 0.6 * lead  # 40 × 0.6^8 = 0.7
     assert ("exchange", 3) in asked(found)
 
 
 def test_larger_sets_take_no_place_where_none_may_be_asked() -> None:
-    found = a_search(lead=9.0)
-    found.effort = Effort(width=1)
-    found.proposals[-1].left = found.proposals[-1].rank = 0.5 * 9.0  # three effects, before two
-    found.proposals = [p for p in found.proposals if p.move == "exchange"]
+    found = a_search(lead=9.0, effort=Effort(width=1))
+    found.queue.proposals[-1].left = found.queue.proposals[-1].rank = 0.5 * 9.0  # three effects, before two
+    found.queue.proposals = [p for p in found.queue.proposals if p.move == "exchange"]
     base = frozenset(PAIR), frozenset[str]()
-    assert [p.size for p in found._rivals([base])] == [3]
-    assert [p.size for p in found._rivals([base], most=2)] == [2]
+    assert [p.size for p in found.queue.rivals([base])] == [3]
+    assert [p.size for p in found.queue.rivals([base], most=2)] == [2]
 
 
 def test_rivals_on_other_bases_are_not_asked() -> None:
     found = a_search(lead=9.0)
-    assert found._rivals([found.root.key], unforeseen=MOVES.unforeseen) == []
+    assert found.queue.rivals([found.standings.root.key], unforeseen=MOVES.unforeseen) == []
 
 
 def test_sets_that_were_tried_from_a_base_are_not_asked_again_from_there() -> None:
     found = a_search(lead=9.0)
-    found._tried = {(p.base, p.key) for p in found.proposals if p.move == "drop"}
+    found.queue.tried = {(p.base, p.key) for p in found.queue.proposals if p.move == "drop"}
     assert asked(found) == ALL[1:]
 
 
@@ -85,29 +84,29 @@ def test_in_the_place_of_one_effect_that_leaves_noise_none_is_asked_that_promise
 ) -> None:
     found: Any = a_search(lead=9.0)
     best = candidate(names, deviations=deviations)
-    found.candidates = {best.key: best}
-    monkeypatch.setattr(Standings, "_complete", lambda *_: complete)
-    assert found._unforeseen() == (MOVES.unforeseen if exchanged else {"regeneralize"})
+    found.standings.candidates = {best.key: best}
+    monkeypatch.setattr(Standings, "complete", lambda *_: complete)
+    assert found.queue.unforeseen() == (MOVES.unforeseen if exchanged else {"regeneralize"})
 
 
 def fitting_by(fit: Any, found: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """A search whose fits are made up, and go no further."""
-    found.context = None
-    monkeypatch.setattr(found, "_fit", fit)
-    monkeypatch.setattr(found, "_polish_near", lambda base: found.best)
-    monkeypatch.setattr(found, "_polish_best", lambda: found.best)
-    monkeypatch.setattr("stepid.diagnosis.selection.attempts.promote", lambda *_: None)
+    found.queue.context = None
+    monkeypatch.setattr(found.fits, "attempt", fit)
+    monkeypatch.setattr(found.fits, "polish_near", lambda base: found.standings.best)
+    monkeypatch.setattr(found.fits, "polish_best", lambda: found.standings.best)
+    monkeypatch.setattr("stepid.diagnosis.selection.fits.promote", lambda *_: None)
 
 
 def test_a_set_of_which_no_fit_is_found_gives_others_their_turn() -> None:
     found: Any = a_search(lead=9.0)
     move = MOVES.together[0].name
     sets = [(name, "sensor_drift") for name in ("cogging", "free_play", "end_stop", "actuator_lag")]
-    found.proposals = [proposed(found.root, *names, move=move, left=30.0) for names in sets]
-    assert [p.key[0] for p in found._promising()] == [frozenset(names) for names in sets[:3]]  # Effort.share
-    first = found.proposals[0]
-    found._failed = {(first.base, first.key, move)}
-    assert [p.key[0] for p in found._promising()] == [frozenset(names) for names in sets[1:]]
+    found.queue.proposals = [proposed(found.standings.root, *names, move=move, left=30.0) for names in sets]
+    assert [p.key[0] for p in found.queue.promising()] == [frozenset(names) for names in sets[:3]]  # Effort.share
+    first = found.queue.proposals[0]
+    found.queue._failed = {(first.base, first.key, move)}
+    assert [p.key[0] for p in found.queue.promising()] == [frozenset(names) for names in sets[1:]]
 
 
 @pytest.mark.parametrize("times", [1.0, 8.0])
@@ -117,11 +116,13 @@ def test_what_is_far_from_the_noise_is_fitted_to_all_samples_and_not_kept(
     """Three effects that leave a rest name nothing, and must not decide what does."""
     found: Any = a_search(lead=9.0)
     three = candidate((*PAIR, "free_play"), times=times)
-    monkeypatch.setattr(Fits, "_polish", lambda self, node: self.candidates.update({node.key: three}))
-    monkeypatch.setattr(Standings, "_complete", lambda *_: False)
-    known = set(found.candidates)
-    assert found._polish_near(node(*PAIR, "free_play", cost=2.0)) is (three if times == 1.0 else found.best)
-    assert set(found.candidates) - known == ({three.key} if times == 1.0 else set())
+    monkeypatch.setattr(Fits, "polish", lambda self, node: self.standings.candidates.update({node.key: three}))
+    monkeypatch.setattr(Standings, "complete", lambda *_: False)
+    known = set(found.standings.candidates)
+    assert found.fits.polish_near(node(*PAIR, "free_play", cost=2.0)) is (
+        three if times == 1.0 else found.standings.best
+    )
+    assert set(found.standings.candidates) - known == ({three.key} if times == 1.0 else set())
 
 
 @pytest.mark.parametrize(("times", "dropped"), [(1.0, True), (8.0, False)])
@@ -130,18 +131,18 @@ def test_what_the_answer_does_not_need_is_dropped_before_the_end(
 ) -> None:
     found: Any = a_search(lead=1.0)
     pair, one = candidate(PAIR, times=times), candidate(PAIR[:1], times=times)
-    found.candidates = {pair.key: pair}
-    found._qbic = lambda optimum: 0.0
+    found.standings.candidates = {pair.key: pair}
+    found.standings.qbic = lambda optimum: 0.0
     fitted: list[str] = []
 
     def fit(proposal: Any, keep: int | None = None) -> None:
         fitted.append(proposal.move)
-        found._tried.add((proposal.base, proposal.key))
-        found.candidates[one.key] = one
-        found.nodes[one.key] = node(*PAIR[:1], cost=1.0)
+        found.queue.tried.add((proposal.base, proposal.key))
+        found.standings.candidates[one.key] = one
+        found.standings.nodes[one.key] = node(*PAIR[:1], cost=1.0)
 
     fitting_by(fit, found, monkeypatch)
-    monkeypatch.setattr(found, "_expand", lambda *_: False)  # made before, and not fitted then
+    monkeypatch.setattr(found.queue, "expand", lambda *_: False)  # made before, and not fitted then
     assert found._simplify() is dropped
     assert fitted == (["drop"] if dropped else [])
 
@@ -152,37 +153,37 @@ def test_from_what_an_exchange_led_to_the_search_goes_on_but_not_from_other_sets
     found: Any = a_search(lead=40.0)
     best, near = node(*PAIR, "free_play", cost=8.0), node(*PAIR, "sensor_drift", cost=9.0)
     led = node(*PAIR, "end_stop", cost=8.5)
-    found.nodes |= {best.key: best, near.key: near}
+    found.standings.nodes |= {best.key: best, near.key: near}
     one = proposed(best, *PAIR, "end_stop", move="exchange", left=9.0)
     asked: list[Any] = []
     monkeypatch.setattr(Exchange, "propose", lambda self, base, context: asked.append(base) or [one])
-    fitting_by(lambda *_: found.nodes.update({led.key: led}), found, monkeypatch)
+    fitting_by(lambda *_: found.standings.nodes.update({led.key: led}), found, monkeypatch)
     monkeypatch.setattr(Generalize, "propose", lambda *_: [])
-    found._try_exchanges()
+    found._attempts.exchanges()
     assert asked == [best, led]
 
 
 def test_exchanges_of_the_best_larger_set_are_fitted_until_one_leaves_noise(monkeypatch: pytest.MonkeyPatch) -> None:
     found: Any = a_search(lead=40.0)
     three = node(*PAIR, "free_play", cost=8.0)
-    found.nodes[three.key] = three
+    found.standings.nodes[three.key] = three
     better = proposed(three, *PAIR, "end_stop", move="exchange", left=9.0)
     monkeypatch.setattr(Exchange, "propose", lambda *_: [better, proposed(three, *PAIR, move="exchange", left=1.0)])
     fitted = []
 
     def fit(proposal: Any, keep: int | None = None) -> None:
         fitted.append(proposal)
-        found.nodes[proposal.key] = node(*PAIR, "end_stop", cost=1.0)
+        found.standings.nodes[proposal.key] = node(*PAIR, "end_stop", cost=1.0)
 
     fitting_by(fit, found, monkeypatch)
     general = proposed(three, "cogging", "stribeck_friction", "free_play", move="generalize", left=7.9)
     monkeypatch.setattr(Generalize, "propose", lambda *_: [general])
-    found._try_exchanges()
+    found._attempts.exchanges()
     assert fitted == [general, better]
     fitted.clear()
-    del found.nodes[better.key]
-    monkeypatch.setattr(found, "_complete", lambda best: True)
-    found._try_exchanges()
+    del found.standings.nodes[better.key]
+    monkeypatch.setattr(found.standings, "complete", lambda best: True)
+    found._attempts.exchanges()
     assert fitted == []  # the set itself, fitted to all samples, leaves noise
 
 
@@ -203,14 +204,14 @@ def test_where_friction_may_stop_the_cart_elsewhere_or_a_mode_be_stronger_a_set_
     fits = []
     one = node(*names, cost=2.0)
     one.fitted.other_valleys = lambda: True
-    monkeypatch.setattr(Standings, "_complete", lambda *_: complete)
+    monkeypatch.setattr(Standings, "complete", lambda *_: complete)
 
     def polish(self: Any, node: Any) -> None:
         fits.append(node)
-        self.candidates[node.key] = candidate(names)
+        self.standings.candidates[node.key] = candidate(names)
 
-    monkeypatch.setattr(Fits, "_polish", polish)
-    found._polish_near(one)
+    monkeypatch.setattr(Fits, "polish", polish)
+    found.fits.polish_near(one)
     assert len(fits) == again
 
 
@@ -219,10 +220,10 @@ def test_rivals_are_held_against_what_may_be_named(barred: bool, monkeypatch: py
     """A pair that leaves far less, and cannot be named, is no measure of them."""
     found: Any = a_search(lead=9.0)
     other = node("periodic_disturbance", "cubic_stiffness", cost=2.0)
-    found.nodes[other.key] = other
-    monkeypatch.setattr(found, "_named", lambda nodes: (n for n in nodes if not (barred and n is other)))
-    like = next(p for p in found.proposals if p.move == "resemble")  # leaves as much as the pair that it rivals
-    assert (like in found._gaining([like])) is barred
+    found.standings.nodes[other.key] = other
+    monkeypatch.setattr(found.standings, "named", lambda nodes: (n for n in nodes if not (barred and n is other)))
+    like = next(p for p in found.queue.proposals if p.move == "resemble")  # leaves as much as the pair that it rivals
+    assert (like in found.queue._gaining([like])) is barred
 
 
 @pytest.mark.parametrize(("left", "again"), [(8.5, True), (8.7, False)])
@@ -230,16 +231,16 @@ def test_what_a_set_does_without_for_nothing_is_fitted_again_where_it_had_ended_
     """However much less others leave, whose runs differ in more."""
     found: Any = a_search(lead=9.0)
     larger, other = node(*PAIR, "sine_stiffness", cost=8.0), node(*PAIR, "periodic_disturbance", cost=1.0)
-    found.nodes |= {larger.key: larger, other.key: other}
-    assert found._new(proposed(larger, *PAIR, move="drop", left=left)) is again
+    found.standings.nodes |= {larger.key: larger, other.key: other}
+    assert found.queue._new(proposed(larger, *PAIR, move="drop", left=left)) is again
 
 
 def test_a_set_with_a_condition_less_is_not_fitted_again_for_what_no_step_tells() -> None:
     found: Any = a_search(lead=9.0)
     free, other = node(*PAIR, cost=8.0), node(*PAIR, "periodic_disturbance", cost=1.0)
     free.key, free.deviations = (free.key[0], frozenset({"gain"})), frozenset({"gain"})
-    found.nodes |= {free.key: free, other.key: other}
-    assert not found._new(proposed(free, *PAIR, move="drop", left=free.cost))
+    found.standings.nodes |= {free.key: free, other.key: other}
+    assert not found.queue._new(proposed(free, *PAIR, move="drop", left=free.cost))
 
 
 @pytest.mark.parametrize(("left", "further"), [(2.0, True), (8.5, False)])
@@ -250,12 +251,12 @@ def test_a_set_whose_rival_leaves_far_less_is_run_on_from_where_it_stood(
     ran: list[int] = []
     known = node("sine_stiffness", cost=8.0)
     known.fitted.run = lambda iterations: ran.append(iterations)
-    found.nodes[known.key] = known
-    proposal = proposed(found.root, "sine_stiffness", move="resemble", left=left)
+    found.standings.nodes[known.key] = known
+    proposal = proposed(found.standings.root, "sine_stiffness", move="resemble", left=left)
     stuck = SimpleNamespace(cost=50.0, best=object(), begin=lambda *_, **__: None, run=lambda **_: None)
-    monkeypatch.setattr(found, "_told", lambda _: stuck)
+    monkeypatch.setattr(found.fits, "_told", lambda _: stuck)
     monkeypatch.setattr("stepid.diagnosis.selection.fits.by.starts_in_order", lambda *_: [])
-    found._fit(proposal)
+    found.fits.attempt(proposal)
     assert ran == [found.effort.polishing] * further
 
 
@@ -263,17 +264,17 @@ def test_what_leaves_more_than_with_fewer_conditions_is_fitted_again_once_from_e
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     found: Any = a_search(lead=9.0)
-    first, second = (proposed(found.root, "cogging", move="deviate", left=2.0) for _ in range(2))
+    first, second = (proposed(found.standings.root, "cogging", move="deviate", left=2.0) for _ in range(2))
     first.like, second.like = object(), object()
     ends: list[Any] = [first]
     monkeypatch.setattr("stepid.diagnosis.selection.fits.runs.ended_elsewhere", lambda nodes, slack: list(ends))
     fitted: list[Any] = []
-    monkeypatch.setattr(found, "_fit", fitted.append)
-    found._fit_anew()
-    found._fit_anew()
+    monkeypatch.setattr(found.fits, "attempt", fitted.append)
+    found.fits._anew()
+    found.fits._anew()
     assert fitted == [first]
     ends.append(second)  # the same set, from where less is left by now
-    found._fit_anew()
+    found.fits._anew()
     assert fitted == [first, second]
 
 
@@ -283,13 +284,13 @@ def test_an_effect_in_the_place_of_a_condition_is_begun_from_the_best_too(
 ) -> None:
     """Where the best is a part of the set by now."""
     found: Any = a_search(lead=9.0)
-    found.nodes[frozenset(PAIR), frozenset()].best = object()
+    found.standings.nodes[frozenset(PAIR), frozenset()].best = object()
     likes: list[Any] = []
     fitted = SimpleNamespace(cost=5.0, best=None, begin=lambda starts, like, **_: likes.append(like), run=lambda **_: 0)
-    monkeypatch.setattr(found, "_told", lambda _: fitted)
+    monkeypatch.setattr(found.fits, "_told", lambda _: fitted)
     monkeypatch.setattr("stepid.diagnosis.selection.fits.by.starts_in_order", lambda *_: [])
     monkeypatch.setattr("stepid.diagnosis.selection.fits.runs.from_the_best", lambda *_: None)
     monkeypatch.setattr(Standings, "best", candidate(PAIR))
-    proposal = proposed(found.root, *names, "end_stop", move=move, left=2.0)
-    found._fit(proposal)
-    assert likes == [proposal.like, found.nodes[frozenset(PAIR), frozenset()].best][:begun]
+    proposal = proposed(found.standings.root, *names, "end_stop", move=move, left=2.0)
+    found.fits.attempt(proposal)
+    assert likes == [proposal.like, found.standings.nodes[frozenset(PAIR), frozenset()].best][:begun]

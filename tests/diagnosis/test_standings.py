@@ -32,21 +32,21 @@ def test_a_larger_set_on_its_way_to_the_noise_has_its_rivals_looked_for(times: f
     larger = candidate(THREE, times=times)
     found = Standings(context(), Criteria(), Effort())
     found.candidates = {c.key: c for c in (candidate(times=30.0), PAIR, larger)}
-    assert found._leading() == ([PAIR, larger] if both else [PAIR])
+    assert found.leading() == ([PAIR, larger] if both else [PAIR])
 
 
 def test_how_much_a_larger_set_has_to_take_is_the_criterion_of_a_lead() -> None:
     larger = candidate(THREE, times=6.0)
     found = Standings(context(), Criteria(lead=0.4), Effort())
     found.candidates = {c.key: c for c in (candidate(times=30.0), PAIR, larger)}
-    assert found._leading() == [PAIR, larger]
+    assert found.leading() == [PAIR, larger]
 
 
 def test_a_pair_that_leaves_least_is_the_only_one_looked_at() -> None:
     found = Standings(context(), Criteria(), Effort())
     found.candidates = {c.key: c for c in (candidate(times=30.0), candidate(["cogging"], times=20.0), PAIR)}
     assert found.best is PAIR
-    assert found._leading() == [PAIR]
+    assert found.leading() == [PAIR]
 
 
 def test_a_larger_set_that_needs_runs_to_differ_is_not_on_its_way() -> None:
@@ -54,7 +54,7 @@ def test_a_larger_set_that_needs_runs_to_differ_is_not_on_its_way() -> None:
     found = Standings(context(), Criteria(), Effort())
     found.candidates = {c.key: c for c in (candidate(times=30.0), PAIR, larger)}
     assert found.best is larger
-    assert found._leading() == [PAIR]
+    assert found.leading() == [PAIR]
 
 
 @pytest.mark.parametrize(("qbic", "answered"), [(9.0, True), (17.0, False)])
@@ -65,7 +65,7 @@ def test_rivals_are_looked_for_of_what_is_answered_too(qbic: float, answered: bo
     found = Standings(context(), Criteria(), Effort())
     found.candidates = {c.key: c for c in (candidate(times=30.0), best, simple)}
     assert found.best is best
-    assert found._leading() == ([best, simple] if answered else [best])
+    assert found.leading() == ([best, simple] if answered else [best])
 
 
 @pytest.mark.parametrize("is_open", [True, False])
@@ -74,13 +74,13 @@ def test_what_leaves_only_noise_and_is_open_ends_no_search(is_open: bool, monkey
     best, other = candidate(["flexible_coupling"]), candidate(["end_stop"], times=1.01)
     barred = "stepid.diagnosis.selection.standings.barred"
     monkeypatch.setattr(barred, lambda fit, criteria, found: is_open and found is best)
-    monkeypatch.setattr(Standings, "_followed", lambda *_: None)
+    monkeypatch.setattr(Standings, "followed", lambda *_: None)
     found = Standings(context(), Criteria(), Effort())
     found.candidates = {c.key: c for c in (candidate(times=30.0), best, other)}
     assert found.best is best
-    assert found._complete(best) is not is_open
-    assert found._one_is_enough() is not is_open
-    assert found._leading() == ([best, other] if is_open else [best])
+    assert found.complete(best) is not is_open
+    assert found.one_is_enough() is not is_open
+    assert found.leading() == ([best, other] if is_open else [best])
 
 
 def test_what_is_open_and_simpler_takes_no_place_from_what_can_be_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -90,8 +90,8 @@ def test_what_is_open_and_simpler_takes_no_place_from_what_can_be_named(monkeypa
     monkeypatch.setattr(barred, lambda fit, criteria, found: "flexible_coupling" in found.names)
     found = Standings(context(), Criteria(), Effort())
     found.candidates = {c.key: c for c in (candidate(times=30.0), best, simple, other)}
-    assert found._simplest() is simple
-    assert found._leading() == [best, other]
+    assert found.simplest() is simple
+    assert found.leading() == [best, other]
 
 
 def costing(cost: float, *, polished: bool = True) -> Any:
@@ -110,8 +110,8 @@ def test_below_a_wrong_law_as_small_as_the_noise_the_search_goes_on(
     found.candidates = {c.key: c for c in (candidate(times=30.0), best)}
     found.nodes = {key: costing(c) for key, c in ((LINEAR, 9e-5), (best.key, best.optimum.cost))}
     before = found.noise_limit
-    assert found._complete(best) is not lowered
-    found._lower_floor(best)
+    assert found.complete(best) is not lowered
+    found.lower_floor(best)
     assert found.noise_limit == pytest.approx(0.7 * best.optimum.cost if lowered else before)
 
 
@@ -130,9 +130,9 @@ def test_below_what_costs_as_little_as_noise_and_is_not_white_the_search_goes_on
     found.candidates = {c.key: c for c in (candidate(times=30.0), best)}
     found.nodes = {key: costing(c) for key, c in ((LINEAR, 9e-5), (best.key, best.optimum.cost))}
     before = found.noise_limit
-    found._lower_floor(best)
+    found.lower_floor(best)
     assert found.noise_limit == pytest.approx(best.optimum.cost - 10.0 * found.fit.unit if lowered else before)
-    assert found._complete(best) is complete
+    assert found.complete(best) is complete
 
 
 @pytest.mark.parametrize("backwards", [False, True])
@@ -160,7 +160,7 @@ def test_what_has_more_in_it_and_costs_less_is_no_noise_either_unless_it_is_whit
     order = [root, *(reversed(some.values()) if backwards else some.values())]
     found.candidates = {c.key: c for c in order}
     found.nodes = {c.key: costing(c.optimum.cost, polished=now or c is best) for c in order}
-    found._lower_floor(best)
+    found.lower_floor(best)
     assert found.noise_limit == pytest.approx(some[asked].optimum.cost - 10.0 * found.fit.unit)
 
 
@@ -174,7 +174,7 @@ def test_the_search_knows_what_conditions_leave_to_explain(
     costs = {LINEAR: 10 * noise} | ({} if plain is None else {(frozenset(), best.deviations): (1 + 9 * plain) * noise})
     found.nodes = {key: SimpleNamespace(cost=cost) for key, cost in costs.items()}  # type: ignore[misc]
     monkeypatch.setattr("stepid.diagnosis.selection.standings.followed", lambda *given: given[-1])
-    assert found._followed(best) == pytest.approx(part)
+    assert found.followed(best) == pytest.approx(part)
 
 
 def raced(names: list[str], cost: float, deviations: tuple[str, ...] = ()) -> SimpleNamespace:
@@ -204,7 +204,7 @@ def test_what_a_set_may_leave_to_be_an_answer(
     nodes = [raced([], 101.0), raced([], 51.0, ("gain",)), raced(["cogging"], alone), raced(["free_play"], 70.0)]
     found.nodes = {node.key: node for node in nodes}  # type: ignore[misc]
     wanted = candidate(names, deviations=deviations)
-    assert found._needed(wanted.effects, wanted.deviations) == pytest.approx(needed)
+    assert found.needed(wanted.effects, wanted.deviations) == pytest.approx(needed)
 
 
 def test_a_law_inside_one_of_a_pair_leads_too() -> None:
@@ -213,7 +213,7 @@ def test_a_law_inside_one_of_a_pair_leads_too() -> None:
     nodes = [raced([], 101.0), raced(["coulomb_friction"], 11.0)]
     found.nodes = {node.key: node for node in nodes}  # type: ignore[misc]
     pair = candidate(["stribeck_friction", "free_play"])
-    assert found._needed(pair.effects, pair.deviations) == pytest.approx(1 + 0.2 * 10)
+    assert found.needed(pair.effects, pair.deviations) == pytest.approx(1 + 0.2 * 10)
 
 
 @pytest.mark.parametrize(
@@ -228,7 +228,7 @@ def test_the_leading_set_is_an_answer_or_misses_that_by_a_factor_of_two(
     found.noise_limit = 1.0
     found.nodes = {node.key: node for node in (raced([], 101.0), raced(["cogging"], cost))}  # type: ignore[misc]
     found.candidates = {c.key: c for c in (candidate(times=30.0), one)}
-    assert found._answered() is answered
+    assert found.answered() is answered
 
 
 def test_what_repeated_runs_differ_by_no_set_has_to_take() -> None:
@@ -236,9 +236,9 @@ def test_what_repeated_runs_differ_by_no_set_has_to_take() -> None:
     found.noise_limit, found._spread = 1.0, 3.0 * context().floor
     found.nodes = {node.key: node for node in (raced([], 101.0), raced(["cogging"], 20.0))}  # type: ignore[misc]
     cogging = candidate(["cogging"])
-    assert found._needed(cogging.effects, frozenset()) == pytest.approx(9 + 0.2 * 92)
+    assert found.needed(cogging.effects, frozenset()) == pytest.approx(9 + 0.2 * 92)
     found._spread = 0.5 * context().floor
-    assert found._needed(cogging.effects, frozenset()) == pytest.approx(21)
+    assert found.needed(cogging.effects, frozenset()) == pytest.approx(21)
 
 
 def test_what_would_be_answered_pays_for_each_effect_and_condition() -> None:
@@ -248,7 +248,7 @@ def test_what_would_be_answered_pays_for_each_effect_and_condition() -> None:
     found = Standings(context(), Criteria(), Effort())
     found.candidates = {c.key: c for c in (one, free)}
     losses = {id(one.optimum): 30.0, id(free.optimum): 0.0}
-    found._qbic = lambda optimum: losses[id(optimum)]  # type: ignore[method-assign]
-    assert (found.best, found._simplest()) == (free, one)
+    found.qbic = lambda optimum: losses[id(optimum)]  # type: ignore[method-assign]
+    assert (found.best, found.simplest()) == (free, one)
     losses[id(one.optimum)] = 34.0
-    assert found._simplest() is free
+    assert found.simplest() is free

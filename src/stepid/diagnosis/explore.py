@@ -179,8 +179,9 @@ def _search(
 ) -> list[Candidate]:
     def told(search: Search, proposal: Proposal) -> None:
         words = " + ".join([*(e.name for e in proposal.effects), *sorted(proposal.deviations)]) or "linear model"
-        done = search.fits - 1  # this one is not
-        tell(Progress(words, best=search.best.names, done=done, left=search.left, promise=search.promise))
+        done, queue = search.fits.count - 1, search.queue  # this one is not
+        best = search.standings.best.names
+        tell(Progress(words, best=best, done=done, left=queue.left, promise=queue.promise))
 
     if not context.records.driven.any():
         catalogue = tuple(e for e in catalogue if not acts_on_input(e))
