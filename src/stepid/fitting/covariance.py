@@ -20,7 +20,8 @@ from stepid.fitting.correlation import Block, autocorrelations, disagreement, in
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.mean_of_runs import NORMAL, between_runs, centered, mean_of_runs
 from stepid.fitting.random_effects import sizes_of_scatter
-from stepid.simulation.magnitudes import lengths
+from stepid.simulation.magnitudes import lengths, with_mass
+from stepid.simulation.records import mass_span
 
 _STEPS = 6
 _BELIEVED = 4.0  # standard deviations of a weight's error
@@ -254,17 +255,26 @@ def _parameters(names: tuple[tuple[str, str], ...], effects: tuple[Effect, ...])
     return (*(Parameter(name, unit) for name, unit in names[: len(names) - len(own)]), *own)
 
 
+def mass_is_held(optimum: Optimum) -> bool:
+    """Tell whether a base mass is held where what weights can tell ends; see `problem.within_weights`."""
+    problem = optimum.problem
+    return mass_span(problem.records) > 0 and not problem.free[problem.layout.base_mass].all()
+
+
 def estimates(optimum: Optimum, effects: tuple[Effect, ...], floor: float) -> tuple[dict[str, Estimate], Array]:
     """Estimates by name, and the correlation matrix of the free shared parameters.
 
-    A parameter that was held fixed (no mass difference, no input) or that the data leave open has no uncertainty. What
-    differs from run to run is the mean of the runs; see `centered`.
+    A parameter that was held fixed (no mass difference, no input) or that the data leave open has no uncertainty. Nor
+    has any that goes with the mass, where weights that differ do not tell a base mass, which is held at the end of
+    what they can. What differs from run to run is the mean of the runs; see `centered`.
     """
     optimum = centered(optimum)
     problem = optimum.problem
     near = uncertain(optimum, floor)
     names = parameter_names(optimum, effects)
-    longer = lengths(_parameters(names, effects), optimum.shared)[problem.free]
+    parameters = _parameters(names, effects)
+    longer = lengths(parameters, optimum.shared)[problem.free]
+    known = ~with_mass(parameters) if mass_is_held(optimum) else np.ones(len(names), dtype=bool)
     scaled = problem.records.scale_uncertainty * longer
     mean = mean_of_runs(optimum)
     runs, quantile = between_runs(optimum)
@@ -278,7 +288,7 @@ def estimates(optimum: Optimum, effects: tuple[Effect, ...], floor: float) -> tu
     for index, (name, unit) in enumerate(names):
         value = float(optimum.shared[index])
         out[name] = Estimate(value=value, unit=unit)
-        if problem.free[index] and not near.open[column]:
+        if problem.free[index] and known[index] and not near.open[column]:
             parts = {cause: float(part[column]) for cause, part in sigma.items() if part[column] > 0}
             few = parts.get("runs") and (value - float(half[column]), value + float(half[column]))
             out[name] = Estimate(

@@ -16,7 +16,7 @@ from stepid.core.recorded import recorded
 from stepid.core.words import length
 from stepid.effects import CATALOGUE, Effect, resolve
 from stepid.errors import ConvergenceError, UndeterminedError
-from stepid.fitting.covariance import estimates, most_likely
+from stepid.fitting.covariance import estimates, mass_is_held, most_likely
 from stepid.fitting.eccentricity import find_eccentricity
 from stepid.fitting.fit_effects import fit_effects
 from stepid.fitting.fit_result import Fit as Fit
@@ -41,6 +41,11 @@ from stepid.simulation.records import Records, lay_out
 from stepid.simulation.threads import single_threaded
 
 _MISFIT = 1.1  # times the floor, beyond which a run may be to blame
+HELD = (
+    "By this model the added masses do not tell the base mass, which is held where what they can tell ends. No mass, "
+    "stiffness, damping or force is determined, only their ratios. Something is missing in the model, or the weights "
+    "are too light."
+)
 NOT_CONVERGED = "The fit did not converge; what is shown is the best so far."
 
 
@@ -164,6 +169,8 @@ def _remarks(context: FitContext, optimum: Optimum, found: Optimum) -> tuple[str
         out.append(context.colored.words)
     if ratios := ratios_note(context.records):
         out.append(ratios)
+    if mass_is_held(found):
+        out.append(HELD)
     fault = find_input_fault(context)
     if fault is not None:
         out.append(fault.words)

@@ -206,20 +206,35 @@ def within_weights(linear: Optimum, *, tolerance: float = 0.0) -> Optimum:
 
     Where a misfit remains, a mass may grow without end, or vanish, for whatever the weights then do is nothing, or
     all; no start near such a plant leads to what is missing. The plant's other parameters go with its masses, which are
-    held.
+    held. Nor does a start near a light plant lead to a heavy one, beside which the weights do next to nothing: that is
+    tried as well, so that the answer leaves no more than it does.
     """
-    problem, of = linear.problem, linear.problem.layout
-    records, mass = problem.records, linear.shared[of.base_mass]
+    records, of = linear.problem.records, linear.problem.layout
     if fixes_mass(records) is not None:
         return linear
-    span = mass_span(records)
-    told = np.clip(mass, span / _HEAVIEST, span * _HEAVIEST)
-    if np.array_equal(mass, told):
-        return linear
-    moving = told[records.base] + records.added_mass
+    lightest, heaviest = mass_span(records) / _HEAVIEST, mass_span(records) * _HEAVIEST
+
+    def told(found: Optimum) -> bool:
+        mass = found.shared[of.base_mass]
+        return bool(np.all((lightest <= mass) & (mass <= heaviest)))
+
+    mass = linear.shared[of.base_mass]
+    near = linear if told(linear) else _held(linear, np.clip(mass, lightest, heaviest), tolerance)
+    aim = np.inf if near is None else near.cost
+    heavy = _held(linear, np.full(mass.size, heaviest), tolerance, aim)
+    if heavy is None or heavy.cost >= aim:
+        return near or linear
+    free = minimize(linear.problem, heavy.shared, heavy.local, tolerance=tolerance)
+    return free if free is not None and told(free) and free.cost < heavy.cost else heavy
+
+
+def _held(linear: Optimum, base_mass: Array, tolerance: float, aim: float = np.inf) -> Optimum | None:
+    """The linear fit with its base masses held at some; it begins with the same ratios to the mean mass that moves."""
+    of, records = linear.problem.layout, linear.problem.records
+    moving = base_mass[records.base] + records.added_mass
     shared = linear.shared * (np.mean(moving) / np.mean(of.mass(linear.shared)))  # k/m and c/m stay
-    shared[of.base_mass] = told
-    return minimize(_at_its_mass(problem), shared, linear.local, tolerance=tolerance) or linear
+    shared[of.base_mass] = base_mass
+    return minimize(_at_its_mass(linear.problem), shared, linear.local, tolerance=tolerance, aim=aim)
 
 
 def _at_its_mass(problem: Problem) -> Problem:

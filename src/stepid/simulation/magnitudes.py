@@ -6,6 +6,7 @@ import re
 from functools import lru_cache
 
 import numpy as np
+import numpy.typing as npt
 
 from stepid.core.base import Array
 from stepid.effects.base import Parameter
@@ -78,4 +79,11 @@ def times(parameters: tuple[Parameter, ...], values: Array) -> Array:
         if parameter.length is not None:
             power[i] = -2.0 * parameter.length
     out: Array = power * values
+    return out
+
+
+def with_mass(parameters: tuple[Parameter, ...]) -> npt.NDArray[np.bool_]:
+    """Tell which parameters go with the mass, shape (n,): of a plant ten times as heavy they are ten times as large."""
+    powers = exponents(parameters)
+    out: npt.NDArray[np.bool_] = powers[:, 0] + powers[:, 3] != 0
     return out
