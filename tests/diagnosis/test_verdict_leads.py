@@ -95,6 +95,9 @@ def test_unexplained_always_answers() -> None:
     small = ask("unexplained", best=candidate(["cogging"], times=1.04))
     assert small is not None
     assert "1.04 times the noise floor, but no white noise." in small.reasons[0]
+    free = ask("unexplained", best=candidate(["cogging"], times=4.0, deviations=["gain"]))
+    assert free is not None
+    assert free.reasons[0].startswith("The best candidate, cogging, gains differ, leaves")
     barred = ask("unexplained", best=LINEAR, lead=LINEAR)
     assert barred is not None
     assert barred.shown is LINEAR

@@ -17,7 +17,14 @@ from stepid.diagnosis.rules_linear import (
 )
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
 from stepid.diagnosis.verdict_words import OUTDONE, WEIGHTS, as_well, better, follows, title, what_leaves
-from stepid.diagnosis.wording import effect_names, parameter_words, per_cent, taken_in_words, whole_percent
+from stepid.diagnosis.wording import (
+    candidate_name,
+    effect_names,
+    parameter_words,
+    per_cent,
+    taken_in_words,
+    whole_percent,
+)
 
 
 def input_is_wrong(e: EvidenceRecord) -> Answer | None:
@@ -203,7 +210,8 @@ def unexplained(e: EvidenceRecord) -> Answer | None:
     left = f"leaves {length(nearest.optimum.rms)}, {e.times(nearest):.3g} times the noise floor"
     if e.times(nearest) <= e.criteria.near:
         left += ", but no white noise"
-    said: tuple[str, ...] = (f"The {'best' if best.effects else 'likeliest'} candidate, {title(nearest)}, {left}.",)
+    whose = candidate_name(nearest.names, sorted(nearest.deviations))
+    said: tuple[str, ...] = (f"The {'best' if best.effects else 'likeliest'} candidate, {whose}, {left}.",)
     imitated = e.imitators(e.likeliest)
     said += tuple(
         f"{capitalized(effect_names((name,)))} cannot be told from {what} here." for name, what in imitated.items()
