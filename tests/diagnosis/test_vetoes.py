@@ -41,7 +41,6 @@ CASES: dict[str, list[tuple[tuple[float, ...], str]]] = {
         ((0.1, 10.5 / (2 * math.pi), 0.0), OWN),
         ((0.1, 12.0 / (2 * math.pi), 0.0), ""),
     ],
-    "cogging": [((0.1, 0.03, 0.0), "the spring"), ((0.1, 0.01, 0.0), "")],
     "viscoelastic_spring": [
         ((10.0, 30.0), "the stiffness of the spring"),
         ((1000.0, 2.0), "the damper"),
@@ -90,6 +89,13 @@ def test_a_disturbance_has_to_beat_with_the_plants_own_oscillation_or_to_outlast
     (shaker,) = resolve(["periodic_disturbance"])
     assert shaker.unseen(values, SWING._replace(rates=(10.0, 10.2), decays=(decay, decay))) == ("" if seen else OWN)
     assert shaker.unseen(values, SWING._replace(decays=(decay, decay))) == ""  # no plant of two masses swings as one
+
+
+@pytest.mark.parametrize(("pitch", "what"), [(0.021, "a spring that bends"), (0.019, "")])
+def test_a_pitch_has_to_repeat_on_a_side_of_rest(pitch: float, what: str) -> None:
+    """However well it fits: two springs, of which one slackens, had been a pitch of three times the travel."""
+    (cogging,) = resolve(["cogging"])
+    assert cogging.unseen((0.1, pitch, 0.0), SWING) == what
 
 
 @pytest.mark.parametrize(

@@ -250,8 +250,8 @@ class Cogging(Effect):
         waves = multiples(2 * np.pi * m.x / longest, quarters.start, quarters.stop)
         return [at(longest / quarter, wave) for quarter, wave in zip(quarters, waves, strict=True)]
 
-    def imitates(self, values: tuple[float, ...], swing: Swing) -> str:
-        return "the spring" if values[1] > swing.pitch * swing.displacement else ""
+    def unseen(self, values: tuple[float, ...], swing: Swing) -> str:
+        return "a spring that bends" if values[1] > swing.pitch * swing.displacement else ""
 
     def overtones(self, values: tuple[float, ...], m: Motion) -> Sequence[Array]:
         return _overtones(2 * np.pi * m.x / values[1])
