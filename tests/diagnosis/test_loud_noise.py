@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +15,8 @@ from hidden.campaigns import Request, make_campaigns
 from scattered_campaigns import scattered
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.explore import linear_candidate
-from stepid.diagnosis.loud_noise import moving_over_resting, trace
+from stepid.diagnosis.loud_noise import louder_in_motion, trace
+from stepid.diagnosis.phases import BEFORE, REST, phase_of_samples
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.fitting.deviations import with_deviations
 from stepid.fitting.fit import prepare
@@ -61,8 +64,22 @@ def test_a_hand_that_touches_the_cart_is_no_noise() -> None:
 def test_noise_is_as_large_while_the_cart_rests() -> None:
     context = prepare(wandering(1, 1.2e-5))
     late = next(c for c in explored_starts(context) if c.deviations)
-    assert moving_over_resting(context, late) == pytest.approx(1.0, abs=0.5)
-    assert moving_over_resting(context, linear_candidate(context)) > 2
+    assert not louder_in_motion(context, Criteria(), late)
+    assert louder_in_motion(context, Criteria(), linear_candidate(context))
+
+
+@pytest.mark.parametrize(("moving", "louder"), [(1.05, False), (1.15, True)])
+def test_by_how_much_it_may_be_louder_is_what_the_floor_is_known_to(moving: float, louder: bool) -> None:
+    """A floor that was read 3 per cent too high leaves next to nothing where the cart rests."""
+    context = prepare(scattered(3))
+    plain = linear_candidate(context)
+    phase = phase_of_samples(context.records, context.linear, context.measured, context.floor)
+    resting = (phase == BEFORE) | (phase == REST)
+    white = np.random.default_rng(1).standard_normal(resting.size)
+    left = context.floor * np.where(resting, 1.005, moving) * white * context.records.weight
+    problem: Any = SimpleNamespace(residual=lambda _: left)
+    optimum: Any = SimpleNamespace(problem=problem, solved=None)
+    assert louder_in_motion(context, Criteria(), replace(plain, optimum=optimum)) is louder
 
 
 @pytest.mark.parametrize(("effects", "state"), [((), ""), (("cubic_stiffness",), "position")])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.free_law import allowed, free_laws
@@ -23,18 +23,26 @@ def is_noise(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
     criteria : Criteria
     found : Candidate
     """
-    return moving_over_resting(context, found) < 2 and not trace(context, criteria, found)
+    return not louder_in_motion(context, criteria, found) and not trace(context, criteria, found)
 
 
-def moving_over_resting(context: FitContext, found: Candidate) -> float:
-    """Mean square above the floor's while the cart moves, over that while it rests; infinite where there is none."""
+def louder_in_motion(context: FitContext, criteria: Criteria, found: Candidate) -> bool:
+    """Tell whether a rest has more than twice the power while the cart moves as while it rests; True if it never rests.
+
+    Above the least that the floor may be, as it is known within `Criteria.floor`, and by more than one standard error
+    that both mean squares have of white noise: a floor that was read a little too high, or few samples at rest, would
+    leave nothing there.
+    """
     phase = phase_of_samples(context.records, context.linear, context.measured, context.floor)
     resting = (phase == BEFORE) | (phase == REST)
-    square, weight = found.optimum.problem.residual(found.optimum.solved) ** 2, context.records.weight**2
     if not (resting.any() and (~resting).any()):
-        return np.inf
-    still, moving = (float(square[at].sum() / weight[at].sum()) - context.floor**2 for at in (resting, ~resting))
-    return moving / still if still > 0 else np.inf
+        return True
+    residual = found.optimum.problem.residual(found.optimum.solved)
+    square, weight = residual**2, context.records.weight**2
+    still, moving = (float(square[at].sum() / weight[at].sum()) for at in (resting, ~resting))
+    least = (context.floor / criteria.floor) ** 2
+    spread = [size * math.sqrt(2 / at.sum()) for size, at in ((still, resting), (moving, ~resting))]
+    return moving - least - 2 * (still - least) > math.hypot(2 * spread[0], spread[1])
 
 
 def trace(context: FitContext, criteria: Criteria, found: Candidate) -> str:
