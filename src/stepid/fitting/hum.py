@@ -23,6 +23,7 @@ _SCATTER = 3.0  # the same, for differences between runs and parts
 _ALIKE = 0.25  # share of its amplitude by which parts and runs may differ anyway
 _MODEL = 0.05  # share of an amplitude to which a force's answer is known
 _BETTER = 6.0  # by which χ² of equal amplitudes must be below that of equal forces
+_MAINS = (50.0, 60.0)  # Hz
 _BESIDE = (-6.0, -5.0, -4.0, -3.0, 3.0, 4.0, 5.0, 6.0)  # of the reciprocal length: where the background is read
 
 
@@ -97,6 +98,17 @@ def _amplitudes(time: Array, values: Array, frequencies: Array) -> Array:
     return out
 
 
+def _of_mains(records: Records, frequency: float, reach: float) -> str:
+    """Say which mains hum samples this far apart show at a frequency [Hz], within `reach` [Hz]; '' where none."""
+    steps = records.sample_time
+    if float(np.ptp(steps)) > 0:
+        return ""
+    rate = 1 / float(steps[0])
+    alias = {mains: abs(mains - rate * round(mains / rate)) for mains in _MAINS if mains > rate / 2}
+    told = [f"{mains:g}" for mains, seen in alias.items() if abs(seen - frequency) < reach]
+    return f" (or {told[0]} Hz, which {rate:.4g} samples a second show there)" if told else ""
+
+
 def _hum(records: Records, linear: Optimum, residual: Array, start: float, own: float) -> Hum | None:
     pieces = records.pieces()
     longest = max(float(np.ptp(records.time[p])) for p in pieces)
@@ -127,7 +139,8 @@ def _hum(records: Records, linear: Optimum, residual: Array, start: float, own: 
         return None
     size = float(np.mean(np.abs(amplitude)))
     words = (
-        f"All runs: a hum of {length(size)} at {frequency:.4g} Hz lies on the readings, the same whatever the mass; "
+        f"All runs: a hum of {length(size)} at {frequency:.4g} Hz{_of_mains(records, frequency, reach)} lies on the "
+        "readings, the same whatever the mass; "
         "it is subtracted. Check the shielding of the sensor's cable, and what the sensor stands on."
     )
     return Hum(frequency, amplitude, RecordFault(run=ALL_RUNS, kind="hum", size=size, unit="m", words=words))

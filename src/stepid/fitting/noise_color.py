@@ -63,6 +63,8 @@ class NoiseColor(Model):
     @property
     def words(self) -> str:
         """The same in a sentence."""
+        if self.kind == "1/f":
+            return f"The noise of the readings is colored: {length(self.colored)} of it are 1/f noise, which wanders."
         return (
             f"The noise of the readings is colored: {length(self.colored)} of it are correlated over "
             f"{1e3 * self.correlation_time:.2g} ms."
