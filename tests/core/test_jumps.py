@@ -44,6 +44,13 @@ def test_a_reading_that_slips_makes_one() -> None:
     assert jumps(record(swing(TIME) + 1e-3 * (TIME >= 2.0) - 2e-3 * (TIME >= 3.0))) == [200, 300]
 
 
+@pytest.mark.parametrize(("blow", "found"), [(0.1, [250]), (0.2, [])])
+def test_what_is_none_hides_only_jumps_that_are_hardly_larger(blow: float, found: list[int]) -> None:
+    """A blow at sample 120 is half as large, in one sample, as its speed: 0.5 mm and 1 mm, beside a slip of 2 mm."""
+    hit = blow * np.maximum(TIME - 1.2, 0.0) * np.exp(-np.maximum(TIME - 1.2, 0.0))
+    assert jumps(record(hit + 2e-3 * (TIME >= 2.5))) == found
+
+
 def bounced(time: np.ndarray) -> np.ndarray:
     """A stop at 12 mm turns the cart between two samples, once."""
     out: np.ndarray = 0.012 - np.abs(0.05 * (time - 1.234)) - 0.02 * np.maximum(time - 1.234, 0.0) ** 2

@@ -47,21 +47,27 @@ def jumps(experiment: Experiment) -> list[int]:
     windows = np.lib.stride_tricks.sliding_window_view(change, 2 * _SIDE + 1)
     before, after = np.median(windows[:, :_SIDE], axis=1), np.median(windows[:, -_SIDE:], axis=1)
     beyond = windows[:, _SIDE] - (before + after) / 2
-    found = _largest(beyond)
-    sizes = np.abs(beyond[found])
-    apart = np.flatnonzero(sizes[:-1] > np.maximum(_TIMES * sizes[1:], _CLEAR * span_at_rest(experiment)))
-    if not apart.size:
-        return []
-    found = np.sort(found[: apart[-1] + 1])
-    steady = np.abs(after - before)[found] <= _STEADY * np.abs(beyond)[found]
-    near = (beyond[max(i - LONGEST, 0) : i + LONGEST + 1] / beyond[i] for i in found)
-    there_and_back = any(float(one.min()) < -_BACK for one in near)
-    at = found + _SIDE + 1
-    if not steady.all() or there_and_back or at[0] <= n // _EARLY:
-        return []
-    driven = np.flatnonzero(np.diff(experiment.input)) + 1
-    moved = [i for i in at if np.any((driven <= i) & (driven >= i - LONGEST))]
-    return [] if moved else at.tolist()
+    found, size = _largest(beyond), np.abs(beyond)
+    moves_on = [i for i in found if _moves_on(experiment, i, beyond, after - before)]
+    clear = _CLEAR * span_at_rest(experiment)
+    for count in range(min(len(moves_on), len(found) - 1), 0, -1):
+        kept = moves_on[:count]
+        if size[kept[-1]] > max(_TIMES * max(size[i] for i in found if i not in kept), clear):
+            return sorted(int(i) + _SIDE + 1 for i in kept)
+    return []
+
+
+def _moves_on(experiment: Experiment, i: int, beyond: Array, turn: Array) -> bool:
+    """Tell whether a cart moves on as before where its reading changes `beyond` what it does beside that; by no step.
+
+    `turn` is by how much it changes more afterwards than before.
+    """
+    at = i + _SIDE + 1
+    if at <= experiment.position.size // _EARLY or abs(turn[i]) > _STEADY * abs(beyond[i]):
+        return False
+    near = beyond[max(i - LONGEST, 0) : i + LONGEST + 1] / beyond[i]
+    driven = np.diff(experiment.input[max(at - LONGEST - 1, 0) : at + 1])
+    return bool(near.min() >= -_BACK) and not driven.any()  # there and back are wrong readings
 
 
 def _largest(beyond: Array) -> Index:
