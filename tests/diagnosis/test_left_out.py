@@ -99,3 +99,13 @@ def test_a_candidate_is_held_against_the_linear_plant_that_predicts_more(
     before, after = out.residuals(found)
     assert before[0].tolist() == [held] * 9
     assert after[0].tolist() == [1.0] * 9
+
+
+@pytest.mark.parametrize(("size", "shown"), [(1.02, False), (1.1, True)])
+def test_where_the_linear_plant_is_as_free_and_leaves_noise_a_share_says_nothing(size: float, shown: bool) -> None:
+    """A delay of all runs beside start times that scatter: the one that was left out had told "−200 %"."""
+    out = LeftOut(SimpleNamespace())  # type: ignore[arg-type]
+    before = {i: np.full(300, size) for i in range(3)}  # 4 % more power than noise; chance makes 9
+    out.residuals = lambda _: (before, {i: np.full(300, 3.0) for i in before})  # type: ignore[method-assign]
+    out._noise = lambda _: 1.0  # type: ignore[method-assign]
+    assert out.shows(candidate(["input_delay"])) is shown

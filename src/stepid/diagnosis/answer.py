@@ -77,7 +77,7 @@ def report(campaign: Campaign, evidence: EvidenceRecord, answer: Answer) -> Diag
         runs=_runs(context, final, before, after),
         model=unpack(final, effects),
         linear_model=unpack(linear, ()),
-        explained=_explained(pooled),
+        explained=_explained(pooled) if evidence.left_out.shows(told) or not effects else None,
         left=_left(context, final),
         probability=evidence.probability(answer),
         scatter=scatter,

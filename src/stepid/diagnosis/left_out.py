@@ -136,6 +136,11 @@ class LeftOut:
         before, _ = self.residuals(found)
         return _power(before, before, self._noise(found)) > 0
 
+    def shows(self, found: Candidate) -> bool:
+        """Tell whether the linear plant, as free as a candidate, leaves more than chance on the runs left out."""
+        before, _ = self.residuals(found)
+        return bool(before) and _shows(np.concatenate(list(before.values())), self._noise(found))
+
     def _noise(self, found: Candidate) -> float:
         """Square that each sample holds of noise and of what repeats differ by beyond a candidate's conditions, m²."""
         differ = repeatability(self._told.context.records, self._plain(found).residual)
@@ -156,5 +161,5 @@ def _power(seen: _Residuals, runs: Iterable[int], noise: float) -> float:
 
 
 def _shows(residual: Array, noise: float) -> bool:
-    """Tell whether a run left out shows more than chance does: its power, by two standard deviations of noise's."""
+    """Tell whether runs left out show more than chance does: their power, by two standard deviations of noise's."""
     return bool(residual @ residual > noise * (residual.size + 2 * np.sqrt(2 * residual.size)))

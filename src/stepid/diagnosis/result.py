@@ -196,7 +196,8 @@ class Diagnosis(Written):
     model, linear_model : PlantModel
     explained : float or None
         Share of the linear model's misfit that the answer takes on runs left out of the fit, in power, the conditions
-        and starts that are free in the answer free in both; None where no run can be left out.
+        and starts that are free in the answer free in both; None where no run can be left out, or the linear model
+        leaves only noise there.
     left : float
         Per cent: what the answer leaves over the motion about rest, RMS.
     probability : float or None
