@@ -12,6 +12,7 @@ from stepid.core.experiment import Experiment
 from stepid.core.noise import reading_step
 from stepid.core.outliers import Mask
 from stepid.core.words import length
+from stepid.fitting.clipped import clipped, clipped_fault
 from stepid.fitting.reading_faults import Mended
 from stepid.fitting.record_fault import RecordFault
 from stepid.simulation.starts import starts_in_motion
@@ -22,7 +23,10 @@ _ENOUGH = 10  # samples at rest before a step, of which the noise can be told
 
 
 def flat_readings(runs: Sequence[Experiment]) -> dict[str, Mended]:
-    """Find records with samples that repeat a reading for longer than the noise of carts at rest allows, by run name.
+    """Find records with samples that a clipped or stuck sensor read, by run name: what is left out of them.
+
+    These repeat a reading for longer than the noise of carts at rest allows, or stay at the end of the sensor's range
+    in several swings (`stepid.fitting.clipped.clipped`).
 
     That noise is what neighbors differ by before a step, in the run where they do least: a rest that an encoder does
     not resolve says nothing, and a cart that creeps there is no noise. White noise of σ [m], read in steps of q,
@@ -49,6 +53,9 @@ def flat_readings(runs: Sequence[Experiment]) -> dict[str, Mended]:
         flat = _repeated(run.position, max(_LEAST, math.ceil(1 + most)))
         if flat.any():
             found[run.name] = Mended(run, flat, (_fault(run, flat, noise),))
+    for run in runs:
+        if run.name not in found and (cut := clipped(run)).any():
+            found[run.name] = Mended(run, cut, (clipped_fault(run, cut),))
     return found
 
 
