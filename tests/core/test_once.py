@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import weakref
 
 from stepid.core.once import once
 
@@ -44,3 +45,16 @@ def test_what_was_known_of_an_object_goes_with_it() -> None:
         del thing
         gc.collect(0)
     assert found == list(range(50))
+
+
+def test_what_is_its_own_answer_goes_as_well() -> None:
+    @once
+    def same(thing: Thing) -> Thing:
+        return thing
+
+    one = Thing(1)
+    gone = weakref.ref(one)
+    assert same(one) is same(one) is one
+    del one
+    gc.collect()
+    assert gone() is None

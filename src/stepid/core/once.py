@@ -8,6 +8,7 @@ from functools import wraps
 from typing import Any, TypeVar
 
 T = TypeVar("T", bound=Callable[..., Any])
+_ITSELF = object()
 
 
 def once(compute: T) -> T:
@@ -33,7 +34,8 @@ def once(compute: T) -> T:
             answers = known[key] = {}
             weakref.finalize(about, known.pop, key, None).atexit = False
         if more not in answers:
-            answers[more] = compute(about, *more)
-        return answers[more]
+            found = compute(about, *more)
+            answers[more] = _ITSELF if found is about else found  # what is kept would keep it alive
+        return about if answers[more] is _ITSELF else answers[more]
 
     return kept  # type: ignore[return-value]

@@ -20,13 +20,14 @@ from stepid.fitting.covariance import effect_parameters, estimates
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.profile import limited, present
+from stepid.simulation.records import Records
 
 _PerRun = tuple[float, ...]
 
 
 def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
     """How the campaign's runs swing under a fit."""
-    rates, decays, masses, longest = _paces(found.optimum, context)
+    rates, decays, masses, longest = _paces(found.optimum, context.records)
     return Swing(
         rates=rates,
         decays=decays,
@@ -42,13 +43,13 @@ def swing(context: FitContext, criteria: Criteria, found: Candidate) -> Swing:
 
 
 @once
-def _paces(optimum: Optimum, context: FitContext) -> tuple[_PerRun, _PerRun, _PerRun, float]:
+def _paces(optimum: Optimum, records: Records) -> tuple[_PerRun, _PerRun, _PerRun, float]:
     """Rates and decays of the runs, 1/s, their masses, kg, and two periods of the slowest in the shortest recording."""
     of, shared = optimum.problem.layout, optimum.shared
     rates, masses = of.rates(shared), of.mass(shared)
-    decays = shared[of.damping][context.records.damper] / (2 * masses)
-    durations = np.array([np.ptp(context.records.time[piece]) for piece in context.records.pieces()])
-    if context.records.one_recording:  # its parts share their rates
+    decays = shared[of.damping][records.damper] / (2 * masses)
+    durations = np.array([np.ptp(records.time[piece]) for piece in records.pieces()])
+    if records.one_recording:  # its parts share their rates
         durations[:] = durations.sum()
     able = durations * rates > 2 * math.tau  # a record of less than two periods tells no rate
     able = able if able.any() else np.ones_like(able)
