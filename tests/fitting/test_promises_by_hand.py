@@ -264,6 +264,7 @@ def test_an_interval_takes_the_scatter_of_runs_times_students_quantile(monkeypat
     monkeypatch.setattr(covariance, "mean_of_runs", lambda _: np.eye(2))
     monkeypatch.setattr(covariance, "between_runs", lambda _: (np.diag(runs**2), np.array([4.3, 1.96])))
     monkeypatch.setattr(covariance, "parameter_names", lambda *_: (("stiffness", "N/m"), ("damping", "N·s/m")))
+    monkeypatch.setattr(covariance, "mass_is_held", lambda _: False)
     found, correlation = covariance.estimates(optimum, (), 1e-5)
     assert found["stiffness"].uncertainty == pytest.approx(math.sqrt(9.0 + 4.0 + 2.25))
     half = math.hypot(1.96 * math.hypot(3.0, 2.0), 4.3 * 1.5)
