@@ -169,8 +169,6 @@ def _remarks(context: FitContext, optimum: Optimum, found: Optimum) -> tuple[str
         out.append(context.colored.words)
     if ratios := ratios_note(context.records):
         out.append(ratios)
-    if mass_is_held(found):
-        out.append(HELD)
     fault = find_input_fault(context)
     if fault is not None:
         out.append(fault.words)
@@ -181,6 +179,8 @@ def _remarks(context: FitContext, optimum: Optimum, found: Optimum) -> tuple[str
     record_fault = find_fault(optimum, context.floor) if wrong and eccentric is None else None
     if record_fault is not None:
         out.append(record_fault.words)
+    if mass_is_held(found):
+        out.append(HELD)
     left = left_over(found, context)
     if left is not None:
         out.append(left)
