@@ -11,6 +11,7 @@ from stepid.core.base import Array, Index
 from stepid.core.experiment import Experiment
 from stepid.core.noise import rms
 from stepid.core.once import once
+from stepid.core.outliers import LONGEST
 
 STEP = 0.05
 """Of the input's range: a smaller change is noise on it."""
@@ -129,3 +130,8 @@ def _are_white(scatters: Sequence[Array]) -> bool:
     """Tell whether what is read of levels knows nothing of its neighbors; few samples of one alone do not tell."""
     power = sum(float(one @ one) for one in scatters)
     return sum(float(np.sum(np.diff(one) ** 2)) for one in scatters) >= 2 * _WHITE * power
+
+
+def changes_by(run: Experiment, begin: int, end: int) -> bool:
+    """Tell whether the input changes from a few samples before one to another: a step may move a cart at once."""
+    return bool(np.diff(run.input[max(begin - LONGEST, 0) : end + 1]).any())

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepid.core.base import Array, Index
+from stepid.core.input_levels import changes_by
 from stepid.core.noise import span_at_rest
 from stepid.core.outliers import LONGEST
 
@@ -66,8 +67,7 @@ def _moves_on(experiment: Experiment, i: int, beyond: Array, turn: Array) -> boo
     if at <= experiment.position.size // _EARLY or abs(turn[i]) > _STEADY * abs(beyond[i]):
         return False
     near = beyond[max(i - LONGEST, 0) : i + LONGEST + 1] / beyond[i]
-    driven = np.diff(experiment.input[max(at - LONGEST - 1, 0) : at + 1])
-    return bool(near.min() >= -_BACK) and not driven.any()  # there and back are wrong readings
+    return bool(near.min() >= -_BACK) and not changes_by(experiment, at - 1, at)  # there and back are wrong readings
 
 
 def _largest(beyond: Array) -> Index:

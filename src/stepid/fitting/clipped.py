@@ -6,8 +6,9 @@ import numpy as np
 
 from stepid.core.base import Array
 from stepid.core.experiment import Experiment
+from stepid.core.input_levels import changes_by
 from stepid.core.noise import noise_level, reading_step
-from stepid.core.outliers import LONGEST, Mask
+from stepid.core.outliers import Mask
 from stepid.core.words import counted, length
 from stepid.fitting.record_fault import RecordFault
 
@@ -38,7 +39,7 @@ def clipped(run: Experiment) -> Mask:
     out, swings = np.zeros(y.size, dtype=bool), 0
     for side in (y, -y):
         top = side >= side.max() - near
-        seen = sum(_falls(side, one, near) and not _driven(run, one) for one in _stretches(top))
+        seen = sum(_falls(side, one, near) and not changes_by(run, *one) for one in _stretches(top))
         swings += seen
         out |= top & (seen > 0)
     sure = swings >= _SWINGS and _repeats(y, out) > _repeats(y, ~out)
@@ -59,12 +60,6 @@ def _falls(side: Array, stretch: tuple[int, int], near: float) -> bool:
     top = float(side[begin:end].max())
     fall = top - max(float(side[max(begin - _AFTER, 0)]), float(side[min(end + _AFTER, side.size) - 1]))
     return count >= _LEAST and fall > _SURE * near * ((count + 2 * _AFTER) / count) ** 2
-
-
-def _driven(run: Experiment, stretch: tuple[int, int]) -> bool:
-    """Tell whether the input changes by a stretch: a step may move a cart that its samples hardly follow."""
-    begin, end = stretch
-    return bool(np.diff(run.input[max(begin - LONGEST, 0) : end + 1]).any())
 
 
 def _repeats(y: Array, where: Mask) -> float:

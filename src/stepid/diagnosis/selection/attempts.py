@@ -29,9 +29,10 @@ class Attempts:
 
         True where one takes enough, as in `larger`.
         """
-        if self._enough():
+        least = self._least
+        if least <= self.standings.noise_limit:
             return False
-        least, leads = self._least, self._leads()
+        leads = self._leads()
         for node in leads:
             self.queue.expand(node, self.queue.moves.exploring)
         self.fits.try_all(by.modes(self.queue.proposals, self.standings.nodes, [node.key for node in leads]))
@@ -55,9 +56,10 @@ class Attempts:
 
         True where one leaves only noise, or takes as much of what the best of those leaves as a lead has to.
         """
-        if self._enough():
+        least = self._least
+        if least <= self.standings.noise_limit:
             return False
-        least, nodes, together = self._least, self.standings.nodes, self.queue.moves.together
+        nodes, together = self.standings.nodes, self.queue.moves.together
         base = by.largest_lead(nodes.values())
         if base is not None:
             self.queue.expand(base, self.queue.moves.exploring)
@@ -71,11 +73,10 @@ class Attempts:
         Only where a fit is as short as most are: of long records with fast laws these would take a minute. True where
         one takes enough, as in `larger`.
         """
-        nodes = self.standings.nodes
+        least, nodes = self._least, self.standings.nodes
         work = sum(node.fitted.work for node in nodes.values())
-        if self._enough() or not is_short(work / len(nodes)):
+        if least <= self.standings.noise_limit or not is_short(work / len(nodes)):
             return False
-        least = self._least
         for base in by.apart(nodes.values(), LEADING, self.effort.beam):
             if not self._enough():
                 self.queue.expand(base, self.queue.moves.exploring)
