@@ -11,7 +11,7 @@ import pytest
 import stepid
 from closed_form import SAMPLE_TIME
 from stepid.errors import NoOvershootError, NotSettledError
-from stepid.identification.free_response import constant_loss, find_extrema
+from stepid.identification.free_response import constant_loss, find_extrema, is_free_response
 from stepid.identification.peak import sampled_peak_spread
 
 
@@ -53,6 +53,21 @@ def test_release_that_starts_in_motion() -> None:
     later = run.model_copy(update={"time": run.time[100:], "position": run.position[100:], "input": run.input[100:]})
     assert stepid.characterize(later).damped_frequency == pytest.approx(20.0, rel=2e-4)
     assert stepid.characterize(later).damping_ratio == pytest.approx(0.05, rel=2e-3)
+
+
+def test_a_swing_under_a_force_that_never_changes_is_one_about_another_rest() -> None:
+    """A weight of its own or a motor that is left on: declared in motion, its first sample is no step."""
+    free = swing(hold=0, noise=2e-6).model_copy(update={"starts": "motion"})
+    force = {"input": np.full(free.time.size, 1.5), "position": free.position + 0.012}
+    pushed = free.model_copy(update=force)
+    expected, found = stepid.characterize(free), stepid.characterize(pushed)
+    assert found.static_gain is None
+    assert found.damped_frequency == pytest.approx(expected.damped_frequency, rel=1e-9)
+    assert found.damping_ratio == pytest.approx(expected.damping_ratio, rel=1e-9)
+    assert stepid.characterize_each(pushed) == (found,)
+    assert not pushed.is_release
+    at_rest = pushed.model_copy(update={"starts": "rest"})
+    assert not is_free_response(at_rest)  # the input came on with the first sample
 
 
 def test_a_hand_that_wanders_while_it_holds_does_not_count() -> None:

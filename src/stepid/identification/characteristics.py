@@ -15,7 +15,7 @@ from stepid.core.recorded import recorded
 from stepid.core.takes import takes
 from stepid.errors import IdentificationError
 from stepid.identification.characteristics_model import Characteristics, CharacteristicsUncertainty
-from stepid.identification.free_response import release_characteristics
+from stepid.identification.free_response import is_free_response, release_characteristics
 from stepid.identification.peak import InterpolatedPeak, Peak, SampledPeak, a_peak
 from stepid.identification.second_order import (
     damped_frequency,
@@ -69,7 +69,8 @@ def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Charact
     ----------
     experiment : Experiment
         A step in either direction from any rest position, at sample 0 (from `input_before`) or later; or a record
-        without input that the plant is let go in, with or without the time that the hand still holds it.
+        without input that the plant is let go in, with or without the time that the hand still holds it. One that is
+        said to start in motion, under an input that never changes, is a release about another rest position.
     peak : Peak, optional
         How the peak is read; default `InterpolatedPeak()`. `SampledPeak()` is the paper's own reading.
 
@@ -92,7 +93,7 @@ def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Charact
     experiment = held_before(as_experiment(experiment))
     how = InterpolatedPeak() if peak is None else peak
     with _computable(experiment):
-        if experiment.is_release:
+        if is_free_response(experiment):
             return release_characteristics(experiment, peak=how)
         return step_characteristics(experiment, find_steps(experiment)[0], peak=how)
 
@@ -122,7 +123,7 @@ def characterize_each(
     """
     experiment = held_before(as_experiment(experiment))
     how = InterpolatedPeak() if peak is None else peak
-    if experiment.is_release:
+    if is_free_response(experiment):
         return (characterize(experiment, peak=how),)
     found: list[Characteristics | IdentificationError] = []
     for step in find_steps(experiment):

@@ -80,6 +80,11 @@ def find_extrema(time: Array, position: Array, *, rest: float, noise: float, pea
     return Extrema(*np.array(rows).reshape(-1, 4).T)
 
 
+def is_free_response(experiment: Experiment) -> bool:
+    """Tell whether nothing but its start moves the cart: a release, or one said to start in motion under one force."""
+    return experiment.is_release or (experiment.starts == "motion" and not np.any(np.diff(experiment.input)))
+
+
 def release_characteristics(experiment: Experiment, *, peak: Peak) -> Characteristics:
     """Read damped frequency and damping ratio off a swing without input; see `stepid.characterize`."""
     who = f"run {experiment.name!r}"

@@ -15,6 +15,7 @@ from stepid.core.input_levels import levelled
 from stepid.core.noise import noise_level
 from stepid.core.samples import means_of_blocks
 from stepid.core.words import length
+from stepid.identification.free_response import is_free_response
 
 _MORE = 1.2  # times the noise, beyond which more than noise is left
 _SLOW = 6.0  # standard deviations by which means over a tenth of a period exceed those of noise
@@ -79,7 +80,7 @@ def remainder(run: Experiment, *, damped_frequency: float, damping_ratio: float)
     if run.input_between != "held" or not 0 < damping_ratio < 1:
         return None
     run = levelled(run)
-    first = release_index(run) if run.is_release else 0
+    first = release_index(run) if is_free_response(run) else 0
     time, y = run.time[first:] - run.time[first], run.position[first:]
     decay = damped_frequency * damping_ratio / math.sqrt(1 - damping_ratio**2)
     rates, residual, fitted = _fitted(_samples(run, time, y), np.array([decay, damped_frequency]))
@@ -99,7 +100,7 @@ def remainder(run: Experiment, *, damped_frequency: float, damping_ratio: float)
     means = means_of_blocks(residual, width)
     hidden = grid > 0 and noise < _COUNTS * grid
     count = 0 if hidden else max(means.size - 2, 0)
-    lost = 5 if run.is_release else 4
+    lost = 5 if is_free_response(run) else 4
     return Remainder(
         square=float(residual @ residual),
         noise=noise**2 * (y.size - lost),
@@ -111,7 +112,7 @@ def remainder(run: Experiment, *, damped_frequency: float, damping_ratio: float)
 
 def _samples(run: Experiment, time: Array, y: Array) -> _Samples:
     change = np.diff(run.input, prepend=run.input_before)
-    return _Samples(time, y, None, time[:0]) if run.is_release else _Samples(time, y, change, time[change != 0])
+    return _Samples(time, y, None, time[:0]) if is_free_response(run) else _Samples(time, y, change, time[change != 0])
 
 
 def _fitted(samples: _Samples, rates: Array) -> tuple[Array, Array, Array]:

@@ -16,6 +16,7 @@ from stepid.core.takes import a, takes
 from stepid.errors import IdentificationError
 from stepid.identification.characteristics import characterize, characterize_each
 from stepid.identification.characteristics_model import Characteristics
+from stepid.identification.free_response import is_free_response
 from stepid.identification.parameters import IdentifiedParameters
 from stepid.identification.second_order import settling_time
 from stepid.identification.steps import Step, find_steps
@@ -86,7 +87,7 @@ def fit_percent(measured: Array, simulated: Array) -> float:
 
 
 def _verify_run(parameters: IdentifiedParameters, experiment: Experiment) -> VerificationRun:
-    return (_verify_release if experiment.is_release else _verify_step)(parameters, experiment)
+    return (_verify_release if is_free_response(experiment) else _verify_step)(parameters, experiment)
 
 
 def _verify_step(parameters: IdentifiedParameters, experiment: Experiment) -> VerificationRun:
