@@ -13,7 +13,7 @@ from stepid.fitting.deviations import with_deviations
 from stepid.fitting.levenberg_marquardt import Optimum, Problem, minimize
 from stepid.fitting.multistart import FitContext, Start
 from stepid.fitting.multistart_modes import adapted, stronger
-from stepid.fitting.multistart_sticking import other_sticking
+from stepid.fitting.multistart_sticking import other_sticking, other_turns
 from stepid.fitting.problem import build, phase_rows, start_local, start_phases
 from stepid.simulation.simulator import COARSE
 
@@ -45,6 +45,7 @@ class CandidateFit:
         self.polished: Optimum | None = None  # on all samples
         self.rested: tuple[Optimum, Optimum] | None = None  # a polished fit, and the better of it and the one at rest
         self._looked_from: Optimum | None = None  # for other valleys: it is where they led last
+        self._turned_from: Optimum | None = None  # for stops half a swing apart, likewise
         self._tolerance = 0.0  # with which the best fit so far ended, m²
 
     @cached_property
@@ -167,7 +168,8 @@ class CandidateFit:
     def run(self, *, iterations: int, tolerance: float = 0.0, others: bool = False) -> None:
         """Go on from the best fit so far, until a step promises less than `tolerance` [m²].
 
-        With `others`, and where that ends above the noise, also from the best end of another start.
+        With `others`, and where that ends above the noise, also from the best end of another start, and from where dry
+        friction stops the runs half a swing earlier or later.
         """
         tolerance = max(self.context.tolerance, tolerance)
         if self.best is None:
@@ -178,6 +180,8 @@ class CandidateFit:
         if others and above and self._behind is not None:
             behind, self._behind = self._behind, None
             self._go_on_from(behind, iterations, tolerance)
+        if others and above and self.best is not self._turned_from:
+            self._turned_from = self._move(other_turns(self.best, tolerance=tolerance), tolerance)
 
     def _go_on_from(self, begun: Optimum, iterations: int, tolerance: float) -> None:
         """Go on from an end; kept where it leads no higher than the best fit so far."""
@@ -190,13 +194,17 @@ class CandidateFit:
         if self.best is None or self._looked_from is self.best:
             return False
         tolerance = self.context.slight_beside(self.excess)
-        stuck = any(e.dry for e in self.effects)
-        moved = other_sticking(self.best, tolerance=tolerance) if stuck else self.best
-        moved = stronger(moved, tolerance=tolerance)
-        better, self._looked_from = moved is not self.best, moved
-        if better:
-            self.best, self.polished, self._tolerance = moved, None, tolerance
-        return better
+        begun, moved = self.best, self.best
+        if any(e.dry for e in self.effects):
+            moved = other_turns(other_sticking(moved, tolerance=tolerance), tolerance=tolerance)
+        self._looked_from = self._move(stronger(moved, tolerance=tolerance), tolerance)
+        return self.best is not begun
+
+    def _move(self, end: Optimum, tolerance: float) -> Optimum:
+        """Take another end for the best fit so far, where it is one."""
+        if end is not self.best:
+            self.best, self.polished, self._tolerance = end, None, tolerance
+        return end
 
     def polish(self, *, iterations: int, tolerance: float = 0.0) -> None:
         """Fit all samples, from the best fit of the race or from where the last polish ended."""

@@ -1,4 +1,4 @@
-"""How each run began: where friction held it, with which phase. A scan past the separate minima, run by run."""
+"""Where friction held each run, with which phase it began, when it stopped: past the separate minima."""
 
 from __future__ import annotations
 
@@ -77,6 +77,50 @@ def other_sticking(optimum: Optimum, *, tolerance: float, iterations: int = 20) 
         else:
             stuck = True
     return optimum
+
+
+def other_turns(optimum: Optimum, *, tolerance: float, iterations: int = 20) -> Optimum:
+    """Fit again as if runs stopped a half swing or two earlier or later, until nothing is gained.
+
+    Dry friction takes as much of a free swing's amplitude in each half swing (4 F/k a cycle), until it holds the cart:
+    a stop after n of them says that it is about 1/n of the most that would let the cart go. Each whole number has a
+    minimum of its own, and no descent leads from one to the next.
+
+    Parameters
+    ----------
+    optimum : Optimum
+        Of a model with dry friction; others come back as they are, and so does one in which no run stops.
+    tolerance : float
+        m², of the fits.
+    iterations : int
+        At most so many steps a fit.
+    """
+    problem, dry = optimum.problem, _dry_values(optimum.problem)
+    if not dry:
+        return optimum
+    begun = None
+    for _ in range(_ROUNDS):
+        if optimum is begun or not (n := _half_swings(optimum)):
+            break
+        begun = optimum
+        for other in (n + more for more in (-2, -1, 1, 2) if n + more > 0):
+            shared = begun.shared.copy()
+            shared[dry] *= n / other
+            found = minimize(problem, shared, begun.local, tolerance=tolerance, iterations=iterations)
+            if found is not None and found.cost < (1 - _GAIN) * optimum.cost:
+                optimum = found
+    return optimum
+
+
+def _half_swings(optimum: Optimum) -> float:
+    """Half swings to a stop, the mean of all stops in the fitted motion; 0 where no run stops."""
+    turns = stops = 0
+    for piece in optimum.problem.records.pieces():
+        velocity = optimum.solved.states[1, piece]
+        moving = velocity != 0
+        stops += int(np.sum(moving[:-1] & ~moving[1:]))
+        turns += int(np.sum(np.diff(np.sign(velocity[moving])) != 0))
+    return 1 + turns / stops if stops else 0.0
 
 
 def _dry_values(problem: Problem) -> list[int]:
