@@ -19,6 +19,7 @@ from stepid.core.mass_offset import WEIGHT, known_in_words, weight_spread
 from stepid.core.noise import record_noise
 from stepid.core.outliers import Mask
 from stepid.core.releases import split_releases
+from stepid.core.repeated_readings import at_sensor_rates, sensor_notes
 from stepid.core.samples import means_of_blocks
 from stepid.core.units import UNIT, check_speed, check_travel
 from stepid.core.words import at_samples, counted
@@ -62,13 +63,16 @@ def screen(campaign: Campaign) -> Screened:
         If no run is left, or the positions cannot be meters.
     """
     campaign, splits = split_campaign(campaign)
+    runs, slow = at_sensor_rates(campaign.experiments)
+    if slow:
+        campaign = campaign.model_copy(update={"experiments": tuple(runs)})
     flat = flat_readings(campaign.experiments)
     mended = {run.name: flat.get(run.name) or mend(run) for run in campaign.experiments}
     faults = tuple(fault for found in mended.values() for fault in found.faults)
     if faults:
         campaign = campaign.model_copy(update={"experiments": tuple(found.run for found in mended.values())})
     _check_meters(campaign.experiments)
-    kept, notes = list(campaign.experiments), [*splits, *(fault.words for fault in faults)]
+    kept, notes = list(campaign.experiments), [*splits, *sensor_notes(slow), *(fault.words for fault in faults)]
     for stage in (_moving, _without_copies, all_held_before, from_rest):
         kept, said = stage(kept)
         notes += said
@@ -79,10 +83,17 @@ def screen(campaign: Campaign) -> Screened:
         )
     in_motion = _on_starts(kept)
     kept, let_go = _let_go(kept)
-    notes += [*in_motion, *let_go, *_on_light_weights(campaign), *clock_notes(kept)]
+    notes += [
+        *in_motion,
+        *let_go,
+        *_on_light_weights(campaign),
+        *clock_notes(run for run in kept if run.name not in slow),
+    ]
     if not notes:
         return Screened(campaign, ())
-    wrong = {run.name: mended[run.name].wrong[-run.position.size :] for run in kept if mended[run.name].faults}
+    masks = {name: found.wrong for name, found in mended.items() if found.faults}
+    masks |= {name: found.stale | mended[name].wrong for name, found in slow.items()}
+    wrong = {run.name: masks[run.name][-run.position.size :] for run in kept if run.name in masks}
     return Screened(campaign.model_copy(update={"experiments": tuple(kept)}), tuple(notes), faults, wrong)
 
 

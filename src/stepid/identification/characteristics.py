@@ -24,6 +24,7 @@ from stepid.identification.second_order import (
     overshoot_of,
     settling_time,
 )
+from stepid.identification.slow_sensor import between_readings
 from stepid.identification.step_response import overshoot, static_gain, step_characteristics
 from stepid.identification.steps import Step, find_steps
 
@@ -90,7 +91,7 @@ def characterize(experiment: Experiment, *, peak: Peak | None = None) -> Charact
     stepid.errors.NotSettledError
         If the record is cut before its peak or before the plant rests, or the plant moved before the step.
     """
-    experiment = held_before(as_experiment(experiment))
+    experiment = held_before(between_readings(as_experiment(experiment)))
     how = InterpolatedPeak() if peak is None else peak
     with _computable(experiment):
         if is_free_response(experiment):
@@ -121,7 +122,7 @@ def characterize_each(
     stepid.errors.NoStepError
         If there is no step at all.
     """
-    experiment = held_before(as_experiment(experiment))
+    experiment = held_before(between_readings(as_experiment(experiment)))
     how = InterpolatedPeak() if peak is None else peak
     if is_free_response(experiment):
         return (characterize(experiment, peak=how),)

@@ -22,6 +22,7 @@ from stepid.identification.parameters import IdentifiedParameters, ParameterUnce
 from stepid.identification.peak import InterpolatedPeak, Peak, a_peak
 from stepid.identification.pooling import pool_steps
 from stepid.identification.remainder import remainder, warning
+from stepid.identification.slow_sensor import all_between_readings
 from stepid.identification.solve import a_solver, solve
 from stepid.identification.solvers import Solver, WeightedLeastSquares
 from stepid.identification.stacked import assemble, undetermined_springs
@@ -74,8 +75,9 @@ def identify_with_system(
 ) -> tuple[StackedSystem, IdentifiedParameters]:
     """Identify as `identify` does, and return the stacked system that was solved, too."""
     campaign = as_campaign(campaign)
-    runs, held = all_held_before(campaign.experiments)
-    if held:
+    runs, slow = all_between_readings(campaign.experiments)
+    runs, held = all_held_before(runs)
+    if slow or held:
         campaign = campaign.model_copy(update={"experiments": tuple(runs)})
     used, excluded = characterize_campaign(campaign, peak=peak)
     while True:
@@ -105,7 +107,7 @@ def identify_with_system(
     order = [run.name for run in campaign.experiments]
     left_out = dict(sorted(excluded.items(), key=lambda item: order.index(item[0])))
     said = _not_linear(campaign, used) or tighter_by_fit(kept, found, campaign.weight_uncertainty)
-    notes = (*held, *found.notes, *(note for note in (said, _turned(used)) if note is not None))
+    notes = (*slow, *held, *found.notes, *(note for note in (said, _turned(used)) if note is not None))
     uncertainty = _scaled(found, campaign.scale_uncertainty)
     fields = found.model_dump() | {"uncertainty": uncertainty, "excluded": left_out, "notes": notes}
     return system, IdentifiedParameters(**fields)
