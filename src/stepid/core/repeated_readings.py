@@ -103,7 +103,8 @@ def _period(y: Array, new: Index, step: float) -> float | None:
     repeats = np.count_nonzero(lasts > 1)
     if repeats < _FEWEST or repeats < _SHARE * lasts.size:
         return None
-    return float(np.mean(lasts[lasts <= 2 * np.median(lasts)]))
+    usual = np.abs(lasts - np.median(lasts)) <= 1  # others skip a reading that was like the one before
+    return float(np.mean(lasts[usual]))
 
 
 class _Taken(NamedTuple):
