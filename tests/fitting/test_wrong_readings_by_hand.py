@@ -144,7 +144,7 @@ def test_words_of_a_fault_say_what_its_kind_does() -> None:
     mask, off = np.arange(40) == 7, np.full(40, 2e-3)
     assert _fault("r", "outliers", mask, off).words.startswith("Run 'r': 1 reading (sample 7) stands out by 2.00 mm;")
     stuck = _fault("r", "stuck readings", mask | (np.arange(40) == 9), off)
-    assert stuck.words.startswith("Run 'r': 2 readings (samples 7, 9) repeat the one before while the cart moves;")
+    assert stuck.words.startswith("Run 'r': 2 readings (samples 7, 9) repeat the one before;")
 
 
 def test_good_readings_count_in_full() -> None:

@@ -1,4 +1,4 @@
-"""Wrong samples of a record, found before any fit: isolated outliers, and readings that stick while the cart moves."""
+"""Wrong samples of a record, found before any fit: isolated outliers, and readings that repeat the one before."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepid.core.base import Array
+from stepid.core.base import Array, Index
 from stepid.core.experiment import Experiment
 from stepid.core.once import once
 from stepid.core.outliers import LONGEST, SIDE, Block, Mask, interpolate_readings, isolated, outliers, stand_out
@@ -34,11 +34,8 @@ class Mended(NamedTuple):
 
 def _stuck(y: Array, noise: float, least: float) -> list[Block]:
     """Blocks that repeat the reading before them while their neighbors move on."""
-    same = np.concatenate([[False], np.diff(y) == 0, [False]])
-    begins = np.flatnonzero(same[1:] & ~same[:-1]) + 1
-    ends = np.flatnonzero(~same[1:] & same[:-1]) + 1
     found = []
-    for begin, end in zip(begins, ends, strict=True):
+    for begin, end in _repeated(y):
         count = int(end - begin)
         if count > _STICKS or begin < SIDE or end > y.size - SIDE:
             continue
@@ -53,6 +50,24 @@ def _stuck(y: Array, noise: float, least: float) -> list[Block]:
     return found
 
 
+def _copied(y: Array, noise: float, least: float) -> list[Block]:
+    """Blocks that repeat the reading before them, of readings that noise makes all different.
+
+    On a grid it repeats some by itself; a cart at rest repeats one for long where there is none.
+    """
+    blocks = _repeated(y)
+    told = y[np.flatnonzero(np.diff(y, prepend=np.nan) != 0)]
+    if least > 0 or np.unique(told).size < told.size or np.diff(blocks, axis=1).max(initial=0) > _STICKS:
+        return []
+    return [(math.inf, int(begin), int(end - begin)) for begin, end in blocks if SIDE <= begin < end <= y.size - SIDE]
+
+
+def _repeated(y: Array) -> Index:
+    """First sample of each block that repeats the reading before it, and the first after it, shape (n, 2)."""
+    same = np.concatenate([[False], np.diff(y) == 0, [False]])
+    return np.column_stack([np.flatnonzero(same[1:] & ~same[:-1]), np.flatnonzero(~same[1:] & same[:-1])]) + 1
+
+
 def mend(run: Experiment) -> Mended:
     """Interpolate readings that no motion explains.
 
@@ -65,7 +80,8 @@ def mend(run: Experiment) -> Mended:
     Mended
         The record itself where nothing is wrong with it, or where too much is.
     """
-    read, (stuck, out) = _interpolated(run)
+    read, (stuck, copied, out) = _interpolated(run)
+    stuck = stuck | copied
     wrong = stuck | out
     if not wrong.any():
         return Mended(run, wrong, ())
@@ -82,7 +98,7 @@ def mend(run: Experiment) -> Mended:
 @once
 def _interpolated(run: Experiment) -> tuple[Array, list[Mask]]:
     """Readings of a run without wrong ones, m, and which stuck or stood out: kept, for a record is screened twice."""
-    return interpolate_readings(run, detectors=(_stuck, outliers))
+    return interpolate_readings(run, detectors=(_stuck, _copied, outliers))
 
 
 def _on_grid(values: Array, told: Array, step: float) -> Array:
@@ -100,7 +116,7 @@ def _fault(run: str, kind: str, mask: Mask, off: Array) -> RecordFault:
     one = at.size == 1
     does = "stand" + "s" * one + f" out by {'up to ' * (not one)}{length(size)}"
     if kind == "stuck readings":
-        does = f"repeat{'s' * one} the one before while the cart moves"
+        does = f"repeat{'s' * one} the one before"
     words = (
         f"Run {run!r}: {counted(at.size, 'reading')} ({at_samples(at.tolist())}) {does}; "
         f"{'it is' if one else 'they are'} left out."
