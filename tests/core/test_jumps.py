@@ -110,3 +110,14 @@ def test_what_is_too_short_for_a_run_is_left_out_and_said() -> None:
     campaign, (note,) = split_campaign(stepid.Campaign(name="c", experiments=(run,)))
     assert [part.position.size for part in campaign.experiments] == [390]
     assert note.endswith("is taken as run 'a (1)'. 10 samples in parts too short for a run are left out.")
+
+
+def test_a_part_that_a_hand_held_but_for_a_few_samples_is_left_out() -> None:
+    """A release that lost samples right after it: what comes before the jump is no motion."""
+    since = np.maximum(np.arange(SAMPLES) - 48, 0)
+    whole = record(swing(STEP * np.where(since > 4, since + 6, since)))
+    run = whole.model_copy(update={"starts": "auto"})
+    assert jumps(run) == [53]
+    (part,) = split_at(run, [53])
+    assert (part.time[0], part.starts) == (run.time[53], "motion")
+    assert [p.position.size for p in split_at(run, [100])] == [100, 300]  # here it swings before, too

@@ -8,7 +8,7 @@ import pytest
 import stepid
 from hidden.sets import one
 from stepid.fitting.fit import prepare
-from stepid.fitting.screening import _still
+from stepid.fitting.screening import _still, screen
 
 
 @pytest.mark.parametrize(("step", "drift", "still"), [(0.0, 0.0, True), (0.0, 1e-4, True), (0.7e-3, 0.0, False)])
@@ -39,3 +39,28 @@ def test_a_driven_record_whose_input_never_changes_is_used() -> None:
     assert np.all(rest.input == rest.input_before)
     assert rest.input_before != 0
     assert prepare(campaign + rest).records.runs[-1].name == "the second half"
+
+
+@pytest.mark.parametrize(("free", "kept"), [(5, False), (120, True)])
+def test_a_release_that_ends_as_the_hand_lets_go_is_left_out_and_told(free: int, kept: bool) -> None:
+    since = np.maximum(np.arange(400) - 200, 0) * 0.01
+    y = 0.02 * np.exp(-0.4 * since) * np.cos(14.0 * since) + 5e-6 * np.random.default_rng(1).standard_normal(400)
+    runs = [
+        stepid.Experiment(
+            name=name,
+            time=0.01 * np.arange(end),
+            position=y[:end],
+            input=np.zeros(end),
+            added_mass=0.0,
+            spring="s",
+            damper="d",
+        )
+        for name, end in (("whole", 400), ("cut", 200 + free))
+    ]
+    screened = screen(stepid.Campaign(name="c", experiments=tuple(runs)))
+    assert [run.name for run in screened.campaign.experiments] == ["whole", "cut"][: 1 + kept]
+    out = "Run 'cut' is left out: a hand held or moved the cart until it ends, but for a few samples."
+    assert (out in screened.notes) is not kept
+    if not kept:
+        with pytest.raises(stepid.errors.InputError, match=r"no run can be used.*until it ends"):
+            screen(stepid.Campaign(name="c", experiments=(runs[1],)))

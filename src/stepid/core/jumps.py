@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepid.core.base import Array, Index
+from stepid.core.hand import hand
 from stepid.core.input_levels import changes_by
 from stepid.core.noise import span_at_rest
 from stepid.core.outliers import LONGEST
@@ -91,9 +92,10 @@ def split_at(experiment: Experiment, at: Sequence[int]) -> tuple[Experiment, ...
     -------
     tuple of Experiment
         In order of time on the record's clock, called "name (1)", "name (2)", …; the record itself where nothing is
-        split. A part of less than 24 samples is left out.
+        split. A part of less than 24 samples, those that a hand may have held not counted, is left out.
     """
-    cuts = [(a, b) for a, b in pairwise([0, *at, experiment.position.size]) if b - a >= _FEWEST]
+    held = hand(experiment).first if at else 0
+    cuts = [(a, b) for a, b in pairwise([0, *at, experiment.position.size]) if b - max(a, held) >= _FEWEST]
     if not (at and cuts):
         return (experiment,)
     parts = [experiment.slice(a, b, name=f"{experiment.name} ({i})") for i, (a, b) in enumerate(cuts, 1)]

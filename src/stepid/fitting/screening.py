@@ -34,6 +34,7 @@ from stepid.simulation.starts import starts_in_motion
 _PARTS = 32  # of a record, whose means show whether it moves behind its noise
 _OVER_READ = 0.9  # of the noise, below which a whole record varies only where the noise is read too high
 _CHANCE = 5.0  # standard deviations that these may vary by more than noise does
+_FEWEST = 8  # samples of a record, as of any `Experiment`
 _JUMPS = "samples were lost there, or the reading slipped. What moves on from elsewhere is"
 
 
@@ -76,13 +77,13 @@ def screen(campaign: Campaign) -> Screened:
     for stage in (_moving, _without_copies, all_held_before, from_rest):
         kept, said = stage(kept)
         notes += said
-    if not kept:
-        raise InputError(
-            f"campaign {campaign.name!r}: no run can be used. {' '.join(notes)}",
-            "Check that the drive was on and the encoder is the right one, and each run's file; record them again.",
-        )
     in_motion = _on_starts(kept)
     kept, let_go = _let_go(kept)
+    if not kept:
+        raise InputError(
+            f"campaign {campaign.name!r}: no run can be used. {' '.join([*notes, *let_go])}",
+            "Check that the drive was on and the encoder is the right one, and each run's file; record them again.",
+        )
     notes += [
         *in_motion,
         *let_go,
@@ -139,9 +140,19 @@ def _on_light_weights(campaign: Campaign) -> list[str]:
 
 
 def _let_go(runs: list[Experiment]) -> tuple[list[Experiment], list[str]]:
-    """Begin each release where no hand can hold the cart anymore; say so of all, and of each where a hand is seen."""
+    """Begin each release where no hand can hold the cart anymore; say so of all, and of each where a hand is seen.
+
+    One that is held nearly to its end is left out.
+    """
     hands = {run.name: hand(run) for run in runs}
+    held = [run.name for run in runs if run.position.size - hands[run.name].first < _FEWEST]
     notes = [
+        f"Run {name!r} is left out: a hand held or moved the cart until it ends, but for a few samples."
+        for name in held
+    ]
+    runs = [run for run in runs if run.name not in held]
+    hands = {run.name: hands[run.name] for run in runs}
+    notes += [
         f"Run {name!r}: the first {first} samples are left out: a hand held or moved the cart."
         for name, (first, seen) in hands.items()
         if seen
