@@ -100,8 +100,7 @@ def test_a_few_lost_samples_that_are_filled_with_the_reading_before_are_no_slow_
 
 def test_no_sample_is_left_out_where_the_input_changes_all_the_time() -> None:
     run = read_slowly(0.025)
-    noisy = run.input + 1e-3 * np.random.default_rng(0).standard_normal(COUNT)
-    driven = run.model_copy(update={"input": noisy})
+    driven = run.model_copy(update={"input": np.sin(0.1 * np.arange(COUNT))})
     found = at_sensor_rate(driven)
     assert found is not None
     assert not found.out
@@ -109,6 +108,16 @@ def test_no_sample_is_left_out_where_the_input_changes_all_the_time() -> None:
     assert not found.stale.any()
     (note,) = sensor_notes({"run": found})
     assert note.endswith("Record at that rate.")
+
+
+def test_an_input_that_is_measured_changes_at_its_steps_only() -> None:
+    run = read_slowly(0.025)
+    noisy = run.input + 1e-3 * np.random.default_rng(0).standard_normal(COUNT)
+    found = at_sensor_rate(run.model_copy(update={"input": noisy}))
+    assert found is not None
+    assert found.out
+    assert found.run.time[found.stale] == pytest.approx([STEP * CLOCK])
+    assert np.isin(found.run.input, noisy).all()
 
 
 def test_runs_alike_are_told_of_together() -> None:

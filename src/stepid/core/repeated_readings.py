@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stepid.core.base import Array, Index
+from stepid.core.input_levels import levelled
 from stepid.core.noise import reading_step
 from stepid.core.once import once
 from stepid.core.outliers import Mask
@@ -63,7 +64,8 @@ def at_sensor_rate(experiment: Experiment) -> AtSensorRate | None:
     period = _period(y, new, reading_step(experiment))
     if period is None:
         return None
-    changes = np.flatnonzero(np.diff(volts, prepend=experiment.input_before))
+    steps = levelled(experiment)  # noise on an input is no change of it
+    changes = np.flatnonzero(np.diff(steps.input, prepend=steps.input_before))
     at, reading, *about = _taken(y, new, period)
     period, early = (samples * experiment.sample_time for samples in about)
     if at.size < _LEAST or changes.size > _BUSY * y.size or experiment.input_between != "held":
