@@ -24,6 +24,7 @@ _FEWEST = 8  # such changes
 _LEAST = 24  # new readings of a record that is taken at its sensor's rate
 _BUSY = 0.05  # share of samples with a new input, above which none may be left out
 _JITTER = 0.25  # samples, by which readings are off an even clock beside when they are shown
+_SLIPS = 0.05  # samples, by which a clock of its own moves along those of the record
 _NEAR, _FINE = 0.03, 0.05  # of the period, within which it is sought; samples that its last tick moves by at a step
 _EXACT = 1e-9
 
@@ -121,15 +122,16 @@ class _Taken(NamedTuple):
 def _taken(y: Array, new: Index, period: float) -> _Taken:
     """When readings were taken, also those of a cart at rest that are like the one before.
 
-    A sensor with an even clock of its own took each after the sample before the one that shows it first. That leaves
-    little to choose where its period is no multiple; else the latest is taken: what is later yet is a delay. Where no
-    even clock fits, each counts as taken when it is first shown.
+    A sensor with an even clock of its own took each after the sample before the one that shows it first: the middle of
+    what that leaves is taken, which is little where its period is no multiple. Where it keeps step with the samples, or
+    no even clock fits, each counts as taken when it is first shown.
     """
     number, ticks = _clock(new, period)
     begin = new - ticks * number
     early = 1.0 - float(np.ptp(begin))
     if early > -_JITTER:
-        at, early, period = float(begin.min()) + ticks * number, max(early, 0.0), ticks
+        own = early < 1.0 - _SLIPS
+        at, period, early = float(begin.min()) - own * early / 2 + ticks * number, ticks, max(early, 0.0)
     else:
         number = np.cumsum(np.maximum(np.rint(np.diff(new, prepend=new[0] - period) / period), 1)).astype(np.intp) - 1
         at, early = new.astype(np.float64), 1.0
