@@ -28,6 +28,23 @@ def rise(time: np.ndarray, mass: float, damping: float, stiffness: float, force:
     return end + (start - end) * (slow * np.exp(fast * time) - fast * np.exp(slow * time)) / (slow - fast)
 
 
+def swings(
+    time: np.ndarray, mass: float, damping: float, stiffness: float, force: float, friction: float
+) -> np.ndarray:
+    """Position of a cart that rests at zero and that a force [N] moves to and fro, until friction holds it."""
+    rate = np.sqrt(stiffness / mass)
+    half = np.pi / (rate * np.sqrt(1 - (damping / 2 / np.sqrt(stiffness * mass)) ** 2))
+    out, start, way = np.zeros(time.size), 0.0, 1.0
+    for begin in half * np.arange(200):
+        if time[-1] < begin or abs(force - stiffness * start) <= friction:
+            break
+        since = time >= begin
+        out[since] = rise(time[since] - begin, mass, damping, stiffness, force - way * friction, start)
+        start = float(rise(np.array([half]), mass, damping, stiffness, force - way * friction, start)[0])
+        way = -way
+    return out
+
+
 def campaign(seed: int, runs: int = 4) -> stepid.Campaign:
     """Runs of a cart with a friction that holds it where it first stops, each begun at another place."""
     rng = np.random.default_rng(seed)

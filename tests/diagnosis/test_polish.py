@@ -12,13 +12,15 @@ from scipy.signal import lfilter
 
 import stepid
 from made_up_evidence import FLOOR, RUNS, SAMPLES, candidate, context
+from stepid.core.base import Array
 from stepid.diagnosis.selection.effort import Effort
 from stepid.diagnosis.selection.polish import polished
 from stepid.effects import resolve
 from stepid.fitting.candidate_fit import CandidateFit
 from stepid.fitting.fit import prepare
+from stepid.fitting.levenberg_marquardt import minimize
 from stepid.fitting.multistart import Start
-from sticking_carts import rise
+from sticking_carts import rise, swings
 
 NOISE = RUNS * SAMPLES * FLOOR**2
 
@@ -62,23 +64,55 @@ def test_near_the_floor_all_go_on() -> None:
     assert fitted.went == 2
 
 
+def rubbing(noises: Sequence[Array], begins: Sequence[float]) -> list[stepid.Experiment]:
+    """Carts of 1 kg and more that 4 N move once, against friction of 1 N and a spring of 400 N/m."""
+    time = 0.005 * np.arange(400)
+    return [
+        stepid.Experiment(
+            name=f"run {i}", time=time, position=rise(time - 0.05, mass, 25.0, 400.0, 4.0 - 1.0, begin) + noise,
+            input=np.where(time >= 0.05, 0.5, 0.0), added_mass=mass - 1.0, spring="spring", damper="damper",
+        )
+        for i, (mass, noise, begin) in enumerate(zip((1.0, 1.25, 1.5, 2.0), noises, begins, strict=True))
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_runs_that_all_begin_where_friction_just_holds_them_are_as_well_at_rest(seed: int) -> None:
+    """Steps one way tell neither from the other; there the least push frees a cart, and no derivative shows the way."""
+    rng, time = np.random.default_rng(seed), 0.03 * np.arange(150)
+    stiffness, damping, push, friction = 250.0, 5.0, 12.0, 0.5  # N/m, N·s/m, N/V and N
+    runs = [
+        stepid.Experiment(
+            name=f"run {added}", time=time, added_mass=added, spring="spring", damper="damper",
+            position=swings(time - 0.21, 1.3 + added, damping, stiffness, 1.5 * push, friction)
+            + 50e-6 * rng.standard_normal(time.size),
+            input=np.where(time > 0.2, 1.5, 0.0),
+        )
+        for added in (0.0, 0.5, 1.0, 1.5)
+    ]  # fmt: skip
+    shared = prepare(stepid.Campaign(name="to and fro", experiments=runs))
+    fitted = CandidateFit(shared, resolve(("coulomb_friction",)))
+    local = np.zeros((fitted.fine.layout.n_run, 4))
+    local[0] = -friction / stiffness
+    pushed = np.array([1.3, stiffness, damping, push - friction / 1.5, friction])  # by the spring, too, that is bent
+    bent = minimize(fitted.fine, pushed, local, tolerance=shared.tolerance)
+    assert bent is not None
+    assert bent.cost < 1.2 * shared.full_noise_cost
+    assert np.all(bent.local[0] < -0.9 * friction / stiffness)
+    fitted.best, fitted.polished = bent, bent
+    found = polished(shared, fitted, Effort())
+    assert found is not None
+    assert found.problem.active.sum() == 0
+    assert found.shared[-2:] == pytest.approx([push, friction], rel=5e-3)
+
+
 @pytest.mark.parametrize("offset", [0.0, 0.8])
 @pytest.mark.parametrize("seed", [0, 7])
 def test_colored_noise_buys_no_initial_states(seed: int, offset: float) -> None:
     """Carts that rub: as many samples say less of a start if their noise is correlated."""
     rng = np.random.default_rng(seed)
-    time = 0.005 * np.arange(400)
-    runs = []
-    for i, mass in enumerate((1.0, 1.25, 1.5, 2.0)):
-        noise = 1.5e-5 * lfilter([1.0], [1.0, -0.95], rng.standard_normal(700))[300:]
-        begin = offset * (-1) ** i * 1.0 / 400.0  # of what friction holds over the stiffness
-        position = rise(time - 0.05, mass, 25.0, 400.0, 4.0 - 1.0, begin) + noise
-        runs.append(
-            stepid.Experiment(
-                name=f"run {i}", time=time, position=position, input=np.where(time >= 0.05, 0.5, 0.0),
-                added_mass=mass - 1.0, spring="spring", damper="damper",
-            )
-        )  # fmt: skip
+    noises = [1.5e-5 * lfilter([1.0], [1.0, -0.95], rng.standard_normal(700))[300:] for _ in range(4)]
+    runs = rubbing(noises, [offset * (-1) ** i * 1.0 / 400.0 for i in range(4)])  # of what friction holds
     shared = prepare(stepid.Campaign(name="rubs", experiments=runs))
     (friction,) = resolve(("coulomb_friction",))
     fitted = CandidateFit(shared, (friction,))

@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from stepid.diagnosis.evidence import effective_samples
 from stepid.diagnosis.selection.candidate import Candidate
@@ -53,7 +52,11 @@ def _least(fitted: CandidateFit, others: Iterable[Candidate]) -> float:
 
 
 def _at_rest(context: FitContext, best: Optimum, effort: Effort) -> Optimum:
-    """The fit with the runs at rest where they may be, if that costs less than what the initial states are worth."""
+    """The fit with the runs at rest where they may be, if that costs less than what the initial states are worth.
+
+    What a few steps from there leave tells whether to go on. Derivatives do not: a cart that begins where friction just
+    holds it is set free by the least push.
+    """
     problem = best.problem
     active = problem.active.copy()
     active[:2] &= context.records.moving
@@ -63,32 +66,18 @@ def _at_rest(context: FitContext, best: Optimum, effort: Effort) -> Optimum:
     counts = effective_samples(context.records, problem.residual(best.solved))
     price = float((problem.active & ~active).sum(axis=0) @ np.log(counts))  # what is free in both costs the same
     worth, least = price / float(counts.sum()), max(best.cost, context.rounding_cost)
-    if not _worth_holding(context, best, active, least * math.exp(effort.stuck * worth)):
-        return best
     most = least * math.exp(worth)
+    problem, local = replace(problem, active=active), np.where(active, best.local, 0.0)
+    held = minimize(problem, best.shared, local, tolerance=context.tolerance, iterations=effort.begin)
+    if held is None or held.cost > least * math.exp(effort.stuck * worth):
+        return best
     held = minimize(
-        replace(problem, active=active),
-        best.shared,
-        np.where(active, best.local, 0.0),
+        problem,
+        held.shared,
+        held.local,
         tolerance=context.tolerance,
         iterations=effort.polishing,
         aim=most,
+        solved=held.solved,
     )
     return best if held is None or held.cost >= most else held
-
-
-def _worth_holding(context: FitContext, best: Optimum, active: npt.NDArray[np.bool_], most: float) -> bool:
-    """Tell whether initial states may be those at rest: by one linearized step, that leaves at most so much [m²]."""
-    problem = best.problem
-    jacobian, residual = problem.jacobian(best.solved), problem.residual(best.solved)
-    if not np.isfinite(jacobian).all() or best.cost < context.rounding_cost:
-        return True  # at a runaway's edge nothing is linear; below rounding there is room
-    where = np.argwhere(problem.active)
-    kept = np.concatenate([np.ones(int(problem.free.sum()), dtype=bool), active[where[:, 0], where[:, 1]]])
-    own = best.local[where[:, 0], where[:, 1]][~kept[-len(where) :]]
-    residual = residual + jacobian[:, ~kept] @ own
-    size = np.linalg.norm(jacobian, axis=0)
-    size[size == 0] = np.inf
-    q = np.linalg.qr((jacobian / size)[:, kept])[0]
-    left = residual - q @ (q.T @ residual)
-    return float(left @ left) < most
