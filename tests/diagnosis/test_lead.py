@@ -90,6 +90,7 @@ def test_a_law_inside_a_lead_what_may_not_be_named_and_noise_put_no_lead_in_doub
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(gather, "imitators", lambda *_: {})
+    monkeypatch.setattr(gather, "barred", lambda *_: False)
     own, simple = candidate(["presliding_hysteresis"], times=3.0), candidate(["coulomb_friction"], times=3.5)
     of = {own.optimum: (frozenset(),), simple.optimum: (frozenset({"velocity"}),)}
     monkeypatch.setattr(gather, "states_of_all", lambda _, o: of.get(o, (frozenset({"position"}),)))
@@ -99,7 +100,7 @@ def test_a_law_inside_a_lead_what_may_not_be_named_and_noise_put_no_lead_in_doub
     assert e.rival_elsewhere(own) is play
     with_more = evidence(LINEAR, own, play, candidate(["presliding_hysteresis", "cogging"]))  # what is missing is known
     assert with_more.rival_elsewhere(own) is None
-    monkeypatch.setattr(gather, "open_parameters", lambda *asked: ("free_play.gap",) if asked[-1] is play else ())
+    monkeypatch.setattr(gather, "barred", lambda *asked: asked[-1] is play)
     assert e.rival_elsewhere(own) is None
     lead = candidate(["presliding_hysteresis"], times=1.02)
     of[lead.optimum] = (frozenset(),)

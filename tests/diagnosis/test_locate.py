@@ -49,6 +49,27 @@ def labels(campaign: Campaign) -> list[np.ndarray]:
     return [phase[piece] for piece in records.pieces()]
 
 
+def test_a_cart_that_an_input_holds_is_where_it_holds_it() -> None:
+    """A step off is a step on, seen from where it begins: positions count from where the spring rests."""
+    on = steps().experiments
+    off = [
+        run.model_copy(update={"input": 0.5 - run.input, "input_before": 0.5, "position": -run.position}) for run in on
+    ]
+    both = Campaign(
+        name="on and off", experiments=(*on, *(run.model_copy(update={"name": f"off {run.name}"}) for run in off))
+    )
+    records, linear, floor = fitted(both)
+    motion = measured_motion(records, linear.shared, floor, strongest_period(records))
+    held = PLANT.gain / PLANT.stiffness * 0.5
+    pieces = records.pieces()
+    for up, down in zip(pieces[:2], pieces[2:], strict=True):
+        np.testing.assert_allclose(motion.x[down], held - motion.x[up], atol=2e-3 * held)
+        assert abs(motion.x[down][-50:].mean()) < 2e-3 * held
+    phase = phase_of_samples(records, linear, motion, floor)
+    for up, down in zip(pieces[:2], pieces[2:], strict=True):
+        assert np.mean(phase[up] != phase[down]) < 0.01
+
+
 def test_phases_begin_where_the_closed_form_says() -> None:
     for added, label in zip((0.5, 2.0), labels(steps()), strict=True):
         frequency = PLANT.rates(added)[1]

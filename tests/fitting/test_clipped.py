@@ -61,6 +61,7 @@ def test_a_clipped_release_is_told_and_fitted_without_it() -> None:
     whole = stepid.fit(stepid.Campaign(name="c", experiments=(run, record(0.5 * SWING, name="b"))))
     (note,) = (note for note in whole.notes if "clipped" in note)
     assert "'a' stays at 12.0 mm, its farthest reading, in several swings" in note
+    assert whole.run_rms["a"] < 1.1 * whole.noise  # without what is left out
     stiffness = whole.parameters["stiffness[s]"]
     assert stiffness.value == pytest.approx(RATE**2 + DECAY**2, rel=2e-3)
     assert stepid.diagnose(stepid.Campaign(name="c", experiments=(run, record(0.5 * SWING, name="b")))).effects == ()

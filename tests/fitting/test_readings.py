@@ -18,7 +18,7 @@ from stepid.fitting.fit import prepare
 from stepid.fitting.hum import find_hum
 from stepid.fitting.noise_color import colored_floor
 from stepid.fitting.noise_floor import noise_floor
-from stepid.fitting.reading_faults import _copied, mend, outliers_of
+from stepid.fitting.reading_faults import mend, outliers_of
 
 FINE, COARSE = 226_600.0, 56_000.0
 
@@ -102,24 +102,6 @@ def test_a_stuck_reading_is_found_where_the_cart_moves() -> None:
     found = mend(campaign(readings, counts=FINE).experiments[1])
     assert np.flatnonzero(found.wrong).tolist() == [30, 31, 32]
     assert [fault.kind for fault in found.faults] == ["stuck readings"]
-
-
-def test_where_noise_makes_all_readings_different_one_that_is_the_same_was_not_taken() -> None:
-    """Lost samples that a program filled with the reading before: at rest as well, and near a turning point."""
-    y = white(1, runs(friction=0.02), 5e-6)[2]
-    lost = np.random.default_rng(5).choice(np.arange(4, y.size - 4), size=y.size // 40, replace=False)
-    for at in np.sort(lost):
-        y[at] = y[at - 1]
-    found = mend(campaign([y] * 4).experiments[0])
-    assert np.flatnonzero(found.wrong).tolist() == np.sort(lost).tolist()
-    assert [fault.kind for fault in found.faults] == ["stuck readings"]
-    rounded = 2e-6 * np.round(y / 2e-6)
-    assert _copied(rounded, 5e-6, 0.0) == []  # on a grid noise repeats readings by itself
-
-
-def test_a_rest_without_noise_repeats_no_reading() -> None:
-    still = np.concatenate([np.zeros(60), runs(friction=0.02)[2]])
-    assert not mend(campaign([still] * 4).experiments[0]).wrong.any()
 
 
 def test_kinks_bounces_and_stops_are_no_outliers() -> None:

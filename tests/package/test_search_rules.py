@@ -23,7 +23,8 @@ NUMBERS_LIVE_IN = DIAGNOSIS / "selection" / "effort.py"
 SEARCH = sorted(p for p in (DIAGNOSIS / "selection").rglob("*.py") if p != NUMBERS_LIVE_IN)
 DECIDING = [
     *SEARCH,
-    *(DIAGNOSIS / f"{name}.py" for name in ("verdict", "rules_linear", "gather", "lead", "left_out", "vetoes")),
+    *sorted(DIAGNOSIS.glob("rules_*.py")),
+    *(DIAGNOSIS / f"{name}.py" for name in ("verdict", "gather", "lead", "left_out", "vetoes")),
 ]
 TESTS = Path(__file__).resolve().parents[1] / "diagnosis"
 OF_MOVES, OF_RULES = (sorted(TESTS.glob(f"test_{of}*.py")) for of in ("moves", "verdict"))

@@ -14,9 +14,10 @@ from stepid.diagnosis.locate import locate, phases_of
 from stepid.diagnosis.notes import notes_on
 from stepid.diagnosis.remainder import NEITHER, remainder
 from stepid.diagnosis.result import Diagnosis, Gap, Ranked, RunGap
+from stepid.diagnosis.rules_lead import leads
 from stepid.diagnosis.selection.candidate import Candidate
 from stepid.diagnosis.shape_in_motion import of_the_linear_plant
-from stepid.diagnosis.verdict import Answer, leads
+from stepid.diagnosis.verdict import Answer
 from stepid.diagnosis.wording import effect_names
 from stepid.fitting.covariance import effect_parameters, estimates
 from stepid.fitting.fit import unpack

@@ -22,7 +22,7 @@ from stepid.diagnosis.refutation import refuted
 from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
 from stepid.diagnosis.shared_weight import weight_of
 from stepid.diagnosis.states import patchwork, states_of_all
-from stepid.diagnosis.vetoes import imitators, open_parameters, undetermined, unseen
+from stepid.diagnosis.vetoes import barred, imitators, open_parameters, undetermined, unseen
 from stepid.fitting.input_fault import InputFault
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.profile import limited
@@ -220,7 +220,7 @@ class EvidenceRecord:
 
     def barred(self, found: Candidate) -> bool:
         """Tell whether a candidate may not be named: something else stands in for an effect, or it is open."""
-        return bool(self.imitators(found)) or bool(self.open(found))
+        return barred(self.context, self.criteria, found)
 
     @cached_property
     def leads(self) -> Leads:

@@ -37,8 +37,8 @@ def notes_on(
     slowest = float(records.sample_time.max())
     if slowest >= _SLOW:
         out.append(f"The readings come every {slowest:.3g} s: if the times are milliseconds, give time_scale = 0.001.")
-    for run, begin in zip(records.runs, records.begin, strict=True):
-        if _is_clipped(run.position[begin:], reading_step(run)):
+    for run, begin, piece in zip(records.runs, records.begin, records.pieces(), strict=True):
+        if _is_clipped(run.position[begin:][records.trusted[piece]], reading_step(run)):
             out.append(
                 f"Run {run.name!r} stays at its extreme reading for {_CLIPPED} samples or more: did it hit a stop?"
             )

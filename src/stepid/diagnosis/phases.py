@@ -58,7 +58,7 @@ def phase_of_samples(records: Records, linear: Optimum, motion: Motion, floor: f
         for step in steps:
             stop = step.stop if step.number < step.total else x.size
             here = slice(step.began, stop)
-            steady = float(gain[r] * (run.input[step.start] - run.input_before))
+            steady = float(gain[r] * run.input[step.start])
             _label_step(label[here], x[here], v[here], steady, floor)
     return out
 

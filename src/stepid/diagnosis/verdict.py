@@ -5,18 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 
 from stepid.core.words import capitalized, length
-from stepid.diagnosis.evidence import least_share, predicts
+from stepid.diagnosis.evidence import least_share
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.rule import Answer as Answer
 from stepid.diagnosis.rule import Rule
+from stepid.diagnosis.rules_lead import inside, is_part, leads, only_a_lead, with_rivals
 from stepid.diagnosis.rules_linear import (
     linear_is_enough,
     rest_follows_nothing,
     runs_differ,
     weights_are_enough,
 )
-from stepid.diagnosis.selection.candidate import Candidate, includes, is_free
-from stepid.diagnosis.verdict_words import OUTDONE, WEIGHTS, as_well, better, follows, title, what_leaves
+from stepid.diagnosis.selection.candidate import is_free
+from stepid.diagnosis.verdict_words import WEIGHTS, follows, title, what_leaves
 from stepid.diagnosis.wording import (
     candidate_name,
     effect_names,
@@ -43,7 +44,7 @@ def scatter_is_a_law(e: EvidenceRecord) -> Answer | None:
         f"{what_leaves(e.best)} only noise where the {effect_names((found.kind,))} differs from "
         f"run to run, but that goes with {found.words}: it is a law, no scatter."
     )
-    return _only_a_lead(e, said)
+    return only_a_lead(e, said)
 
 
 def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
@@ -60,11 +61,11 @@ def freedom_is_untested(e: EvidenceRecord) -> Answer | None:
         share, of = e.share_of_free(e.best), "what its other effects leave"
         if share > 1 / 2:
             return None
-    inside = _inside(e)
-    if inside is not None:
-        return inside
+    part = inside(e)
+    if part is not None:
+        return part
     without = _first(e.without_free, RULES)
-    if e.at_floor(without.shown) and _is_part(without.shown, e.best) and without.verdict != "unexplained":
+    if e.at_floor(without.shown) and is_part(without.shown, e.best) and without.verdict != "unexplained":
         return without
     noise = rest_follows_nothing(e)
     if noise is not None:
@@ -101,7 +102,7 @@ def rest_follows_the_motion(e: EvidenceRecord) -> Answer | None:
         f"{what_leaves(e.best)} {length(e.best.optimum.rms)}, {e.times(e.best):.3g} times the noise floor, "
         f"but what is left {follows(state)}: {whose} law is another, or more is missing."
     )
-    return _only_a_lead(e, said)
+    return only_a_lead(e, said)
 
 
 def complete_but_open(e: EvidenceRecord) -> Answer | None:
@@ -117,14 +118,14 @@ def complete_but_open(e: EvidenceRecord) -> Answer | None:
     but += [f"{effect_names((name,))} cannot be told from {what} here" for name, what in e.imitators(e.best).items()]
     said = f"{what_leaves(e.best)} only noise, but {', and '.join(but)}."
     if not sure:
-        inside = _inside(e)
-        if inside is None:
+        found = inside(e)
+        if found is None:
             return Answer("unexplained", e.best, (), (said, "No effect is named."))
-        return replace(inside, reasons=(*inside.reasons, said))
+        return replace(found, reasons=(*found.reasons, said))
     first = sure[0]
     words = (said, f"{what_leaves(first)} {length(first.optimum.rms)}, {e.times(first):.3g} times the noise floor.")
     if e.unseen(e.best):
-        return _with_rivals(e, first, tuple(sure[1:]), words) or Answer("named", first, (), words)
+        return with_rivals(e, first, tuple(sure[1:]), words) or Answer("named", first, (), words)
     return Answer("ambiguous", first, (*sure[1:], e.best), words)
 
 
@@ -137,68 +138,9 @@ def complete(e: EvidenceRecord) -> Answer | None:
     )
     sized = e.limited(e.best).items()
     said += tuple(f"The data limit {parameter_words(name)} on one side only: {size}." for name, size in sized)
-    return _with_rivals(e, e.best, e.rivals, said) or Answer(
+    return with_rivals(e, e.best, e.rivals, said) or Answer(
         "named", e.best, (), (*said, "No other candidate that is as simple comes near.")
     )
-
-
-def _with_rivals(
-    e: EvidenceRecord, found: Candidate, rivals: tuple[Candidate, ...], said: tuple[str, ...]
-) -> Answer | None:
-    """The answer where others are as good: a more general law that is open as a whole does not dispute the name."""
-    if not rivals:
-        return None
-    others = " or ".join(title(c) for c in rivals)
-    undisputed = all(e.stands_for(found, c) for c in rivals)
-    words = f"These data do not tell it from {others}, a more general law." if undisputed else ""
-    words = words or f"These data do not tell it from {others}."
-    return Answer("named" if undisputed else "ambiguous", found, rivals, (*said, words))
-
-
-def _inside(e: EvidenceRecord) -> Answer | None:
-    """What leads, where the best leaves only noise by effects that cannot be named: they describe a rest, no plant.
-
-    It is a part of the best. Where what leads is none, that which may be named of the best is asked.
-    """
-    found = leads(e)
-    if found is None or not _is_part(found.shown, e.best):
-        found = leads(e, e.sure_part) if e.sure_part else None
-    return replace(found, rule=leads.__name__) if found else None
-
-
-def _is_part(found: Candidate, best: Candidate) -> bool:
-    return len(found.effects) < len(best.effects) and includes(best.effects, found.effects)
-
-
-def _only_a_lead(e: EvidenceRecord, said: str) -> Answer:
-    """What leads, where the best leaves only noise and yet is no answer, for a reason that is told."""
-    found = leads(e)
-    if found is None:
-        return Answer("unexplained", e.best, (), (said,))
-    return replace(found, reasons=(*found.reasons, said), rule=leads.__name__)
-
-
-def leads(e: EvidenceRecord, part: Candidate | None = None) -> Answer | None:
-    """One effect or two, or a part of the best, predict most of the misfit on runs left out; a rest remains."""
-    lead = part or e.lead
-    beside = e.beside(lead) if lead.effects else ()
-    if not lead.effects or (not part and e.weight(lead, *beside) < e.criteria.sure) or e.open(lead):
-        return None
-    taken = e.share(lead)
-    if not predicts(e.criteria, len(lead.effects), taken):
-        return None
-    said: tuple[str, ...] = (f"{taken_in_words(lead.names, taken[0])}.",)
-    state = e.refuted(lead)
-    if state:
-        return Answer("unexplained", lead, (), (*said, better(state)))
-    if e.outdone(lead):
-        return Answer("unexplained", lead, (), (*said, OUTDONE))
-    rival = e.rival_elsewhere(lead)
-    if rival is not None:
-        return Answer("unexplained", lead, (), (*said, as_well(lead, rival)))
-    more = "" if e.at_floor(lead) else ": more is missing"
-    said += (f"What is left, {length(lead.optimum.rms)}, is {e.times(lead):.3g} times the noise floor{more}.",)
-    return _with_rivals(e, lead, beside, said) or Answer("named", lead, (), said)
 
 
 def unexplained(e: EvidenceRecord) -> Answer | None:

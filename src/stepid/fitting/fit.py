@@ -199,7 +199,10 @@ def report(optimum: Optimum, effects: tuple[Effect, ...], floor: float, *, notes
         model=unpack(optimum, effects),
         rms=optimum.rms,
         noise=floor,
-        run_rms={run.name: rms(residual[piece]) for run, piece in zip(records.runs, records.pieces(), strict=True)},
+        run_rms={
+            run.name: rms(residual[piece][records.trusted[piece]])
+            for run, piece in zip(records.runs, records.pieces(), strict=True)
+        },
         correlation=correlation,
         converged=optimum.converged,
         notes=notes,

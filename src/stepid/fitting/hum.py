@@ -12,6 +12,7 @@ from stepid.core.words import length
 from stepid.fitting.levenberg_marquardt import Optimum
 from stepid.fitting.record_fault import ALL_RUNS, RecordFault
 from stepid.fitting.spectrum import sharp_line
+from stepid.simulation.clock import clock
 from stepid.simulation.records import Records
 
 _ABOVE = 3.0  # times the plant's own frequency: below, its own motion is too strong
@@ -72,7 +73,7 @@ def without_hum(campaign: Campaign, hums: tuple[Hum, ...]) -> Campaign:
     """Subtract lines from the readings of a campaign whose runs are those in which they were found."""
     runs = []
     for i, run in enumerate(campaign.experiments):
-        turns = np.exp([2j * np.pi * hum.frequency * (run.time - run.time[0]) for hum in hums])
+        turns = np.exp([2j * np.pi * hum.frequency * (clock(run) - clock(run)[0]) for hum in hums])
         lines = sum(np.real(hum.amplitude[i] * turn) for hum, turn in zip(hums, turns, strict=True))
         position = run.position - lines
         position.setflags(write=False)

@@ -222,6 +222,7 @@ def measured_motion(records: Records, linear: Array, floor: float, period: float
         s, of the strongest oscillation.
     """
     x, v = np.empty(records.size), np.empty(records.size)
+    held = linear[-1] * records.before / linear[len(records.bases) :][records.spring]  # where an input holds a cart
     for r, piece in enumerate(records.pieces()):
         h, y = records.evenly(r, records.position)
         speed = np.ptp(y) / max(period, 4 * h)
@@ -231,7 +232,7 @@ def measured_motion(records: Records, linear: Array, floor: float, period: float
         window = min(2 * half + 1, y.size - 1 + y.size % 2)
         degree = min(3, window - 2)
         smooth, slope = _smoothed(y, window, degree)
-        rest = np.median(y[-max(8, y.size // 6) :]) if records.moving[r] else smooth[0]
+        rest = np.median(y[-max(8, y.size // 6) :]) if records.moving[r] else smooth[0] - held[r]
         x[piece] = records.at_samples(r, smooth - rest)
         v[piece] = records.at_samples(r, slope / h)
     return motion_along(records, linear, x, v)
