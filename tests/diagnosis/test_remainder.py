@@ -12,7 +12,7 @@ from hidden.campaigns import Request, make_campaigns
 from stepid.diagnosis.criteria import Criteria
 from stepid.diagnosis.explore import linear_candidate
 from stepid.diagnosis.locate import locate
-from stepid.diagnosis.remainder import NEITHER, Share, remainder, rest_shares
+from stepid.diagnosis.remainder import NEITHER, UNDRIVEN, Share, remainder, rest_shares
 from stepid.diagnosis.shape_in_motion import of_the_linear_plant
 from stepid.fitting.fit import prepare
 from stepid.fitting.multistart import FitContext
@@ -69,6 +69,11 @@ def test_a_law_that_no_force_shows_is_seen_in_the_motion(effect: str, contexts: 
 
 def test_a_rest_without_a_shape_is_said_to_have_none(contexts: dict[str, FitContext]) -> None:
     assert told(contexts["actuator_dead_zone"]) == NEITHER
+
+
+def test_no_law_of_a_drive_is_asked_for_where_nothing_drives() -> None:
+    assert UNDRIVEN[0].endswith("time alone. Laws with a memory and shocks leave such a rest.")
+    assert "drive" not in UNDRIVEN[0]
 
 
 def released(count: int, *, stiffness: tuple[float, ...] = (200.0, 200.0), jitter: float = 0.0) -> stepid.Campaign:

@@ -12,7 +12,7 @@ from stepid.diagnosis.experiment_design import next_experiment
 from stepid.diagnosis.gather import EvidenceRecord
 from stepid.diagnosis.locate import locate, phases_of
 from stepid.diagnosis.notes import notes_on
-from stepid.diagnosis.remainder import NEITHER, remainder
+from stepid.diagnosis.remainder import NEITHER, UNDRIVEN, remainder
 from stepid.diagnosis.result import Diagnosis, Gap, Ranked, RunGap
 from stepid.diagnosis.rules_lead import leads
 from stepid.diagnosis.selection.candidate import Candidate
@@ -111,7 +111,7 @@ def _rest(evidence: EvidenceRecord, answer: Answer) -> tuple[str, ...]:
         return ()
     shapes = remainder(evidence.context, answer.shown, evidence.criteria)
     refuted = answer.verdict == "unexplained" and answer.rule == leads.__name__
-    return () if refuted and shapes == NEITHER else shapes  # a law that does better was told already
+    return () if refuted and shapes in (NEITHER, UNDRIVEN) else shapes  # a law that does better was told already
 
 
 def each_once(*notes: str) -> tuple[str, ...]:

@@ -33,7 +33,9 @@ NEITHER = (
     "The rest follows neither velocity, position nor time alone. "
     "Laws of the drive, laws with a memory and shocks leave such a rest.",
 )
-"""What is said of a rest that has none of the shapes."""
+"""What is said of a rest that has none of the shapes, where an input drives the plant."""
+UNDRIVEN = (NEITHER[0].replace("Laws of the drive, laws", "Laws"),)
+"""The same of releases."""
 
 
 class Share(NamedTuple):
@@ -67,7 +69,8 @@ def remainder(context: FitContext, candidate: Candidate, criteria: Criteria) -> 
         return ()
     least = max(_TOLD, _BESIDE * shares[0].share)
     told = tuple(_sentence(one) for one in shares if one.share >= least)
-    return told or _in_the_motion(context, candidate, criteria) or NEITHER
+    neither = NEITHER if context.records.driven.any() else UNDRIVEN
+    return told or _in_the_motion(context, candidate, criteria) or neither
 
 
 def _in_the_motion(context: FitContext, candidate: Candidate, criteria: Criteria) -> tuple[str, ...]:

@@ -37,7 +37,7 @@ def stamped(time: Array, places: Places) -> Array:
         cause = f"{places[row]}: {time[row]:.10g} s after {time[row - 1]:.10g} s: time does not increase"
         if _is_coarse(time, digit):
             raise InputError(
-                f"{cause}, as it is printed to {digit:.3g} s only, and rows are about {mean:.3g} s apart",
+                f"{cause}, as it is printed to {digit:.3g} s only, and rows are about {mean:.6g} s apart",
                 "Give sample_time=… (s). Times that are printed rounded may stay: they are checked against it.",
             )
     own = " if each file starts a clock of its own" * (len(rows_of_files(places)) > 1)
@@ -89,7 +89,7 @@ def _uneven(time: Array, sample_time: float, places: Places) -> InputError:
         row = int(np.argmax(np.abs(off - np.median(off))))
         return InputError(
             f"{places[row]}: {time[row]:.10g} s, printed to {digit:.3g} s only, is more than half a sample off "
-            f"{sample_time:g} s, where rows are about {mean:.3g} s apart",
+            f"{sample_time:g} s, where rows are about {mean:.6g} s apart",
             "Correct sample_time, or leave time out if samples were dropped or each file starts a clock of its own.",
         )
     steps = np.diff(time)

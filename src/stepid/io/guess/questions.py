@@ -67,7 +67,7 @@ def _which_sample_time(drafts: Sequence[Draft]) -> str:
     if not coarse:
         return text
     time = coarse[0].si("time")
-    about = "" if time is None else f" Rows are about {float(time[-1] - time[0]) / (time.size - 1):.3g} s apart."
+    about = "" if time is None else f" Rows are about {float(time[-1] - time[0]) / (time.size - 1):.6g} s apart."
     return f"The times are printed too coarsely, so that they repeat.{about} {text}"
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Literal, NamedTuple
 
 Role = Literal["time", "position", "input", "other"]
@@ -102,6 +102,8 @@ _RATES = re.compile(r"(?:angle|dreh|gier|nick|pitch|roll|sample|turn|wank|winkel
 _NO_HEAD = re.compile(r"(?:tri|rect)angle|(?:com|dis|ex)position")
 _COMMANDED = {"commanded", "command", "cmd", "desired", "target", "ref", "reference", "soll", "set", "setpoint"}
 _SETS = re.compile(rf"(?:soll\w*|set|ref|reference|target|command|commanded|desired)(?:{'|'.join(_HEADS)})")
+_BODIES, _SENSORS = {"cart", "hub", "mass1"}, {"sensor", "encoder", "enc", "laser", "pot", "lvdt", "lvdt1"}
+_VOLTAGE = ("v", "spann", "tens", "out", "u")
 RUN_WORDS = frozenset(
     {"run", "case", "test", "trial", "exp", "experiment", "versuch", "messung", "messreihe", "rep", "lauf", "probe"}
     | {"essai", "prova", "ensayo", "fall", "rec", "record", "series", "measurement", "nr", "no", "take"}
@@ -216,12 +218,25 @@ def role_of(name: str) -> Role | None:
     found = {role for role in _WORDS for word in words if _is_word(word, role)}
     if "other" in found and not ({"v", "n", "no", "nr", "i", "a", "r"} >= {w for w in words if _is_word(w, "other")}):
         return "other"
+    if _is_aside(words, found):
+        found.discard("position")
     if "position" in found:
         return "other" if _COMMANDED.intersection(words) or _is_set(words) else "position"
     for role in ("input", "time", "other"):
         if role in found:
             return role
     return None
+
+
+def _is_aside(words: Sequence[str], found: Collection[Role]) -> bool:
+    """Say whether a name's position is only what moves or what reads, beside another quantity: "Force sensor".
+
+    The voltage of a sensor is its reading.
+    """
+    own = {word for word in words if _is_word(word, "position")}
+    asked = {word for word in words if _is_word(word, "input")}
+    read = all(word.startswith(_VOLTAGE) for word in asked) and "time" not in found
+    return bool(asked or "time" in found) and own <= _BODIES | (set() if read else _SENSORS)
 
 
 def _is_set(words: Sequence[str]) -> bool:
