@@ -87,14 +87,10 @@ def test_repeated_stamps_are_checked_against_the_sample_time(printed: str, tmp_p
 
 def test_three_digits_are_named_as_what_hides_the_sample_time(tmp_path: Path) -> None:
     file = stamped(tmp_path / "run.csv", COARSE["three digits"])
-    with pytest.raises(
-        InputError, match=r"as it is printed to 0\.1 s only, and rows are about 0\.0333\d+ s"
-    ) as refused:
+    with pytest.raises(InputError, match=r"printed to 0\.1 s only, and rows are about 0\.0333\d+ s") as refused:
         stepid.read_table(file, time=0, position=1)
     assert refused.value.remedy.startswith("Give sample_time=")
-    with pytest.raises(
-        InputError, match=r"line \d+: .*, printed to 0\.1 s only, .*about 0\.0333\d+ s apart"
-    ) as refused:
+    with pytest.raises(InputError, match=r"line \d+: .*, printed to 0\.1 s only, .*about 0\.0333\d+ s") as refused:
         stepid.read_table(file, time=0, position=1, sample_time=1 / 300)
     assert refused.value.remedy.startswith("Correct sample_time")
     draft = stepid.draft_campaign(file, time_unit="s", **RELEASED)
