@@ -15,8 +15,7 @@ from stepid.fitting.fit import prepare
 from stepid.fitting.levenberg_marquardt import Optimum, minimize
 from stepid.fitting.multistart import FitContext
 from stepid.fitting.multistart_sticking import other_turns
-from stepid.fitting.problem import build, fit_linear, start_local
-from stepid.simulation.records import lay_out
+from stepid.fitting.problem import start_local
 
 RATE, LEVEL, NOISE = 10.0, 1.0, 10e-6  # rad/s, F/m [m/s²] and m
 STARTS = (0.115, 0.128, 0.142)  # m; they stop after 6, 6 and 7 half swings
@@ -94,13 +93,8 @@ def test_a_model_without_dry_friction_comes_back_as_it_is(fit: FitContext) -> No
     assert other_turns(fit.coarse_linear, tolerance=fit.tolerance) is fit.coarse_linear
 
 
-def test_runs_that_do_not_stop_have_nothing_to_count(monkeypatch: pytest.MonkeyPatch) -> None:
-    records = lay_out(stepid.datasets.lab_campaign())
-    linear = fit_linear(records)
-    assert linear is not None
-    problem = build(records, resolve(["coulomb_friction"]))
-    faint = minimize(problem, np.append(linear.shared, 0.0), start_local(problem, linear), iterations=1)
-    assert faint is not None
+def test_runs_that_do_not_stop_have_nothing_to_count(fit: FitContext, monkeypatch: pytest.MonkeyPatch) -> None:
+    faint = _ended(fit, 0.3)
     faint.solved.states[1][faint.solved.states[1] == 0] = 1e-9
     monkeypatch.setattr("stepid.fitting.multistart_sticking.minimize", None)
     assert other_turns(faint, tolerance=0.0) is faint

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -87,16 +87,16 @@ def at_sensor_rates(runs: Sequence[Experiment]) -> tuple[list[Experiment], dict[
     return [slow[run.name].run if run.name in slow else run for run in runs], slow
 
 
-def sensor_notes(slow: Mapping[str, AtSensorRate]) -> list[str]:
-    """Say of which runs, by their names, the sensor is slower than the clock, and what is done about it."""
-    alike: dict[tuple[str, bool], list[str]] = {}
+def sensor_notes(
+    slow: Mapping[str, AtSensorRate], taken: Callable[[AtSensorRate], str] = lambda _: "The repeats are left out."
+) -> list[str]:
+    """Say of which runs, by their names, the sensor is slower than the clock, and how they are `taken`."""
+    alike: dict[str, list[str]] = {}
     for name, found in slow.items():
-        alike.setdefault((f"{found.period:.2g}", found.out), []).append(name)
-    return [
-        f"{capitalized(runs_named(names))}: the sensor has a new reading every {period} s only, and repeats the last "
-        f"one in between. {'The repeats are left out.' if out else 'Record at that rate.'}"
-        for (period, out), names in alike.items()
-    ]
+        how = taken(found) if found.out else "Record at that rate."
+        said = f"every {found.period:.2g} s only, and repeats the last one in between. {how}"
+        alike.setdefault(said, []).append(name)
+    return [f"{capitalized(runs_named(names))}: the sensor has a new reading {said}" for said, names in alike.items()]
 
 
 def _period(y: Array, new: Index, step: float) -> float | None:

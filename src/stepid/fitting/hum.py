@@ -73,7 +73,8 @@ def without_hum(campaign: Campaign, hums: tuple[Hum, ...]) -> Campaign:
     """Subtract lines from the readings of a campaign whose runs are those in which they were found."""
     runs = []
     for i, run in enumerate(campaign.experiments):
-        turns = np.exp([2j * np.pi * hum.frequency * (clock(run) - clock(run)[0]) for hum in hums])
+        since = clock(run) - clock(run)[0]
+        turns = np.exp([2j * np.pi * hum.frequency * since for hum in hums])
         lines = sum(np.real(hum.amplitude[i] * turn) for hum, turn in zip(hums, turns, strict=True))
         position = run.position - lines
         position.setflags(write=False)

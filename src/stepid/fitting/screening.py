@@ -144,14 +144,13 @@ def _let_go(runs: list[Experiment]) -> tuple[list[Experiment], list[str]]:
 
     One that is held nearly to its end is left out.
     """
-    hands = {run.name: hand(run) for run in runs}
-    held = [run.name for run in runs if run.position.size - hands[run.name].first < _FEWEST]
+    held = [run.name for run in runs if run.position.size - hand(run).first < _FEWEST]
     notes = [
         f"Run {name!r} is left out: a hand held or moved the cart until it ends, but for a few samples."
         for name in held
     ]
     runs = [run for run in runs if run.name not in held]
-    hands = {run.name: hands[run.name] for run in runs}
+    hands = {run.name: hand(run) for run in runs}
     notes += [
         f"Run {name!r}: the first {first} samples are left out: a hand held or moved the cart."
         for name, (first, seen) in hands.items()

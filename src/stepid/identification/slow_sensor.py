@@ -8,8 +8,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from stepid.core.experiment import Experiment
-from stepid.core.repeated_readings import AtSensorRate, at_sensor_rate
-from stepid.core.words import capitalized, runs_named
+from stepid.core.repeated_readings import AtSensorRate, at_sensor_rate, at_sensor_rates, sensor_notes
 
 _SURE = 0.1  # of the time from one reading to the next: better known it does not matter
 
@@ -32,19 +31,11 @@ def between_readings(experiment: Experiment) -> Experiment:
 
 def all_between_readings(runs: Sequence[Experiment]) -> tuple[list[Experiment], list[str]]:
     """Return runs as `between_readings` does, and say of which that is."""
-    slow = {run.name: found for run in runs if (found := at_sensor_rate(run)) is not None}
-    told: dict[str, list[str]] = {}
-    for name, found in slow.items():
-        told.setdefault(_said(found), []).append(name)
-    notes = [f"{capitalized(runs_named(names))}: the sensor has a new reading {said}" for said, names in told.items()]
-    return [between_readings(run) for run in runs], notes
+    _, slow = at_sensor_rates(runs)
+    return [between_readings(run) for run in runs], sensor_notes(slow, _read)
 
 
-def _said(found: AtSensorRate) -> str:
-    every = f"every {found.period:.2g} s only, and repeats the last one in between."
-    if not found.out:
-        return f"{every} Record at that rate."
-    early = ""
-    if found.early > _SURE * found.period:
-        early = f" When it took them is known to {found.early:.2g} s only: the uncertainties do not contain that."
-    return f"{every} A smooth curve through the readings is read.{early}"
+def _read(found: AtSensorRate) -> str:
+    """Say that a curve is read, and what of it is not known."""
+    known = f" When it took them is known to {found.early:.2g} s only: the uncertainties do not contain that."
+    return f"A smooth curve through the readings is read.{known if found.early > _SURE * found.period else ''}"
